@@ -13,7 +13,7 @@ namespace {
 constexpr double zero_celsius = 273.15;
 constexpr double gas_constant = 287.05;  // of dry air, J/(kg K)
 
-/// Throws bad_usage outside of the range; in the end NaN, too.
+/// Throws bad_usage outside the range, and for NaN.
 void check(double value, double low, double high, const char* what, const char* unit) {
   if (value >= low && value <= high) return;
   throw bad_usage(fmt::format("{} of {} {} is not taken: give {} to {}", what, value, unit, low, high));
@@ -21,8 +21,8 @@ void check(double value, double low, double high, const char* what, const char* 
 
 double absorption_np_m(const Weather& weather, double hz) {
   const double kelvin = weather.celsius + zero_celsius;
-  const double warm = kelvin / 293.15;                // by the reference temperature
-  const double dense = weather.pressure_pa / 101325;  // by the reference pressure
+  const double warm = kelvin / 293.15;                // divided by the reference temperature
+  const double dense = weather.pressure_pa / 101325;  // divided by the reference pressure
   const double triple_point = 273.16;
   const double saturation = std::pow(10, -6.8346 * std::pow(triple_point / kelvin, 1.261) + 4.6151);
   const double water = weather.humidity_percent * saturation / dense;  // molar concentration, percent
@@ -51,7 +51,7 @@ Air air_of(const Weather& weather, double hz, const std::optional<double>& sound
   check(weather.pressure_pa, least_air_pressure_pa, most_air_pressure_pa, "an air pressure", "Pa");
   check(hz, array::least_frequency, array::most_frequency, "a frequency", "Hz");
   if (sound_speed) check(*sound_speed, array::least_sound_speed, array::most_sound_speed, "a sound speed", "m/s");
-  const double by_temperature = array::sound_speed_at(weather.celsius);  // refuses temperatures
+  const double by_temperature = array::sound_speed_at(weather.celsius);  // throws for invalid temperatures
   Air air;
   air.medium = {sound_speed.value_or(by_temperature), hz};
   air.density_kg_m3 = weather.pressure_pa / (gas_constant * (weather.celsius + zero_celsius));

@@ -1,12 +1,12 @@
-// Several floats at a time, by the compiler's vectors, and the two functions that waves need of them. What is here is
-// the same arithmetic for any width; whoever uses it compiles his loop for several kinds of processor and asks at run
-// time which it is (galerkin_kernels.cpp).
+// Several floats at a time in compiler vectors, and the two functions that waves need. The arithmetic is the same for
+// any width. The calling code compiles its loop for several kinds of processor and chooses one at run time
+// (galerkin_kernels.cpp).
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 
-// Vectors wider than the processor's registers are passed within one inlined function only: no ABI is concerned.
+// Vectors wider than the processor's registers are only passed within one inlined function, so no ABI is affected.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace palpa::acoustics {
@@ -39,7 +39,7 @@ template <class L>
   std::memcpy(to, &value, sizeof(value));
 }
 
-/// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, and three of Newton's steps.
+/// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, then three Newton steps.
 template <class L>
 [[gnu::always_inline]] inline typename L::Float inverse_root(const typename L::Float& x) {
   typename L::Bits bits;
@@ -54,11 +54,11 @@ template <class L>
   return y;
 }
 
-/// Sine and cosine of 2 pi `turns`, |turns| below 1e6, within 4e-7 of those of the turns' float.
+/// Sine and cosine of 2 pi `turns`, |turns| below 1e6, within 4e-7 of the exact values for the float `turns`.
 template <class L>
 [[gnu::always_inline]] inline void sine_cosine(const typename L::Float& turns, typename L::Float& sine,
                                                typename L::Float& cosine) {
-  // Adding and taking away 1.5 * 2^23 rounds to a whole number of turns.
+  // Adding and subtracting 1.5 * 2^23 rounds to a whole number of turns.
   const typename L::Float whole = (turns + 12582912.0F) - 12582912.0F;
   const typename L::Float x = (turns - whole) * 3.14159265358979F;  // half the angle, within a quarter turn
   const typename L::Float z = x * x;

@@ -1,4 +1,4 @@
-// The physical boards of an array as a mesh: what hides the scene from cameras, and what the viewer draws.
+// The physical boards of an array as a mesh. They hide the scene from cameras, and the viewer draws them.
 #pragma once
 
 #include "array/layout.hpp"
@@ -6,8 +6,8 @@
 
 namespace palpa::array {
 
-/// Two triangles per board, in the layout's frame, without thickness; counter-clockwise seen from the side it sounds
-/// to. Empty for a layout of bare transducers.
+/// Two triangles per board, in the layout's frame, without thickness; counter-clockwise seen from the sounding side.
+/// Empty for a layout of bare transducers.
 geometry::Mesh board_mesh(const Layout& layout);
 
 }  // namespace palpa::array

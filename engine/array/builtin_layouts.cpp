@@ -7,7 +7,7 @@ Transform pose(const Vec3& x, const Vec3& y, const Vec3& z, const Vec3& origin) 
   return {Vec4(x, 0), Vec4(y, 0), Vec4(z, 0), Vec4(origin, 1)};
 }
 
-// AUTD3: 18 x 14 places at 10.16 mm, three of them taken by screws and the connector; index along x first.
+// AUTD3: 18 x 14 places at 10.16 mm, three of them occupied by screws and the connector; index along x first.
 constexpr int autd3_columns = 18;
 constexpr int autd3_rows = 14;
 constexpr double autd3_pitch = 0.01016;
@@ -74,7 +74,7 @@ Layout openmpd_pair() {
   return layout;
 }
 
-// A reconstruction: the paper says only that the units surround the workspace. 2 x 2 units fit on a wall of 400 mm with
+// A reconstruction: the paper only says that the units surround the workspace. 2 x 2 units fit on a wall of 400 mm with
 // 8 mm to spare at each corner.
 Layout paper_tunnel() {
   constexpr double wall = 0.2;

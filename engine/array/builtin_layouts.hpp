@@ -1,4 +1,4 @@
-// The layouts that palpa knows by name, and the boards that a layout TOML may place.
+// The layouts that palpa knows by name, and the board types that a layout TOML may place.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 namespace palpa::array {
 
 /// Adds one board of a known type (`autd3`, `openmpd`, `sonicsurface`) with the pose `T_layout_board`; its transducers
-/// follow those that the layout has. False, and nothing added, for an unknown type.
+/// are appended to the layout's. Returns false and adds nothing for an unknown type.
 bool add_board(Layout& layout, std::string_view type, const Transform& T_layout_board);
 std::vector<std::string> board_types();
 

@@ -1,11 +1,11 @@
-// How summed amplitudes are brought into 0..1.
+// How summed amplitudes are brought into the range 0..1.
 #pragma once
 
 #include "base/words.hpp"
 
 namespace palpa::array {
 
-/// `normalise`: the largest becomes 1. `uniform`: every transducer at 1. `clamp`: what exceeds 1 becomes 1.
+/// `normalise`: scales so that the largest is 1. `uniform`: sets every transducer to 1. `clamp`: limits each to 1.
 enum class Constraint { normalise, uniform, clamp };
 inline constexpr Word<Constraint> constraint_words[] = {
     {"normalise", Constraint::normalise}, {"uniform", Constraint::uniform}, {"clamp", Constraint::clamp}};

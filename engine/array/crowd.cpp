@@ -8,14 +8,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// By what to multiply what is heard at a focus so that it has no more than it may.
+/// The factor for the pressure at a focus so that it stays within its limit.
 double room(const SlotFocus& focus, const Complex& heard, const Layout& layout) {
   if (!focus.most_pa || !drivable(focus)) return 1;
   const double pascals = layout.source_level_pa_m * std::abs(heard);
   return pascals > *focus.most_pa ? *focus.most_pa / pascals : 1;
 }
 
-/// Each finger by the least room that one of its foci has.
+/// Lowers each finger by the smallest room() of its foci.
 bool lower_fingers(std::span<const SlotFocus> foci, const Layout& layout, std::span<const Complex> heard,
                    std::span<Complex> factors) {
   bool lowered = false;

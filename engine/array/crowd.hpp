@@ -1,10 +1,10 @@
-// Slots of more foci than most_solved_foci whose fingers ask for pressures.
+// Slots with more than most_solved_foci foci whose fingers request pressures.
 //
-// As many fingers as fit are solved together by the real matrix of their foci, and so are the next; what one part does
-// to another is not solved, but heard afterwards over the whole array: a finger with a focus that is louder than its
-// finger asks at its crest is lowered as a whole, and where that does not suffice, since it is others that are heard
-// there, all of the slot is. So no focus is louder than asked; some are quieter. Memory is in proportion to the foci,
-// not to their square.
+// As many fingers as fit are solved together as one part, with the real matrix of their foci, then the next part. The
+// influence of one part on another is not solved, but evaluated afterwards over the whole array. A finger with a focus
+// that is louder than the finger's request at its crest is lowered as a whole. If that does not suffice, because the
+// focus hears other fingers, the whole slot is lowered. So no focus is louder than requested; some are quieter. Memory
+// grows linearly with the number of foci, not with its square.
 #pragma once
 
 #include <complex>
@@ -15,26 +15,27 @@
 
 namespace palpa::array {
 
-/// One past the last of the foci that are solved together with focus `first`, one of the first in its part: all of a
-/// slot of at most most_solved_foci; else of as many voices as have no more together.
+/// One past the last of the foci that are solved together with focus `first`, the first of its part. A slot of at most
+/// most_solved_foci foci is one part; otherwise a part has as many voices as have at most most_solved_foci foci
+/// together.
 std::size_t part_end(std::span<const SlotFocus> foci, std::size_t first);
 
-/// Fills `heard`, one per focus, with what the sum of factor times q_j over all of the array gives there, in 1/m. No
-/// more of `columns` is used than most_solved_foci foci have.
+/// Fills `heard`, one per focus, with the sum of factor times q_j over the whole array at that focus, in 1/m. Uses no
+/// more of `columns` than most_solved_foci foci need.
 void hear_all(const Transfer& transfer, const Layout& layout, std::span<const FocusSource> sources, Weighting weighting,
               std::span<const std::complex<double>> factors, Columns& columns, std::span<std::complex<double>> heard);
 
-/// Lowers a slot's factors until no focus has more than its most_pa. `heard` is as hear_all fills it, before and after.
+/// Lowers a slot's factors until no focus exceeds its most_pa. `heard` is as filled by hear_all, before and after.
 void keep_below(const Transfer& transfer, const Layout& layout, std::span<const SlotFocus> foci,
                 std::span<const FocusSource> sources, Weighting weighting, std::span<std::complex<double>> factors,
                 Columns& columns, std::span<std::complex<double>> heard);
 
-/// Only who asks may raise others: a focus that asks for nothing, so near to one that asks that the array does not
-/// resolve the two (gs_pat_crowded), is to have less and less, and as much where they are one. `targets` of foci
-/// without most_pa come down; those that ask and whose target is 0 count for nothing.
+/// Only requests may raise other foci. A focus without a request that the array does not resolve from one with a
+/// request (gs_pat_crowded) gets a target that decreases the more they overlap; where both are one focus, it is the
+/// other's target. Lowers `targets` of foci without most_pa; foci with a request whose target is 0 are ignored.
 void cap_unasked(const FocusMatrix& matrix, std::span<const SlotFocus> foci, std::span<double> targets);
 
-/// Nor does it have to have anything: its target becomes 0, so that it sounds as it comes while others are corrected.
+/// A focus without a request needs no target: it becomes 0, so that the focus is not corrected while others are.
 void release_unasked(std::span<const SlotFocus> foci, std::span<double> targets);
 
 }  // namespace palpa::array

@@ -12,7 +12,7 @@ constexpr std::size_t knots = 10;
 constexpr double knot_step = std::numbers::pi / 18;
 constexpr std::array<double, knots> t4010a1_at{1, 1, 1, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778};
 
-/// Slopes per step after Fritsch and Carlson (harmonic means), with which no cubic leaves its interval.
+/// Slopes per step after Fritsch and Carlson (harmonic means), for which no cubic leaves its interval.
 constexpr std::array<double, knots> monotone_slopes(const std::array<double, knots>& values) {
   std::array<double, knots> slopes{};
   for (std::size_t i = 1; i + 1 < knots; ++i) {
@@ -20,7 +20,7 @@ constexpr std::array<double, knots> monotone_slopes(const std::array<double, kno
     const double after = values[i + 1] - values[i];
     slopes[i] = before * after > 0 ? 2 * before * after / (before + after) : 0;
   }
-  // The curve is even about the axis; at 90 degrees it goes on as it came.
+  // The curve is even about the axis. At 90 degrees it keeps the slope of the last interval.
   slopes[knots - 1] = values[knots - 1] - values[knots - 2];
   return slopes;
 }

@@ -18,7 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 using Source = FocusSource;
 
-/// The largest float that is not above pi: pi itself rounds up.
+/// The largest float that is not above pi; pi itself would round up.
 constexpr float float_pi = 3.1415925f;
 
 float as_phase(double radians) {
@@ -51,7 +51,7 @@ double constrained(double amplitude, double largest, Constraint constraint) {
   return 0;
 }
 
-/// What one focus asks of each transducer by `columns`, where they are another sound's than the free field's.
+/// The drive of one focus from `columns`, for another transfer than the free field.
 void drive_one(const Columns& columns, const Source& source, std::span<TransducerDrive> out) {
   for (std::size_t t = 0; t < out.size(); ++t)
     out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
@@ -81,7 +81,7 @@ double relative_gain(const Source& source, double shared) {
   return shared > 0 ? source.gain / shared : 1.0;
 }
 
-/// q_j of the sources, the paper's or another sound's.
+/// q_j of the sources, the paper's or another transfer's.
 class Asks {
  public:
   Asks(const Layout& layout, const DriveOptions& options, DriveScratch& scratch)
@@ -102,7 +102,7 @@ class Asks {
   const Columns& columns_;
 };
 
-/// The sums of every transducer and the largest of them and the plain ones.
+/// The sums of every transducer, and the largest of them and of the plain ones.
 double sum_naively(const Layout& layout, const DriveOptions& options, DriveScratch& scratch, double shared) {
   const Asks asks(layout, options, scratch);
   double largest = 0;
@@ -167,7 +167,7 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
   }
 }
 
-/// The drivable foci in `scratch.sources`.
+/// Puts the drivable foci into `scratch.sources`.
 void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveScratch& scratch) {
   scratch.sources.clear();
   for (const SlotFocus& focus : foci) {
@@ -185,7 +185,7 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
                    DriveScratch& scratch) {
   if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
     Source source = scratch.sources[0];
-    source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase nobody can tell
+    source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase has no effect
     DriveOptions clamped = options;
     clamped.constraint = Constraint::clamp;
     return drive_one(layout, source, clamped, out, scratch.columns);
@@ -199,7 +199,7 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
   }
 }
 
-/// The factors that give the drivable foci what they ask.
+/// The factors that give the drivable foci their requested pressures.
 void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                   DriveScratch& scratch) {
   scratch.foci.clear();
@@ -248,7 +248,7 @@ const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, F
 
 bool drivable(const SlotFocus& focus) {
   const Vec3& p = focus.position;
-  // Written so that NaN fails.
+  // Written so that NaN fails the test.
   return std::abs(p.x) <= 100 && std::abs(p.y) <= 100 && std::abs(p.z) <= 100;
 }
 
@@ -294,7 +294,7 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
   scratch.phases.reserve(transducers);
   scratch.weights.reserve(few);
   Columns& columns = scratch.columns;
-  // hear_all has at least one transducer of all foci at a time.
+  // hear_all processes at least one transducer for all foci at a time.
   for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
     values->reserve(std::max(few * transducers, most_foci));
   for (std::vector<double>* values : {&scratch.matrix.re, &scratch.matrix.im})

@@ -1,10 +1,10 @@
-// Drives: what every transducer does for one slot.
+// Drives: the amplitude and phase of every transducer for one slot.
 //
-// The paper's q_k (Sec. III-F) under the time factor e^{-iwt}: a focus f asks of the transducer at distance d the
-// amplitude d / max d (or 1) and the phase -k d. What follows when several foci sound in one slot:
+// The paper's q_k (Sec. III-F) under the time factor e^{-iwt}: for a focus f, the transducer at distance d gets the
+// amplitude d / max d (or 1) and the phase -k d. If several foci sound in one slot:
 //
-//   q_j      complex amplitude that focus j asks, its own largest |q_j| being 1; where another sound than the free
-//            field's counts (transfer.hpp), with the phase -arg g of what each transducer does at the focus
+//   q_j      complex amplitude for focus j, with the largest |q_j| equal to 1; with another transfer than the free
+//            field (transfer.hpp), its phase is -arg g, where g is the effect of each transducer at the focus
 //   g        shared gain: the largest of the foci's gains
 //   r_j      relative gain: gain_j / g, and 1 where g is 0
 //   S        sum over j of q_j; G: sum over j of r_j q_j
@@ -12,19 +12,19 @@
 //
 //   normalise: |G| / max(|S|, |G|), the largest taken over all transducers; uniform: 1; clamp: |G|; never above 1
 //
-// The largest |S| knows no gains, and is the larger but where gains are so unequal that those who are to be heard no
-// longer share the array with the others: normalising |G| by its own largest value would undo the modulation. A gain
-// that all foci share is therefore exactly one scalar over the whole drive, phases untouched; where fingers differ,
-// each focus' share of the sum is modulated, under `uniform` by way of the phases alone. One focus is exactly the
-// paper's q_k times its gain, whatever the solver.
+// The largest |S| does not depend on gains. It is larger than the largest |G|, unless gains are so unequal that the
+// remaining foci no longer share the array with the others. Normalising |G| by its own largest value would cancel the
+// modulation. A gain that all foci share is therefore exactly one scalar over the whole drive, with unchanged phases.
+// If the gains of fingers differ, each focus' share of the sum is modulated, under `uniform` only through the phases. A
+// single focus is exactly the paper's q_k times its gain, with any solver.
 //
-// Where foci ask for a pressure, the constraint does not count: G is then the sum of c_j q_j with the factors that give
-// each focus what it asks (slot_pressures.hpp), and the amplitude |G|, nowhere above 1.
+// If foci request a pressure, the constraint has no effect: G is then the sum of c_j q_j, with the factors that give
+// each focus its requested pressure (slot_pressures.hpp), and the amplitude is |G|, at most 1 everywhere.
 //
-// That is the solver `naive`. The others choose how several foci share the array, and know what the foci do to each
-// other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G (gs_pat.hpp); `greedy`
-// chooses the phases of the transducers themselves, all at amplitude g (greedy.hpp). A slot of more than
-// most_solved_foci foci is `naive`'s under every solver, or crowd.hpp's where foci ask for a pressure.
+// The above is the solver `naive`. The others choose how several foci share the array, and consider the influence of
+// the foci on each other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G
+// (gs_pat.hpp); `greedy` chooses the phases of the transducers directly, all at amplitude g (greedy.hpp). A slot with
+// more than most_solved_foci foci is solved by `naive` under every solver, or by crowd.hpp if foci request a pressure.
 #pragma once
 
 #include <complex>
@@ -51,20 +51,20 @@ enum class Solver { naive, gs_pat, greedy };
 inline constexpr Word<Solver> solver_words[] = {
     {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}};
 
-/// The phases in which that solver has foci that ask for pressures.
+/// The phases that the solver uses for foci that request pressures.
 constexpr FocusPhases phases_of(Solver solver) {
   return solver == Solver::gs_pat ? FocusPhases::helping : FocusPhases::own;
 }
 
-/// One focus that sounds in a slot: one of a finger's, or several where its method has them sound together.
+/// One focus that sounds in a slot: one of a finger's foci, or several if its method plays them together.
 struct SlotFocus {
   Vec3 position;   ///< metres, in the layout's frame as posed
   float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity
-  /// Peak, that it is to have whatever else sounds, gain included; nothing: nobody says, and the constraint decides.
-  /// Where one focus of a slot has one, those without ask for nothing.
+  /// Requested peak pressure, regardless of other foci, gain included. nullopt: no request, the constraint decides. If
+  /// one focus of a slot has a request, those without one request nothing.
   std::optional<double> pressure_pa;
-  std::uint32_t voice = 0, number = 0;  ///< of a schedule: whose it is, and which of its foci
-  /// Peak that it must never exceed: what its finger asks, at the modulation's crest; nothing: nobody asks.
+  std::uint32_t voice = 0, number = 0;  ///< of a schedule: its voice, and its number among the voice's foci
+  /// Peak pressure that it must never exceed: its finger's request at the crest of the modulation. nullopt: no request.
   std::optional<double> most_pa{};
 };
 
@@ -80,22 +80,22 @@ struct DriveOptions {
   Constraint constraint = Constraint::normalise;
   Medium medium;
   Solver solver = Solver::naive;
-  Directivity directivity = Directivity::t4010a1;  ///< what the solvers count on; `naive` does not ask
-  /// The sound that foci are made of in the free field's place, for every solver and pressure. It outlives whatever is
-  /// made with it. On the host only: a device has the free field.
+  Directivity directivity = Directivity::t4010a1;  ///< assumed by the solvers; `naive` does not use it
+  /// Replaces the free field for making foci, for every solver and pressure. Must outlive everything that is made with
+  /// it. On the host only: a device has only the free field.
   const Transfer* transfer = nullptr;
 };
 
-/// What foci go by under these options; `free_field` is made ready if it is that.
+/// The transfer for these options. Prepares `free_field` if that is the one.
 const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field);
 
-/// Whether a focus can be driven: finite, its coordinates within 100 m. Others are left out of their slot.
+/// Whether a focus can be driven: finite, with coordinates within 100 m. Other foci are left out of their slot.
 bool drivable(const SlotFocus& focus);
 
-/// The focus' gain as it is used: within 0..1, NaN being 0.
+/// The focus' gain as it is used: clamped to 0..1, NaN counts as 0.
 float gain_of(const SlotFocus& focus);
 
-/// What drive_for works in. Kept from call to call it makes drive_for allocate nothing once it has grown.
+/// Working memory of drive_for. If it is reused from call to call, drive_for allocates nothing once it has grown.
 struct DriveScratch {
   std::vector<FocusSource> sources;
   std::vector<std::complex<double>> sums;  ///< one per transducer
@@ -112,19 +112,20 @@ struct DriveScratch {
   std::vector<std::complex<double>> factors, heard;
 };
 
-/// Gives `scratch` all the room that drive_for can need for so many foci, and makes what depends on the layout alone.
+/// Allocates all memory in `scratch` that drive_for may need for `most_foci` foci, and computes what depends only on
+/// the layout.
 void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci);
 
-/// The twin of DrivePass, in double precision: the drive of one slot into `out`, one entry per transducer. No focus
-/// (or none that is drivable): all zero. Gains outside 0..1 are clamped, NaN is 0. A transducer at the very focus has
-/// phase 0.
+/// The twin of DrivePass, in double precision: writes the drive of one slot to `out`, one entry per transducer. Without
+/// a drivable focus, all entries are zero. Gains outside 0..1 are clamped, NaN counts as 0. A transducer exactly at the
+/// focus has phase 0.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out, DriveScratch& scratch);
-/// The drive of foci whose factors are known, one each: the sum of factor times q_j, nowhere above 1.
+/// The drive of foci with known factors, one each: the sum of factor times q_j, at most 1 everywhere.
 void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci,
                       std::span<const std::complex<double>> factors, const DriveOptions& options,
                       std::span<TransducerDrive> out, DriveScratch& scratch);
-/// The same for callers that need few drives: they allocate on every call.
+/// The same for callers that need few drives: allocates on every call.
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out);
 Drive drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options = {});

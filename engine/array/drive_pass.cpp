@@ -36,10 +36,10 @@ gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, c
 }  // namespace
 
 std::size_t most_pass_foci(std::uint32_t transducers) {
-  constexpr std::size_t most_turns = 65'000;  // and some for what compilers make of it
+  constexpr std::size_t most_turns = 65'000;  // with a margin for additions by compilers
   const std::size_t stretches = gpu::groups_for(transducers, shader::drive_group * shader::drive_sum_each);
   const std::size_t scaling = gpu::groups_for(transducers, shader::drive_group);
-  // A turn for each stretch and focus, one more for each stretch, and the scaling.
+  // One iteration for each stretch and focus, one more for each stretch, and the scaling.
   return (most_turns - scaling) / std::max<std::size_t>(1, stretches) - 1;
 }
 
@@ -51,7 +51,7 @@ DrivePass::DrivePass(const gpu::Device& device)
 void DrivePass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
                                static_cast<std::uint32_t>(batch.constraint)};
-  // The kernels write different slots, but of one buffer, which nothing else tells apart.
+  // The kernels write different slots, but to one buffer, so they need a barrier.
   bool first = true;
   const auto apart = [&] {
     if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
@@ -211,7 +211,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   const auto store = factors_.as<shader::vec4>();
   for (std::size_t j = 0; j < foci.size(); ++j) {
     if (!drivable(foci[j])) continue;
-    // Nobody can tell the phase of one focus alone: its factor is a gain.
+    // The phase of a single focus has no effect, so its factor is a gain.
     if (count == 1) slot.gain = static_cast<float>(std::clamp(std::abs(factors[j]), 0.0, 1.0));
     store[used_foci_] = {0, 0, static_cast<float>(factors[j].real()), static_cast<float>(factors[j].imag())};
     add_focus(foci[j], 1);
@@ -223,14 +223,14 @@ void DriveMemory::add_focus(const SlotFocus& focus, float gain) {
   const shader::DrivePoint point = drive_point(focus.position, options_.medium.turns_per_metre());
   shader::DriveFocus entry{point.coarse, point.fine};
   const double reach = reach_.farthest(focus.position) * options_.medium.turns_per_metre();
-  // Nearer than any float tells apart from 0: as if at the focus.
+  // A distance that no float distinguishes from 0 counts as at the focus.
   entry.coarse.w = reach > 1e-6 ? static_cast<float>(1 / reach) : 0;
   entry.fine.w = gain;
   foci_.as<shader::DriveFocus>()[used_foci_++] = entry;
 }
 
 void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
-  // The batch before wrote and read the same memory; see gpu/barrier.hpp.
+  // The previous batch wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   if (!layout_sent_) {
     transducers_.record(commands);

@@ -1,4 +1,4 @@
-// Drives on the GPU: many slots in one go.
+// Drives on the GPU: many slots in one submit.
 #pragma once
 
 #include <complex>
@@ -17,18 +17,18 @@
 
 namespace palpa::array {
 
-/// What one record of the pass binds. Texels are views of 16 bytes each (gpu/texel_view.hpp).
+/// The bindings of one recording of the pass. Texels are views of 16 bytes each (gpu/texel_view.hpp).
 struct DriveBindings {
   gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
   gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; first + count within `foci`, see most_pass_foci()
-  gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; no more than 2^32 - 1
-  gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; bound only where batch.weighted
+  gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; at most 2^32 - 1
+  gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; only bound if batch.weighted
 };
 
 struct DriveBatch {
   std::uint32_t transducers = 0;  ///< at most max_transducers
-  std::uint32_t slots = 0;        ///< at most 65,535
+  std::uint32_t slots = 0;        ///< some slot has at most one focus
   bool single = true;             ///< some slot has one focus or none
   bool several = true;            ///< some slot has several foci and is not solved (drive_unsolved)
   bool weighted = false;          ///< some slot has several foci and factors for them
@@ -36,14 +36,13 @@ struct DriveBatch {
   Constraint constraint = Constraint::normalise;
 };
 
-/// Of how many foci a slot may be for the pass on a device that ends long loops (gpu::DeviceDescription): what would be
-/// left of more is no drive. (2026 in `paper`, 122 with 65,000 transducers.)
+/// The maximum number of foci in a slot for the pass on a device that ends long loops (gpu::DeviceDescription): with
+/// more foci, the result would be wrong. (2026 in `paper`, 122 with 65,000 transducers.)
 std::size_t most_pass_foci(std::uint32_t transducers);
 
-/// Pipelines only. Twin: drive_for, which it follows within 2e-6 rad and 1e-6 of amplitude for single foci up to 2 m
-/// away (float grows coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), of
-/// which Vulkan promises no more than 4096 ULP (2.4e-4 of the phase): that much their drives may differ from one device
-/// to another.
+/// Holds only pipelines. Twin: drive_for. The pass agrees within 2e-6 rad and 1e-6 of amplitude for single foci up to 2
+/// m away (float becomes coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), for
+/// which Vulkan only guarantees 4096 ULP (2.4e-4 of the phase): their drives may differ by that much between devices.
 class DrivePass {
  public:
   explicit DrivePass(const gpu::Device& device);
@@ -57,42 +56,43 @@ class DrivePass {
   gpu::ComputePipeline weighted_;
 };
 
-/// Drives and what they need to be solved first.
+/// The passes for drives and for the solver that runs before them.
 struct DrivePasses {
   DrivePasses(const gpu::Device& device, Solver which) : solver(device, which), drives(device) {}
   SolverPass solver;
   DrivePass drives;
 };
 
-/// Everything one batch in flight needs; allocates when made and never again. Not to be touched between the submit that
-/// recorded it and its completion, but for `drive` thereafter.
+/// All memory of one batch in flight; allocated once on construction. Must not be touched between the submit that
+/// recorded it and its completion; after that, `drive` may be called.
 class DriveMemory {
  public:
   DriveMemory() = default;
-  /// `layout` as posed in the frame of the foci; all batches have the same options. Throws bad_usage with a transfer in
-  /// the options, and where `most_slots` slots of it exceed the device's largest storage buffer (128 MiB on small
-  /// devices: 4210 slots of 3984 transducers); see fitting_slots.
+  /// `layout` is posed in the frame of the foci; all batches have the same options. Throws bad_usage if the options
+  /// have a transfer, or if `most_slots` slots exceed the device's largest storage buffer (128 MiB on small devices:
+  /// 4210 slots of 3984 transducers); see fitting_slots.
   DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options, std::uint32_t most_slots,
               std::uint32_t most_foci);
 
-  /// The most slots that one batch of this layout can have.
+  /// The maximum number of slots in one batch of this layout.
   static std::uint32_t fitting_slots(const gpu::Device& device, std::size_t transducers);
 
-  /// Begins a new batch.
+  /// Starts a new batch.
   void clear();
-  /// Adds the next slot; its foci may be none. False, and nothing added, where slots or foci would not fit. Where
-  /// the device ends long loops the drive of more foci than most_pass_foci() is the twin's, made here.
+  /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
+  /// device that ends long loops, drives of more than most_pass_foci() foci are computed here by the twin.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
-  /// The same with the factors of the foci, as drive_by_factors has it. A batch has all its slots by the one or by the
-  /// other.
+  /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
+  /// overload.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   std::uint32_t slots() const { return batch_.slots; }
   std::uint32_t transducers() const { return batch_.transducers; }
 
-  /// Records upload, passes and readback of the slots added since `clear`; complete with the submit, no barrier needed.
+  /// Records upload, passes and readback of the slots added since `clear`. Complete with the submit, without a further
+  /// barrier.
   void record(VkCommandBuffer commands, const DrivePasses& passes);
 
-  /// Drive of the batch's slot `slot`, once the submit has completed.
+  /// Drive of the batch's slot `slot`. Call it after the submit has completed.
   std::span<const TransducerDrive> drive(std::uint32_t slot) const;
 
  private:
@@ -107,7 +107,7 @@ class DriveMemory {
   std::uint32_t most_slots_ = 0, most_foci_ = 0;
   gpu::Upload transducers_, foci_, slots_, factors_;
   gpu::TexelView transducer_texels_, focus_texels_, slot_texels_, factor_texels_;
-  // Of the solvers; empty under `naive`.
+  // For the solvers; empty under `naive`.
   gpu::Upload axes_, directivity_;
   gpu::Buffer weights_;
   gpu::Scratch solver_scratch_;
@@ -118,8 +118,8 @@ class DriveMemory {
   std::uint32_t used_foci_ = 0, used_entries_ = 0;
   bool by_factors_ = false;
   bool layout_sent_ = false;
-  std::size_t pass_foci_ = 0;           ///< a slot of more is the host's
-  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device: as many as a batch can have
+  std::size_t pass_foci_ = 0;           ///< slots with more foci are computed on the host
+  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device; room for all slots of a batch
   std::size_t used_host_drives_ = 0;
   DriveScratch host_scratch_;
 
@@ -129,7 +129,7 @@ class DriveMemory {
   void add_focus(const SlotFocus& focus, float gain);
 };
 
-/// A place as the shaders want it. `w` parts are left 0.
+/// A place in the form that the shaders need. `w` components are left 0.
 shader::DrivePoint drive_point(const Vec3& metres, double turns_per_metre);
 
 }  // namespace palpa::array

@@ -10,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Solves the symmetric positive system of `rest.size()` rows in place; `rest` becomes the solution.
+/// Solves the symmetric positive-definite system of `rest.size()` rows in place; `rest` becomes the solution.
 void solve(std::span<double> matrix, std::span<double> rest) {
   const std::size_t rows = rest.size();
   for (std::size_t k = 0; k < rows; ++k) {
@@ -29,7 +29,7 @@ void solve(std::span<double> matrix, std::span<double> rest) {
   }
 }
 
-/// Fills J. A focus that hears nothing has no slope.
+/// Fills J. A focus without pressure has no slope.
 void find_slopes(const FocusMatrix& matrix, std::span<const double> targets, double level, EvenScratch& scratch) {
   for (std::size_t row = 0; row < matrix.foci; ++row) {
     const Complex& heard = scratch.pressure[row];
@@ -40,7 +40,7 @@ void find_slopes(const FocusMatrix& matrix, std::span<const double> targets, dou
   }
 }
 
-/// The factors one damped step on. `scratch.slopes` are J.
+/// The factors after one damped step. `scratch.slopes` are J.
 void step(std::span<const Complex> factors, double damping, bool by_focus, EvenScratch& scratch) {
   const std::size_t foci = factors.size();
   for (std::size_t a = 0; a < foci; ++a) {

@@ -12,7 +12,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// What is heard of `does`, into `pressure` and C. Products are written out: those of std::complex mind infinities.
+/// Computes the pressure of `does` into `pressure`, and C. Products are written out, because those of std::complex
+/// check for infinities.
 void listen(const Columns& columns, std::span<const Complex> does, std::span<Complex> pressure,
             std::span<Complex> across) {
   const std::size_t foci = columns.foci;
@@ -39,7 +40,7 @@ void listen(const Columns& columns, std::span<const Complex> does, std::span<Com
     pressure[j] = {sum_re[j], sum_im[j]};
 }
 
-/// A, which does not change while transducers turn.
+/// Computes A, which does not depend on the phases of the transducers.
 void find_alike(const Columns& columns, std::span<const Complex> does, std::span<Complex> alike) {
   const std::size_t foci = columns.foci;
   std::ranges::fill(alike, Complex(0));
@@ -60,7 +61,8 @@ void find_alike(const Columns& columns, std::span<const Complex> does, std::span
   }
 }
 
-/// `tried`: what the transducers do, turned by J^T y. `pull` is y_j u_j* over what focus j is to hear.
+/// Fills `tried`: the transducers' drives with phases changed by J^T y. `pull` is y_j u_j* divided by the target of
+/// focus j.
 void turn(const Columns& columns, std::span<const Complex> pull, std::span<const Complex> does,
           std::span<Complex> tried) {
   const std::size_t foci = columns.foci;
@@ -78,7 +80,7 @@ void turn(const Columns& columns, std::span<const Complex> pull, std::span<const
   }
 }
 
-/// How loud the weakest of the foci is that are to be heard.
+/// The loudness of the weakest focus, relative to its target.
 double weakest_of(std::span<const Complex> pressure, std::span<const double> targets) {
   double least = -1;
   for (std::size_t j = 0; j < pressure.size(); ++j) {

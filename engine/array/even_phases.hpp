@@ -1,23 +1,24 @@
-// Evening out what several foci hear where amplitudes are given and transducers can but turn: Levenberg and Marquardt's
-// method of even_out.hpp, not in the few factors but in the phases of all transducers.
+// Evens out the pressures of several foci when amplitudes are fixed and only phases may change: the Levenberg-Marquardt
+// method of even_out.hpp, applied to the phases of all transducers instead of a few factors.
 //
-//   x_n     what transducer n does;  p = G x
+//   x_n     the drive of transducer n;  p = G x
 //   u_j     p_j / |p_j|
-//   J_jn = -Im(u_j* G_jn x_n)   how |p_j| follows the phase of x_n
+//   J_jn = -Im(u_j* G_jn x_n)   the derivative of |p_j| by the phase of x_n
 //   J J^T_jk = Re(u_j* u_k A_jk - u_j* u_k* C_jk) / 2,  A_jk = sum over n of G_jn G_kn* |x_n|^2,
 //   C_jk = sum over n of G_jn G_kn x_n^2
 //
-// each row over t_j L, the misses m_j and the damping being those of even_out.hpp. The phases turn by J^T y, the least
-// that does it, y from as small a system as the foci are. One walk over the transducers turns them by the y before and
-// sums what the foci hear then, p, and C for the next step.
+// each row divided by t_j L. The misses m_j and the damping are those of even_out.hpp. The phases change by J^T y, the
+// smallest change that does it; y comes from a system whose size is the number of foci. One pass over the transducers
+// applies the previous y and sums the new pressures p at the foci, and C for the next step.
 //
-// A transducer whose sum was almost 0 is no worse than any other here: it may turn as far as it likes, while the
-// factors can but turn it with all that are near it.
+// A transducer whose sum was almost 0 is no problem here: its phase may change by any amount, whereas the factors can
+// only change it together with all transducers near it.
 //
-// Levelling out costs those that are loud: where at first a focus misses by more than phases_uneven, phases_raises
-// tries come first in which each focus is asked for phases_push of L more than it misses, m_j + phases_push; they stay
-// where the weakest focus, by its t_j, has become louder. Later ones stay where the misses are smaller in sum of
-// squares and the weakest has kept phases_keep of its loudness: far steps can even foci out in a sound half as loud.
+// Evening out makes loud foci quieter. If a focus initially misses by more than phases_uneven, phases_raises tries come
+// first. In these, each focus aims for phases_push of L more than it misses, m_j + phases_push, and a try is kept if
+// the weakest focus, relative to its t_j, became louder. Later tries are kept if the sum of squared misses decreases
+// and the weakest focus has kept phases_keep of its loudness, because large steps can even foci out at half the
+// loudness.
 #pragma once
 
 #include <complex>
@@ -43,8 +44,8 @@ struct PhaseScratch {
   std::vector<double> normal, rest, miss, tried_miss;
 };
 
-/// Turns `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci. Ends where no
-/// focus misses by more than `most_miss`, or after so many tries.
+/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci.
+/// Ends once no focus misses by more than `most_miss`, or after `tries` tries.
 Evened even_phases(const Columns& columns, std::span<const double> targets, double most_miss, std::uint32_t tries,
                    std::span<std::complex<double>> does, PhaseScratch& scratch);
 

@@ -8,13 +8,13 @@
 namespace palpa::array {
 namespace {
 
-/// Rounds to the nearest whole number, within 2^51; written so that loops over it become vector instructions.
+/// Rounds to the nearest whole number, within 2^51; written so that compilers vectorise loops over it.
 double nearest(double x) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   return (x + shift) - shift;
 }
 
-/// sin(2 pi x) for x in -1/4..1/4: Taylor's series, whose rest is below 1e-15 there.
+/// sin(2 pi x) for x in -1/4..1/4: Taylor's series, with a remainder below 1e-15.
 double sine_of_turns(double x) {
   constexpr double turn = 2 * std::numbers::pi;
   constexpr std::array<double, 10> inverse_factorials{1.0,
@@ -71,7 +71,7 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std
       const Vec3 way = foci[j].position - position;
       const double d = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
       distance[entry] = d;
-      // At the transducer itself there is no angle: as on its axis.
+      // At the transducer itself there is no angle; treated as on its axis.
       slant[entry] = d > 0 ? (way.x * axis.x + way.y * axis.y + way.z * axis.z) / d : 1.0;
       turns[entry] = d * turns_per_metre;
     }
@@ -87,7 +87,7 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std
   for (std::size_t entry = 0; entry < entries; ++entry) {
     const double part = turns[entry] - nearest(turns[entry]);
     const double size = std::abs(part);
-    // A quarter of a turn on either side of the steep part of each curve.
+    // Uses the quarter turn on either side of the steep part of each curve.
     columns.cosine[entry] = sine_of_turns(0.25 - size);
     columns.sine[entry] = std::copysign(sine_of_turns(0.25 - std::abs(0.25 - size)), part);
   }

@@ -1,8 +1,9 @@
-// The free field: the sound between transducers and foci with nothing in its way,
+// The free field: the sound between transducers and foci without obstacles,
 //
 //   G = D(angle) e^{ikd} / max(d, radius)
 //
-// in double precision but for the directivity D, which is looked up. Twin: shaders/array/drive/transfer_free.glsl.
+// in double precision except for the directivity D, which comes from a table. Twin:
+// shaders/array/drive/transfer_free.glsl.
 #pragma once
 
 #include <vector>
@@ -16,9 +17,9 @@ namespace palpa::array {
 
 class FreeField final : public Transfer {
  public:
-  /// Of this layout, which outlives whatever is filled. Keeps its table where that is still the right one.
+  /// `layout` must outlive the use of fill. Keeps its table if it is still valid.
   void set(const Layout& layout, const Medium& medium, Directivity kind);
-  /// The phase is within 1e-14 turns of what the distance says.
+  /// The phase is within 1e-14 turns of the exact value for the distance.
   void fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const override;
   void fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
             Columns& columns) const override;
@@ -26,7 +27,7 @@ class FreeField final : public Transfer {
  private:
   const Layout* layout_ = nullptr;
   double turns_per_metre_ = 0;
-  /// The directivity's table and what it was made for.
+  /// The directivity's table and its parameters.
   std::vector<double> table_;
   Directivity kind_ = Directivity::omni;
   double ka_ = -1;

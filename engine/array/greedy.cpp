@@ -49,14 +49,14 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
       lacks[j] = gains[j] * share * level - size[j];
     std::uint32_t best = 0;
     double least = 0;
-    // All phases are alike to the first.
+    // For the first transducer, all phases are equivalent.
     for (std::uint32_t c = 0; c < (turn == 0 ? 1 : greedy_phases); ++c) {
       double cost = 0;
       for (std::size_t j = 0; j < foci; ++j) {
         const double x = give_re[j] * cosine[c] - give_im[j] * sine[c];
         const double y = give_re[j] * sine[c] + give_im[j] * cosine[c];
-        // How much louder the focus gets, |p + g'| - |p|, and what that takes off (or adds to) the square: differences
-        // of large numbers would leave single precision nothing to compare.
+        // How much louder the focus becomes, |p + g'| - |p|, and how that changes the square. Differences of large
+        // numbers would leave nothing to compare in single precision.
         const double new_re = re[j] + x;
         const double new_im = im[j] + y;
         const double sum = std::sqrt(new_re * new_re + new_im * new_im) + size[j];

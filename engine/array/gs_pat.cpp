@@ -14,7 +14,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// The phase of `p`, or of `otherwise` where p has none, at magnitude `size`.
+/// The phase of `p`, or of `otherwise` if p is 0, with magnitude `size`.
 Complex turned(double size, const Complex& p, const Complex& otherwise) {
   const double most = magnitude(p);
   if (most > 0) return size * p / most;
@@ -63,7 +63,8 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
 }  // namespace
 
 std::uint32_t gs_pat_most_tries(std::size_t transducers) {
-  // 16 threads walk; among the foci go some 300 turns. What comes before the first try and after the last is left over.
+  // 16 threads share the transducers; the loops over foci take about 300 iterations. The margin covers the work before
+  // the first try and after the last.
   const std::size_t turns = transducers / 16 + 1 + 300;
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(45'000 / turns, 1, gs_pat_phase_tries));
 }
@@ -116,7 +117,7 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const double wanted = targets[j] * level;
     const double heard = magnitude(pressure[j]);
-    // No more than four times per step: a pressure near zero says little.
+    // At most a factor of four per step: a pressure near zero is unreliable.
     sizes[j] = magnitude(factors[j]) * (wanted < 4 * heard ? wanted / heard : 4);
     total += sizes[j];
   }

@@ -11,7 +11,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// What the factors take of the array: the sum of |s|^2 over the transducers, each weighed by what of it arrives.
+/// The power that the factors take from the array: the sum of |s|^2 over the transducers, each weighted by the share of
+/// it that arrives.
 double power_of(std::span<const Complex> factors, std::span<const Complex> pressure) {
   double sum = 0;
   for (std::size_t j = 0; j < factors.size(); ++j)
@@ -19,7 +20,7 @@ double power_of(std::span<const Complex> factors, std::span<const Complex> press
   return sum;
 }
 
-/// How loud the weakest focus is for the power that the factors take.
+/// The loudness of the weakest focus relative to the power of the factors.
 double merit_of(std::span<const Complex> factors, std::span<const Complex> pressure, std::span<const double> targets) {
   const double power = power_of(factors, pressure);
   double least = -1;
@@ -40,7 +41,7 @@ bool hear_each_other(const FocusMatrix& matrix) {
   return false;
 }
 
-/// The plain factors.
+/// Computes the plain factors.
 void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_t tries, GsPatScratch& scratch) {
   const std::uint32_t starts = hear_each_other(matrix) ? gs_pat_starts : 1;
   double best = -1;
@@ -61,7 +62,7 @@ void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_
   even_out(matrix, scratch.claims, {0, gs_pat_miss, tries}, scratch.factors, scratch.even);
 }
 
-/// Gains times claims, but at least as loud as what a focus that is the same makes it.
+/// Gains times claims, but at least as loud as a coinciding focus requires.
 void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
   for (std::size_t j = 0; j < matrix.foci; ++j) {
     double gain = gains[j];
@@ -74,7 +75,7 @@ void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPa
   }
 }
 
-/// The factors with sums gs_pat_fill times as large as those of foci that do not hear each other.
+/// Scales the factors so that sums are gs_pat_fill times as large as those of foci that do not hear each other.
 void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
   hear(matrix, scratch.factors, scratch.pressure);
   const double power = power_of(scratch.factors, scratch.pressure);

@@ -1,4 +1,4 @@
-// gs_pat for slots of few foci, of any distance (gs_pat.hpp).
+// gs_pat for slots of few foci at any distance (gs_pat.hpp).
 #pragma once
 
 #include "array/gs_pat.hpp"

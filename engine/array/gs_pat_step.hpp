@@ -1,4 +1,4 @@
-// One step of gs_pat.hpp, and what it goes by.
+// One step of gs_pat.hpp, and its targets.
 #pragma once
 
 #include <complex>
@@ -10,21 +10,21 @@
 
 namespace palpa::array {
 
-/// What part of full loudness each focus may claim.
+/// The share of full loudness that each focus may claim.
 void find_claims(const FocusMatrix& matrix, std::vector<double>& claims);
 
-/// Fills `factors`: phases of what the transducers of start number `start` sound like, weights as if each focus sounded
-/// alone. The first start has the first transducer; each of the others gs_pat_sounds, from all over the layout, no two
-/// the same ones.
+/// Fills `factors`: the phases are those of the sound of the transducers of start number `start`, the weights are as if
+/// each focus sounded alone. The first start uses the first transducer. Each of the others uses gs_pat_sounds
+/// transducers from all over the layout, and no two starts use the same ones.
 void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::uint32_t start,
                   std::span<const double> claims, std::span<std::complex<double>> factors);
 
 struct GsPatGoal {
-  double level = 0;  ///< L; 0: what the foci are now
-  double sum = 0;    ///< what the magnitudes add up to afterwards; 0: as it comes
+  double level = 0;  ///< L; 0: the current level of the foci
+  double sum = 0;    ///< sum of the magnitudes afterwards; 0: not fixed
 };
 
-/// Moves the factors towards t_j L. Returns how far the farthest moved.
+/// Moves the factors towards t_j L. Returns the largest change.
 double gs_pat_step(std::span<const std::complex<double>> pressure, std::span<const double> targets,
                    const GsPatGoal& goal, std::span<std::complex<double>> factors);
 

@@ -8,7 +8,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// One transducer's sum, s = B c. Products are written out: those of std::complex mind infinities.
+/// One transducer's sum, s = B c. Products are written out, because those of std::complex check for infinities.
 Complex sum_of(const Columns& columns, std::size_t first, std::span<const Complex> factors) {
   double re = 0, im = 0;
   for (std::size_t j = 0; j < columns.foci; ++j) {

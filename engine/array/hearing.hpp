@@ -1,4 +1,4 @@
-// What foci hear of factors: through the small matrix, and of bounded transducers over the whole array.
+// The pressures of factors at the foci: through the small matrix, or of bounded transducers over the whole array.
 #pragma once
 
 #include <cmath>
@@ -10,19 +10,20 @@
 
 namespace palpa::array {
 
-/// |z|. std::abs minds numbers too large to be squared, at four times the price; solvers' are nowhere near.
+/// |z|. std::abs handles numbers too large to be squared, at four times the cost; the solvers' numbers are far smaller.
 inline double magnitude(const std::complex<double>& z) {
   return std::sqrt(std::norm(z));
 }
 
-/// p = R c: what sounds where amplitudes are in proportion to the sums.
+/// p = R c: the pressure when amplitudes are proportional to the sums.
 void hear(const FocusMatrix& matrix, std::span<const std::complex<double>> factors,
           std::span<std::complex<double>> pressure);
 
-/// What a transducer does of its sum: under `uniform` and `clamp` nothing above 1, under `uniform` nothing below it.
+/// What a transducer plays for its sum: under `uniform` and `clamp` at most magnitude 1, under `uniform` also at least
+/// 1.
 std::complex<double> bounded(const std::complex<double>& sum, Constraint constraint);
 
-/// p = G x, x being what the transducers do of the sums B c.
+/// p = G x, where x is what the transducers play for the sums B c.
 void hear_bounded(const Columns& columns, Constraint constraint, std::span<const std::complex<double>> factors,
                   std::span<std::complex<double>> pressure);
 

@@ -41,7 +41,7 @@ Layout transformed(const Layout& layout, const Transform& T_world_layout) {
   }
   for (Board& board : world.boards)
     board.T_layout_board = T_world_layout * board.T_layout_board;
-  // It already stands in the world.
+  // Its coordinates are already world coordinates.
   world.default_T_world_layout = Transform(1.0);
   return world;
 }

@@ -11,7 +11,7 @@ namespace palpa::array {
 
 struct Transducer {
   Vec3 position;  ///< metres, layout frame
-  Vec3 axis;      ///< unit vector, the direction it sounds in
+  Vec3 axis;      ///< unit vector, the direction of its sound
 };
 
 /// One physical board of a layout: a rectangle centred on the board's origin in its z = 0 plane, sounding towards +z.
@@ -24,26 +24,27 @@ struct Board {
   Transform T_layout_board{1.0};
 };
 
-/// More than this no layout may hold; sixteen times the paper's, and fewer than the turns after which a software device
-/// ends a kernel's loops.
+/// The maximum number of transducers in a layout: sixteen times the paper's, and fewer than the iterations after which
+/// a software device ends a kernel's loops.
 inline constexpr std::uint32_t max_transducers = 65000;
 
 struct Layout {
   std::string name;
   std::vector<Transducer> transducers;  ///< in drive order
-  std::vector<Board> boards;            ///< ascending by `first`; transducers given one by one belong to no board
+  std::vector<Board> boards;            ///< ascending by `first`; individual transducers belong to no board
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
-  double frequency_hz = 40e3;           ///< what its transducers are made for
-  double transducer_radius_m = 4.5e-3;  ///< of the part that sounds; the piston's directivity depends on it
-  /// Where it stands when neither rig nor user says: `paper` at the world's origin, a board 150 mm below it facing +y.
+  double frequency_hz = 40e3;           ///< the design frequency of its transducers
+  double transducer_radius_m = 4.5e-3;  ///< of the sounding part; the piston's directivity depends on it
+  /// The default pose if neither rig nor user gives one: `paper` at the world's origin, a board 150 mm below it facing
+  /// +y.
   Transform default_T_world_layout{1.0};
 };
 
 /// `autd3`, `paper`, `openmpd`, `openmpd-pair` or `sonicsurface`, or the path of a layout TOML (schema in
-/// docs/layouts.md). Throws bad_input naming file, line and key; a name that is neither lists the known ones.
+/// docs/layouts.md). Throws bad_input naming file, line and key. The error for an unknown name lists the known ones.
 Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
-/// Whether that is the name of a built-in layout or of something that exists.
+/// Whether this is the name of a built-in layout or of an existing file.
 bool is_layout(const std::string& name_or_file);
 
 /// The same transducers and boards in world coordinates. `T_world_layout` is rigid.

@@ -21,9 +21,9 @@
 namespace palpa::array {
 namespace {
 
-// Farther out an array's phases have no meaning in this medium, and floats no digits for them.
+// Farther out, an array's phases are meaningless in this medium, and floats are too imprecise for them.
 constexpr double most_metres = 10;
-// What people type: 0.7071 for the root of a half.
+// For values typed by people: 0.7071 for the root of a half.
 constexpr double unit_tolerance = 1e-3;
 
 Vec3 read_position(TomlTable& table) {
@@ -70,7 +70,7 @@ void read_transducer(TomlTable& table, Layout& layout) {
   layout.transducers.push_back({position, axis / length});
 }
 
-/// A table of the file and the first of its transducers.
+/// A table of the file and the index of its first transducer.
 struct Origin {
   std::size_t first;
   TomlTable table;

@@ -10,7 +10,7 @@ namespace palpa::array {
 namespace {
 
 constexpr double hopeless = 1e12;
-constexpr double last = 1e-6;  ///< of whoever asks for no pressure, to the power of level_yield
+constexpr double last = 1e-6;  ///< weight of fingers without a request, to the power of level_yield
 
 double cap_of(const Demand& demand) {
   return demand.takes <= hopeless ? std::min(1.0, 1 / demand.takes) : 0;
@@ -27,14 +27,14 @@ void share_out(std::span<const Demand> demands, double budget, std::span<double>
   assert(demands.size() == levels.size());
   for (std::size_t f = 0; f < demands.size(); ++f)
     levels[f] = cap_of(demands[f]);
-  // Those that take something, in the order in which they come to have all that they can.
+  // Fingers that take something, in the order in which they reach their maximum.
   std::vector<std::size_t> order;
   for (std::size_t f = 0; f < demands.size(); ++f) {
     if (demands[f].takes > 0 && levels[f] > 0) order.push_back(f);
   }
   const auto full_at = [&](std::size_t f) { return levels[f] / weight_of(demands[f]); };
   std::ranges::stable_sort(order, {}, full_at);
-  std::vector<double> rate(order.size() + 1, 0);  // of the finger and those after it: what each u takes
+  std::vector<double> rate(order.size() + 1, 0);  // amplitude per u of the finger and those after it
   for (std::size_t i = order.size(); i-- > 0;)
     rate[i] = rate[i + 1] + demands[order[i]].takes * weight_of(demands[order[i]]);
   double left = budget;

@@ -12,9 +12,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Looks for how much amplitude there is to share.
+/// Steps of the search for the amplitude to share.
 constexpr int most_looks = 10;
-/// Less, in 1/m, is nothing: some micropascals. What is divided by it stays a number.
+/// A smaller target, in 1/m, counts as zero (a few micropascals), so that divisions by targets stay finite.
 constexpr double least_target = 1e-6;
 
 float square_max(std::span<const float> re, std::span<const float> im) {
@@ -26,7 +26,7 @@ float square_max(std::span<const float> re, std::span<const float> im) {
   return most;
 }
 
-/// What part of its crest a voice's foci have in a slot.
+/// The share of its crest that a voice's foci have in a slot.
 double part_of(const Voice& voice, const SlotFocus& focus) {
   return voice.gain > 0 ? std::clamp(static_cast<double>(focus.gain) / voice.gain, least_modulation, 1.0) : 0;
 }
@@ -109,7 +109,7 @@ void Loudness::add_slot(const Schedule& schedule, std::uint32_t number) {
 void Loudness::find_sources(std::size_t first, std::size_t count) {
   sources_.clear();
   for (const SlotFocus& focus : std::span(foci_).subspan(first, count)) {
-    // One that cannot be driven has a column all the same, which nobody asks anything of.
+    // A focus that cannot be driven still has a column, which no drive uses.
     const Vec3 place = drivable(focus) ? focus.position : Vec3(0);
     sources_.push_back({place, reach_.farthest(place), 1});
   }
@@ -134,13 +134,13 @@ void Loudness::add_part(const Schedule& schedule, Part& part) {
   now_.assign(part.count, 0);
   for (std::size_t j = 0; j < part.count; ++j) {
     if (!(targets[j] > 0)) continue;
-    // One that would need far more than there is would drown all that is said about the others.
+    // A focus that needs far more than is available would dominate the results for all others.
     now_[j] = std::min(targets[j], part.matrix.alone(j));
     given_[part.first + j] = now_[j] / targets[j];
   }
   const std::span<Complex> full = std::span(full_).subspan(part.first, part.count);
   start_pressures(part.matrix, columns_, phases_of(options_.solver), now_, full, scratch_);
-  // What it takes to be heard against those that ask for nothing is theirs to give up: apply_levels adds it.
+  // Foci without a request yield the amplitude that a focus needs to be heard against them: apply_levels adds it.
   own_.assign(full.begin(), full.end());
   for (std::size_t j = 0; j < part.count; ++j) {
     if (!foci[j].most_pa) full[j] = 0;
@@ -151,7 +151,7 @@ void Loudness::add_part(const Schedule& schedule, Part& part) {
   }
 }
 
-/// Until who asks has `now_`.
+/// Repeats until foci with a request have `now_`.
 void Loudness::correct(const Part& part, std::span<Complex> factors) {
   release_unasked(std::span(foci_).subspan(part.first, part.count), now_);
   correct_pressures(part.matrix, now_, factors, scratch_);
@@ -220,8 +220,8 @@ double Loudness::peak_of_all() {
   return peak;
 }
 
-/// The sum of what fingers take bounds every amplitude, but their sounds seldom meet in phase: by halves, how much more
-/// there is to share.
+/// The sum of the fingers' amplitudes bounds every amplitude, but their sounds seldom meet in phase. A bisection finds
+/// how much more there is to share.
 void Loudness::share() {
   double fits = 1, too_much = 0;
   for (const Demand& demand : demands_)
@@ -238,7 +238,7 @@ void Loudness::share() {
   }
   share_out(demands_, fits, levels_);
   apply_levels();
-  // What is left over is rounding, and how foci correct each other.
+  // The rest is due to rounding, and to foci correcting each other.
   double peak = peak_of_all();
   if (peak > 1) peak = quieten_unasked();
   if (peak <= 1) return;
@@ -248,8 +248,8 @@ void Loudness::share() {
     factor /= peak;
 }
 
-/// Whoever asks has to be heard against whoever does not, which takes amplitude of its own: the latter yield, by
-/// halves. Returns the peak that is left.
+/// Fingers with a request must be heard against those without one, which takes additional amplitude. Those without a
+/// request yield, by bisection. Returns the remaining peak.
 double Loudness::quieten_unasked() {
   shared_.assign(levels_.begin(), levels_.end());
   const auto apply = [&](double part) {
@@ -266,7 +266,7 @@ double Loudness::quieten_unasked() {
   return apply(fits);
 }
 
-/// No focus louder than asked where fingers were solved each by itself, and still no transducer beyond 1.
+/// Where fingers were solved separately, ensures that no focus is louder than requested and no transducer exceeds 1.
 void Loudness::calm(const Slot& slot) {
   find_sources(slot.first, slot.count);
   const std::span<Complex> factors = std::span(factors_).subspan(slot.first, slot.count);
@@ -287,7 +287,7 @@ void Loudness::hear(const Slot& slot) {
   hear_all(transfer(), layout_, sources_, options_.weighting, factors, columns_, heard_);
 }
 
-/// What a slot's focus gives at its own place, in Pa, whatever the others do there.
+/// The pressure of a slot's focus at its own place, in Pa, without the other foci.
 double Loudness::own_pressure(const Slot& slot, std::size_t focus) const {
   std::size_t p = slot.first_part;
   while (slot.first + focus >= parts_[p].first + parts_[p].count)

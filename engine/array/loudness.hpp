@@ -1,13 +1,14 @@
-// A schedule whose fingers ask for a pressure: how loud each of them can be, and the factors of every slot's foci.
+// A schedule whose fingers request a pressure: how loud each of them can be, and the factors of every slot's foci.
 //
-// What a finger asks (Voice::pressure_pa, times its gain) is the peak pressure at each of its foci by the directivity,
-// without absorption, at its modulation's crest: in every slot, whatever else sounds (slot_pressures.hpp). Where the
-// amplitude of some transducer would exceed 1 in some slot, fingers are lowered, each by one factor for all of its foci
-// and slots (levels.hpp). A finger that asks for none, beside one that does, sounds as the paper has it, by what is
-// left of the array, or by less where the array does not resolve it from one that asks: only who asks may raise others.
-// In slots of more than most_solved_foci foci nobody is louder than asked (crowd.hpp).
+// A finger's request (Voice::pressure_pa, times its gain) is the peak pressure at each of its foci at the crest of its
+// modulation, with directivity and without absorption. It holds in every slot, regardless of other foci
+// (slot_pressures.hpp). If the amplitude of some transducer would exceed 1 in some slot, fingers are lowered, each by
+// one factor for all of its foci and slots (levels.hpp). A finger without a request, beside one with a request, sounds
+// as in the paper with what is left of the array. It gets less if the array does not resolve it from one with a
+// request, because only requests may raise other foci. In slots of more than most_solved_foci foci no focus is louder
+// than requested (crowd.hpp).
 //
-// All in double precision and the same on every run; a device only adds up the drives.
+// Everything is in double precision and the same on every run; a device only sums up the drives.
 #pragma once
 
 #include <complex>
@@ -26,16 +27,16 @@ namespace palpa::array {
 
 class Loudness {
  public:
-  /// `layout` outlives it. Of the options constraint and a solver's greed do not count.
+  /// `layout` must outlive it. The options' constraint and the solver `greedy` have no effect.
   Loudness(const Layout& layout, const DriveOptions& options);
 
-  /// Whether some voice of the schedule asks for a pressure.
+  /// Whether some voice of the schedule requests a pressure.
   static bool asked(const Schedule& schedule);
 
-  /// Looks at the slots 0 .. `slots` - 1 and fills target and reached pressure of all voices. Keeps its storage.
+  /// Evaluates the slots 0 .. `slots` - 1 and fills target and reached pressure of all voices. Keeps its storage.
   void solve(Schedule& schedule, std::uint32_t slots);
-  /// The factors of a slot's foci, in the order of foci_of_slot, 0 for foci that cannot be driven; with them no
-  /// transducer exceeds 1. Valid until the next solve.
+  /// The factors of a slot's foci, in the order of foci_of_slot, 0 for foci that cannot be driven. With these factors,
+  /// no transducer exceeds 1. Valid until the next solve.
   std::span<const std::complex<double>> factors(std::uint32_t slot) const;
 
  private:
@@ -44,7 +45,7 @@ class Loudness {
     std::size_t first = 0, count = 0;
     FocusMatrix matrix;
   };
-  /// One slot, which is one part, or several (crowd.hpp).
+  /// One slot, which consists of one or several parts (crowd.hpp).
   struct Slot {
     std::size_t first = 0, count = 0;
     std::size_t first_part = 0, parts = 0;
@@ -56,8 +57,7 @@ class Loudness {
   void correct(const Part& part, std::span<std::complex<double>> factors);
   void find_sources(std::size_t first, std::size_t count);
   void keep_asks(const Part& part);
-  /// The largest amplitude of the slot; where `takes` is not empty each voice's own is entered, too, where it is
-  /// larger.
+  /// The largest amplitude of the slot. If `takes` is not empty, each voice's own amplitude is entered if it is larger.
   double peak_of(const Slot& slot, std::span<Demand> takes);
   void apply_levels();
   double peak_of_all();
@@ -81,13 +81,13 @@ class Loudness {
   std::vector<Part> parts_;
   std::size_t part_count_ = 0;
   std::vector<SlotFocus> foci_, slot_foci_;    ///< of all slots, and of one
-  std::vector<double> targets_;                ///< all that is asked, in 1/m
-  std::vector<double> given_;                  ///< what part of it a focus alone could have, 0..1
-  std::vector<std::complex<double>> full_;     ///< factors that give that part,
-  std::vector<std::complex<double>> factors_;  ///< and those that are played
+  std::vector<double> targets_;                ///< full requests, in 1/m
+  std::vector<double> given_;                  ///< the share of it that a focus alone could have, 0..1
+  std::vector<std::complex<double>> full_;     ///< factors that give that share,
+  std::vector<std::complex<double>> factors_;  ///< and the factors that are played
   std::vector<Demand> demands_;                ///< of the voices
   std::vector<double> levels_, shared_;
-  /// What each focus of each voice asks of the transducers, [ask_of_[voice] + number]: transducer by transducer.
+  /// The drive of each focus of each voice, [ask_of_[voice] + number]: one entry per transducer.
   struct Ask {
     bool known = false;
     std::vector<float> re, im;

@@ -8,7 +8,7 @@ struct Medium {
   double frequency = 40e3;      ///< Hz
   double turns_per_metre() const { return frequency / sound_speed; }
 };
-/// What is taken for air and ultrasound at all, both ends included. Anything else is a unit gone wrong.
+/// Accepted ranges for air and ultrasound, both ends included. Values outside are unit errors.
 inline constexpr double least_celsius = -60, most_celsius = 100;
 inline constexpr double least_sound_speed = 100, most_sound_speed = 2000;  ///< m/s
 inline constexpr double least_frequency = 1e3, most_frequency = 10e6;      ///< Hz

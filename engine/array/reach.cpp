@@ -7,7 +7,7 @@
 namespace palpa::array {
 namespace {
 
-/// The corners of a flat grid that fills its bounding rectangle; all of its transducers if it is anything else.
+/// The corners of a flat grid that fills its bounding rectangle; all transducers for any other shape.
 void add_extremes(const Board& board, std::span<const Transducer> transducers, std::vector<Vec3>& candidates) {
   const Transform T_board_layout = glm::inverse(board.T_layout_board);
   Box box;

@@ -1,4 +1,4 @@
-// The distance of the farthest transducer, without asking all of them.
+// The distance of the farthest transducer, without testing all of them.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace palpa::array {
 
-/// The point of a set that is farthest from anywhere is a vertex of its convex hull. A board's hull has four: 64 of the
-/// paper's 3984. Transducers that belong to no board are all kept.
+/// The point of a set that is farthest from any place is a vertex of its convex hull. A board's hull has four vertices:
+/// 64 for the paper's 3984 transducers. Transducers that belong to no board are all kept.
 class Reach {
  public:
   explicit Reach(const Layout& layout);

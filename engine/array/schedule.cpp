@@ -11,7 +11,7 @@
 namespace palpa::array {
 namespace {
 
-// 1 ns .. 1000 s keeps every product below within 64 bits.
+// A range of 1 ns to 1000 s keeps every product below within 64 bits.
 std::uint64_t nanoseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(std::clamp(seconds, 1e-9, 1e3) * 1e9));
 }
@@ -84,11 +84,11 @@ bool shared_modulation(const Schedule& schedule) {
 std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most) {
   const std::uint64_t slot_ns = nanoseconds(schedule.slot_s);
   std::uint64_t cycle = 1;
-  // Lengthens the cycle to a multiple of `period`, in nanoseconds (or parts of a turn); false if that is too long.
+  // Lengthens the cycle to a multiple of `period`, in nanoseconds (or fractions of a turn); false if that is too long.
   const auto join = [&](std::uint64_t period) {
     const std::uint64_t slots = period / std::gcd(period, slot_ns);
     if (slots > most) return false;
-    // No overflow: neither exceeds `most`, which is bounded below.
+    // No overflow, because neither exceeds `most`, which is bounded below.
     cycle = std::lcm(cycle, slots);
     return cycle <= most;
   };

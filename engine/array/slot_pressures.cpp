@@ -10,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// What the foci are to have, each at least as much as one that is the same has.
+/// The targets of the foci; each is at least that of a coinciding focus.
 std::span<const double> one_sound(const FocusMatrix& matrix, std::span<const double> targets,
                                   std::vector<double>& raised) {
   raised.assign(targets.begin(), targets.end());
@@ -25,7 +25,7 @@ std::span<const double> one_sound(const FocusMatrix& matrix, std::span<const dou
   return raised;
 }
 
-/// The factors of gs_pat, as loud as asked on the whole.
+/// The factors of gs_pat, scaled to the requested loudness.
 void start_together(const FocusMatrix& matrix, const Columns& columns, std::span<const double> targets,
                     std::span<Complex> factors, PressureScratch& scratch) {
   const double most = *std::ranges::max_element(targets);

@@ -1,14 +1,15 @@
-// The foci of one slot with the pressures that they are to have, whatever they do to each other.
+// Solves the foci of one slot for given pressures, including the influence of the foci on each other.
 //
-//   T_j  what focus j is to have, in 1/m: pascals over the layout's source level
-//   R    the matrix of gs_pat.hpp: R c is what the foci hear of the factors c
+//   T_j  the target of focus j, in 1/m: pascals over the layout's source level
+//   R    the matrix of gs_pat.hpp: R c are the pressures at the foci for the factors c
 //
 //   |R c|_j = T_j, within pressure_miss
 //
-// By `naive` the factors begin as if each focus sounded alone, c_j = T_j / R_jj: the paper's q_j, in its phases.
-// `gs_pat` chooses phases in which the foci help each other, as loud as asked relative to each other, and is scaled to
-// all of it. From there even_out.hpp goes the rest of the way. A focus whose T_j is 0 sounds as it comes, and one of
-// which nothing arrives is left out. Foci that are one to the array (gs_pat_same) have the largest of their T_j.
+// With `naive`, the factors start as if each focus sounded alone, c_j = T_j / R_jj: the paper's q_j, in its phases.
+// `gs_pat` chooses phases in which the foci help each other, as loud as requested relative to each other, and its
+// result is scaled to the full targets. From there even_out.hpp finishes the work. A focus whose T_j is 0 is not
+// corrected, and one at which nothing arrives is left out. Foci that the array cannot separate (gs_pat_same) get the
+// largest of their T_j.
 #pragma once
 
 #include <complex>
@@ -32,15 +33,15 @@ struct PressureScratch {
   std::vector<FocusWeight> weights;
 };
 
-/// The phases in which foci begin: the paper's, or those in which they help each other (`gs_pat`).
+/// The initial phases of foci: the paper's, or those in which they help each other (`gs_pat`).
 enum class FocusPhases { own, helping };
 
-/// Fills `factors` from nothing: as the foci begin. At most most_solved_foci foci.
+/// Fills `factors` with the start values. At most most_solved_foci foci.
 void start_pressures(const FocusMatrix& matrix, const Columns& columns, FocusPhases phases,
                      std::span<const double> targets, std::span<std::complex<double>> factors,
                      PressureScratch& scratch);
 
-/// Moves factors that are nearly there.
+/// Corrects factors that are almost right.
 void correct_pressures(const FocusMatrix& matrix, std::span<const double> targets,
                        std::span<std::complex<double>> factors, PressureScratch& scratch);
 

@@ -22,7 +22,7 @@ static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
 static_assert(shader::solve_finger_foci == gs_pat_few && shader::drive_turned_foci == gs_pat_few);
-// Foci have a thread each while transducers turn.
+// Each focus has its own thread while the transducers' phases change.
 static_assert(shader::solve_phases_group >= shader::solve_finger_foci);
 static_assert(shader::solve_starts == gs_pat_starts && shader::solve_sounds == gs_pat_sounds &&
               shader::solve_climb == gs_pat_climb && shader::solve_look == gs_pat_look &&
@@ -66,7 +66,7 @@ shader::SolvePush push_of(const SolveBatch& batch) {
   return push;
 }
 
-/// The most foci that a slot of the batch has within fewest .. most; 0: no slot is of such a size.
+/// The largest number of foci of a slot in the batch, within fewest .. most; 0: no slot has such a size.
 std::uint32_t most_foci(const SolveBatch& batch, std::uint32_t fewest, std::uint32_t most) {
   while (most >= fewest && !(batch.sizes >> (most - 1) & 1))
     --most;
@@ -75,7 +75,7 @@ std::uint32_t most_foci(const SolveBatch& batch, std::uint32_t fewest, std::uint
 
 }  // namespace
 
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The kernels' buffers by name: those of the caller, and the scratch.
 struct SolverPass::Buffers : SolveBindings {
   gpu::BufferRef matrices = {};
 };
@@ -110,7 +110,7 @@ SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
 }
 
 std::vector<gpu::ScratchBuffer> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
-  // A slot of n foci has n * n entries of two floats, n being at most most_solved_foci.
+  // A slot of n foci has n * n entries of two floats, where n is at most most_solved_foci.
   const VkDeviceSize entries = solver == Solver::gs_pat ? VkDeviceSize{most_foci} * most_solved_foci : 0;
   return {{"focus matrices", entries * 2 * sizeof(float)}};
 }
@@ -129,7 +129,7 @@ void SolverPass::record_gs_pat(VkCommandBuffer commands, const Buffers& buffers,
   bool first = true;
   const auto run = [&](const gpu::ComputePipeline& kernel, const gpu::KernelBuffers& bound, std::uint32_t x,
                        std::uint32_t y = 1) {
-    // Where it is not the step before, it is other slots in the same buffers, which nothing else tells apart.
+    // If it is not the previous step, it is other slots in the same buffers, so a barrier is needed.
     if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
     kernel.dispatch(commands, bound, push, x, y);
   };

@@ -1,4 +1,4 @@
-// The solvers on the GPU: how the foci of many slots share the array, in one go.
+// The solvers on the GPU: how the foci of many slots share the array, in one submit.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,13 @@
 
 namespace palpa::array {
 
-/// What one record of the pass binds. Texels are views of 16 bytes each (gpu/texel_view.hpp).
+/// The bindings of one recording of the pass. Texels are views of 16 bytes each (gpu/texel_view.hpp).
 struct SolveBindings {
   gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
-  gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are left alone
-  gpu::BufferRef drives;   ///< written by greedy; by gs_pat under `uniform` and `clamp`: by how much transducers turn,
-                           ///< for the drives' kernel
+  gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are skipped
+  gpu::BufferRef drives;   ///< written by greedy; by gs_pat under `uniform` and `clamp`: the phase changes of the
+                           ///< transducers, for the drives' kernel
   gpu::BufferRef weights;  ///< written by gs_pat: vec4 per focus, plain and heard factor; scratch of greedy
   gpu::BufferRef axes;     ///< texels: vec4[transducers]
   gpu::BufferRef directivity;  ///< texels of 4 bytes: solver_directivity
@@ -29,38 +29,39 @@ struct SolveBindings {
 struct SolveBatch {
   std::uint32_t transducers = 0;  ///< at least 1
   std::uint32_t slots = 0;        ///< at most 65,535
-  /// Bit n: some slot that is to be solved has n + 1 foci.
+  /// Bit n: some slot to solve has n + 1 foci.
   std::uint64_t sizes = 0;
   Weighting weighting = Weighting::distance;
   Constraint constraint = Constraint::normalise;
   double nearest = 0;  ///< radius of a transducer in wavelengths
 };
 
-/// Pipelines only, those of one solver. Twins: gs_pat and greedy.
+/// Holds only the pipelines of one solver. Twins: gs_pat and greedy.
 ///
-/// gs_pat takes three steps. The matrix of each slot: one workgroup per tile of foci. The factors from it: a thread per
-/// slot, or a workgroup where foci are many. Under `uniform` and `clamp` a workgroup per slot turns the transducers, or
-/// refines the factors where foci are many. The factors agree with the twin's within 1e-3. No built-in sine or
-/// arctangent takes part: devices differ by the rounding of multiply-adds only. What a slot of M foci (at most
-/// solve_finger_foci) and N transducers costs: N M sines and cosines, N M^2 complex multiply-adds, and at most 200
-/// products of matrix and vector; under `uniform` and `clamp` once to 62 times N M sines and cosines and N M^2 / 2
-/// multiply-adds more.
+/// gs_pat takes three steps. First, the matrix of each slot, with one workgroup per tile of foci. Second, the factors
+/// from it, with a thread per slot, or a workgroup for many foci. Third, under `uniform` and `clamp`, a workgroup per
+/// slot changes the phases of the transducers, or refines the factors if there are many foci. The factors agree with
+/// the twin's within 1e-3. No built-in sine or arctangent is used, so devices only differ by the rounding of
+/// multiply-adds. The cost of a slot of M foci (at most solve_finger_foci) and N transducers is N M sines and cosines,
+/// N M^2 complex multiply-adds, and at most 200 products of matrix and vector; under `uniform` and `clamp` additionally
+/// 1 to 62 times N M sines and cosines and N M^2 / 2 multiply-adds.
 ///
-/// greedy: 16 N M square roots one after the other, a slot to a thread, so that it is fast only for many slots. Where
-/// two phases are equally good to within rounding, device and twin may choose differently and go different ways from
-/// there, to drives that serve the foci equally well.
+/// greedy: 16 N M square roots one after the other, with one thread per slot, so it is only fast for many slots. If two
+/// phases are equally good within rounding, device and twin may choose differently and diverge from there, to drives
+/// that serve the foci equally well.
 ///
-/// The kernels know the transfer between transducers and foci as shaders/array/drive/transfer_free.glsl has it, by the
-/// matrix and by the columns G of the foci, a transducer at a time: another transfer is another file of the same names.
+/// The kernels use the transfer between transducers and foci from shaders/array/drive/transfer_free.glsl, for the
+/// matrix and for the columns G of the foci, one transducer at a time. Another transfer is another file with the same
+/// names.
 class SolverPass {
  public:
   SolverPass(const gpu::Device& device, Solver solver);
 
-  /// For slots of `most_foci` foci in all.
+  /// For slots with at most `most_foci` foci in total.
   static std::vector<gpu::ScratchBuffer> scratch(Solver solver, std::uint32_t most_foci);
 
-  /// Nothing for `naive`. Barriers: expects the inputs to be visible to compute, and whoever used the scratch,
-  /// `weights` and `drives` before to be done; the caller makes `weights` or `drives` visible afterwards.
+  /// Records nothing for `naive`. Barriers: expects the inputs to be visible to compute, and earlier users of the
+  /// scratch, `weights` and `drives` to be done; the caller makes `weights` or `drives` visible afterwards.
   void record(VkCommandBuffer commands, const SolveBindings& bindings, const gpu::Scratch& scratch,
               const SolveBatch& batch) const;
 
@@ -84,7 +85,7 @@ class SolverPass {
   std::vector<Greedy> greedy_;
 };
 
-/// The directivity as the shaders look it up: directivity_table in 16 bits, two neighbours per word.
+/// The directivity table for the shaders: directivity_table in 16 bits, two neighbours per word.
 std::vector<std::uint32_t> solver_directivity(Directivity kind, double ka);
 
 }  // namespace palpa::array

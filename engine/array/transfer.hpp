@@ -1,5 +1,5 @@
-// What the solvers know of the sound between transducers and foci: the columns of G and B, and the matrix R = G B.
-// Which sound it is, that of the free field or that around a finger, is the Transfer's business alone.
+// The sound between transducers and foci as the solvers use it: the columns of G and B, and the matrix R = G B. Only
+// the Transfer knows whether it is the free field or the field around a finger.
 #pragma once
 
 #include <complex>
@@ -12,15 +12,16 @@
 
 namespace palpa::array {
 
-/// How the amplitude of one focus spreads over the transducers: as the distance over the farthest one's, or evenly.
+/// How the amplitude of one focus is distributed over the transducers: proportional to distance (1 at the farthest), or
+/// uniform.
 enum class Weighting { distance, uniform };
 inline constexpr Word<Weighting> weighting_words[] = {{"distance", Weighting::distance},
                                                       {"uniform", Weighting::uniform}};
 
-/// More foci in a slot than this no solver but `naive` takes.
+/// The maximum number of foci in a slot for all solvers except `naive`.
 inline constexpr std::size_t most_solved_foci = 64;
 
-/// Factors of what each focus asks, its q_j: `plain` as if every gain were the largest, `heard` with the gains.
+/// Factors of each focus' q_j: `plain` as if every gain were the largest, `heard` with the gains.
 struct FocusWeight {
   std::complex<double> plain = 1, heard = 1;
 };
@@ -35,21 +36,22 @@ struct FocusSource {
 /// The columns of a slot's foci, entry [transducer * foci + focus] of each.
 struct Columns {
   std::size_t foci = 0, transducers = 0;
-  std::vector<double> cosine, sine;  ///< of the phase of what arrives
-  std::vector<double> loud;          ///< what of a full transducer arrives, in 1/m (times the source level: Pa)
-  std::vector<double> asked;         ///< the amplitude that the focus asks of the transducer, 0..1
+  std::vector<double> cosine, sine;  ///< of the phase of the arriving pressure
+  std::vector<double> loud;          ///< arriving pressure of a transducer at full amplitude, in 1/m (times the source
+                                     ///< level: Pa)
+  std::vector<double> asked;         ///< the amplitude of the transducer for the focus, 0..1
 
-  /// G: what arrives at a focus of a transducer at full amplitude and phase 0.
+  /// G: the pressure at a focus from a transducer at full amplitude and phase 0.
   std::complex<double> transfer(std::size_t entry) const {
     return {loud[entry] * cosine[entry], loud[entry] * sine[entry]};
   }
-  /// B: what a focus asks of a transducer, q_j, conjugate in phase to the transfer.
+  /// B: the drive q_j of a transducer for a focus, conjugate in phase to the transfer.
   std::complex<double> ask(std::size_t entry) const {
     return {asked[entry] * cosine[entry], -asked[entry] * sine[entry]};
   }
 };
 
-/// R = G B: what arrives at focus `row` of what focus `column` asks. Entry [column * foci + row].
+/// R = G B: the pressure at focus `row` from the drive for focus `column`. Entry [column * foci + row].
 struct FocusMatrix {
   std::size_t foci = 0;
   std::vector<double> re, im;
@@ -57,20 +59,20 @@ struct FocusMatrix {
   std::complex<double> at(std::size_t row, std::size_t column) const {
     return {re[column * foci + row], im[column * foci + row]};
   }
-  /// What a focus gives at its own place alone.
+  /// The pressure of a focus alone at its own place.
   double alone(std::size_t focus) const { return re[focus * foci + focus]; }
 };
 
 /// Fills `matrix` from all columns, keeping its storage.
 void multiply(const Columns& columns, FocusMatrix& matrix);
 
-/// Where columns come from. Twin: shaders/transfer_*.glsl.
+/// The source of columns. Twin: shaders/transfer_*.glsl.
 class Transfer {
  public:
   virtual ~Transfer() = default;
-  /// Replaces `columns` by those of these foci, keeping its storage.
+  /// Replaces `columns` by the columns of these foci, keeping its storage.
   virtual void fill(std::span<const FocusSource> foci, Weighting weighting, Columns& columns) const = 0;
-  /// The same of `count` transducers from `first` on, for whoever wants less of it at a time.
+  /// The same for `count` transducers from `first` on, to limit memory.
   virtual void fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
                     Columns& columns) const = 0;
 };

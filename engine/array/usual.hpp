@@ -1,4 +1,4 @@
-// What an array can be asked for but hardly is on purpose.
+// Detects requests to an array that are probably mistakes.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace palpa::array {
 
-/// Beyond it air has taken most of a 40 kHz sound, and an array of hands' size no longer focuses, metres.
+/// In metres. Beyond this, air has absorbed most of a 40 kHz sound, and an array of the size of hands no longer
+/// focuses.
 inline constexpr double most_usual_distance_m = 2;
 
-/// Why no focus in that box (a point is one) is worth much, as the end of a sentence about it: "lies behind the
-/// array, ...". Empty where there is nothing to say: some of it is before a transducer and near enough to one.
+/// Why no focus in the box (a point is also a box) is useful, as the end of a sentence about it: "lies behind the
+/// array, ...". Empty if there is no reason: some of the box is in front of a transducer and near enough to one.
 std::string unusual_place(const Layout& layout, const Box& box);
 
-/// Why that frequency does not go with the layout; empty within half of Layout::frequency_hz.
+/// Why the frequency does not suit the layout; empty within half of Layout::frequency_hz.
 std::string unusual_frequency(const Layout& layout, double hz);
 
 }  // namespace palpa::array

@@ -1,4 +1,4 @@
-// What long work is doing, for whoever waits for it.
+// What a long computation is currently doing, for progress reports.
 #pragma once
 
 #include <atomic>
@@ -9,23 +9,23 @@
 namespace palpa {
 
 struct Doing {
-  std::string what;                   ///< outermost first: "checks mesh \"x\": looks for crossings"
-  std::uint64_t done = 0, total = 0;  ///< of the innermost
+  std::string what;                   ///< outermost activity first: "checks mesh \"x\": looks for crossings"
+  std::uint64_t done = 0, total = 0;  ///< steps of the innermost activity
 };
 
-/// While it lives, this process does `what`. They nest: what is made within another is a part of it. One thread at a
-/// time makes them; any thread may advance them and look.
+/// An activity of this process, from construction to destruction. Activities nest: one that begins inside another is a
+/// part of it. Only one thread at a time may construct them; any thread may advance and read them.
 class Activity {
  public:
-  /// `what` is a verb with its object: "checks mesh \"bunny\"". Of `total` steps; 0 where nobody counts.
-  /// Throws failure() where this thread is Cancellable and was cancelled.
+  /// `what` is a verb with its object: "checks mesh \"bunny\"". `total` is the number of steps; 0 if the steps are not
+  /// counted. Throws failure() if this thread is Cancellable and was cancelled.
   explicit Activity(std::string what, std::uint64_t total = 0);
   ~Activity();
   Activity(const Activity&) = delete;
   Activity& operator=(const Activity&) = delete;
 
   void advance(std::uint64_t steps = 1) { done_.fetch_add(steps, std::memory_order_relaxed); }
-  /// So many are done.
+  /// Sets the number of finished steps.
   void reach(std::uint64_t done) { done_.store(done, std::memory_order_relaxed); }
 
  private:
@@ -36,7 +36,7 @@ class Activity {
   std::atomic<std::uint64_t> done_{0};
 };
 
-/// While it lives, what its thread does ends where it begins another Activity, once `stop` is set.
+/// During its lifetime, work on its thread ends at the next Activity that begins after `stop` was set.
 class Cancellable {
  public:
   explicit Cancellable(const std::atomic<bool>& stop);
@@ -45,7 +45,7 @@ class Cancellable {
   Cancellable& operator=(const Cancellable&) = delete;
 };
 
-/// What is being done now.
+/// The current activity of the process, if any.
 std::optional<Doing> doing();
 
 }  // namespace palpa

@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t endian;
   CacheKey key;
   std::uint64_t bytes;     // of the whole file
-  std::uint64_t sections;  // a Place each follows
+  std::uint64_t sections;  // followed by a Place for each
   std::uint64_t checksum;  // of everything after this header
   std::uint64_t unused;
 };
@@ -47,7 +47,7 @@ std::size_t aligned(std::size_t bytes) {
   return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/// Empty: there is no cache.
+/// Empty if there is no cache.
 fs::path folder() {
   const char* off = std::getenv("PALPA_CACHE");
   if (off != nullptr && std::string_view(off) == "off") return {};

@@ -1,4 +1,4 @@
-// Results that took long to compute, kept between runs of the program.
+// Results that are slow to compute, kept between runs of the program.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace palpa {
 
-/// 128 bits that tell apart whatever is worth telling apart.
+/// 128 bits that identify a cached result.
 using CacheKey = std::array<std::uint64_t, 2>;
 
 /// Hashes bytes, one piece after the other (XXH3, 128 bits).
@@ -24,7 +24,7 @@ class CacheHash {
   CacheHash& operator=(const CacheHash&) = delete;
 
   void add(const void* data, std::size_t bytes);
-  /// Of a value without padding.
+  /// Hashes a value without padding.
   template <typename T>
   void add(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -42,7 +42,7 @@ class CacheFile {
  public:
   std::size_t sections() const { return sections_.size(); }
   std::span<const std::byte> section(std::size_t i) const { return sections_[i]; }
-  /// As values of T; empty where the section's size is no multiple of T's.
+  /// The section as values of T; empty if its size is not a multiple of T's.
   template <typename T>
   std::span<const T> section_as(std::size_t i) const {
     const auto bytes = sections_[i];
@@ -56,13 +56,13 @@ class CacheFile {
   std::vector<std::span<const std::byte>> sections_;
 };
 
-/// What store_cached kept under that kind and key: $XDG_CACHE_HOME/palpa/KIND-KEY, else ~/.cache/palpa/KIND-KEY. Null
-/// where there is none, where PALPA_CACHE is "off", and where the file is truncated, damaged (a checksum over
-/// everything), of another version or not ours: then it is as if it were not there. `kind` is lower-case letters.
+/// Loads what store_cached stored under this kind and key: $XDG_CACHE_HOME/palpa/KIND-KEY, else
+/// ~/.cache/palpa/KIND-KEY. Returns null if there is no such file, if PALPA_CACHE is "off", and if the file is
+/// truncated, damaged (a checksum covers everything), of another version or not palpa's. `kind` is lower-case letters.
 std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheKey& key);
 
-/// Keeps sections for later: written beside its place and renamed, so that nobody ever sees half of it, also when two
-/// processes write the same. Where nothing can be written, nothing is: a debug line says why.
+/// Stores sections for later runs. The file is written under another name and renamed, so that no process ever sees
+/// half of it, even if two processes store the same key. If nothing can be written, a debug line gives the reason.
 void store_cached(std::string_view kind, const CacheKey& key, std::span<const std::span<const std::byte>> sections);
 
 }  // namespace palpa

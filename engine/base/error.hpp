@@ -12,10 +12,10 @@ enum class Exit : int {
   failed = 1,     ///< a run-time failure: lost device, full disk, closed pipe
   usage = 2,      ///< unusable arguments
   no_device = 3,  ///< no usable Vulkan device or display
-  bad_input = 4,  ///< a missing, broken or absurd file
+  bad_input = 4,  ///< a missing, broken or implausible file
 };
 
-/// `what()` is one line that names what is wrong, where, and what would be right; it ends without a full stop or
+/// `what()` is one line that says what is wrong, where, and what would be right. It ends without a full stop or
 /// newline.
 class Error : public std::runtime_error {
  public:
@@ -26,7 +26,7 @@ class Error : public std::runtime_error {
   Exit code_;
 };
 
-/// `file: fault`, exit code 4. Use it for everything that a file's author can cause.
+/// `file: fault`, exit code 4. For every fault that a file's author can cause.
 Error bad_input(const std::string& file, const std::string& fault);
 /// Exit code 2.
 Error bad_usage(const std::string& line);

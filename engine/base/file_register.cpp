@@ -20,20 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What was read.
+/// A file that was read.
 struct Input {
-  std::string name;       ///< under which it was read
+  std::string name;       ///< the name under which it was read
   std::int64_t born = 0;  ///< see birth_of()
 };
 
-/// Inputs are opened on several threads.
+/// With a mutex, because inputs are opened on several threads.
 struct Register {
   std::mutex mutex;
   int keepers = 0;
   std::vector<Claim> claims;
   std::map<FileIdentity, Input> inputs;
   std::set<Entry> own;
-  std::set<Entry> written;  ///< by this program: it may write these again
+  std::set<Entry> written;  ///< by this program, which may write them again
 };
 Register& the_register() {
   static Register instance;
@@ -46,8 +46,8 @@ FileIdentity identity_of(const fs::path& file) {
   return {status.st_dev, status.st_ino};
 }
 
-/// When the file came to be, nanoseconds; 0 where the file system does not know. It gives the inode of a file that is
-/// gone to another one: what is the same inode, but younger, is another file.
+/// The creation time of the file in nanoseconds; 0 if the file system does not know it. A file system may give the
+/// inode of a deleted file to a new one, so the same inode with a later creation time is another file.
 std::int64_t birth_of(const fs::path& file) {
   struct statx status {};
   if (::statx(AT_FDCWD, file.c_str(), 0, STATX_BTIME, &status) != 0 || (status.stx_mask & STATX_BTIME) == 0) return 0;
@@ -66,12 +66,12 @@ bool is_known(const FileIdentity& identity) {
   return identity != FileIdentity{};
 }
 
-/// Not of what is not there, whose identity is its folder's; nor of devices and pipes.
+/// False for files that do not exist, whose identity is that of their folder, and for devices and pipes.
 bool can_be_lost(const OutputPlace& place) {
   return place.kind == OutputPlace::Kind::file;
 }
 
-/// Whether that file was read, and is still the one that was.
+/// Whether that file was read and is still the same file.
 bool was_read(const Register& r, const OutputPlace& place) {
   if (!can_be_lost(place)) return false;
   const auto input = r.inputs.find(place.identity);
@@ -88,7 +88,7 @@ bool is_same(const Claim& a, const Claim& b) {
   return is_known(a.entry.folder) && a.entry == b.entry;
 }
 
-/// Whether the claim is of that place.
+/// Whether the claim includes that place.
 bool covers(const Claim& claim, const OutputPlace& place, const Entry& entry) {
   if (claim.entry == entry && is_known(entry.folder)) return true;
   if (place.kind != OutputPlace::Kind::absent && place.identity == claim.place.identity) return true;
@@ -143,8 +143,8 @@ void reads(const fs::path& file, const FileIdentity& identity) {
   const Entry entry = entry_of(output_place(file));
   const std::int64_t born = is_known(identity) ? birth_of(file) : 0;
   const std::lock_guard lock(r.mutex);
-  // What this program has written itself may be written again, though it was read meanwhile. What is refused is
-  // remembered, too: it must not be written, be it that somebody goes on without having read it.
+  // Files that this program wrote may be written again, even if they were read meanwhile. Refused reads are remembered,
+  // too: the file must not be written, even if the caller continues without reading it.
   if (r.keepers > 0 && is_known(identity) && !r.own.contains(entry) && !r.written.contains(entry))
     r.inputs[identity] = {file.string(), born};
   for (const Claim& claim : r.claims) {

@@ -1,18 +1,18 @@
-// The register of all files that a program reads and writes: nothing that was read is written over, nothing is written
-// twice under two names, and nothing is written that the command line (or a viewer's user) did not ask for.
+// The register of all files that a program reads and writes. It ensures that no file that was read is overwritten, that
+// no file is written twice under two names, and that nothing is written that the command line (or the viewer's user)
+// did not ask for.
 //
-// There is no way around it. Whatever is read goes through base/input_file.hpp, whatever is written through
-// base/open_output.hpp (OutputFile, StreamWriter and open_output() itself), and these two ask the register each time.
-// tests/house/files.py finds every other way to open a file in the sources, and lists the few that may stay.
+// Every access goes through the register. All reading uses base/input_file.hpp, all writing uses base/open_output.hpp
+// (OutputFile, StreamWriter and open_output() itself), and these two ask the register each time. tests/house/files.py
+// finds every other way to open a file in the sources, and lists the few exceptions.
 //
-// A command declares its outputs (base/outputs.hpp) before it reads or opens anything. Then the order no longer
-// matters:
-//   - an output that was read before it is declared is refused when it is declared,
+// A command declares its outputs (base/outputs.hpp) before it reads or opens anything. The order of accesses then does
+// not matter:
+//   - an output that was read before its declaration is refused when it is declared,
 //   - an input that is declared as an output is refused when it is opened for reading,
-//   - what is opened for writing without being declared is a programming error, and an Error.
-// Files are told apart by what they are (device and inode), and where there is none yet by folder and name, so links,
-// "..", "//" and /proc/self/fd are no way around it either. Devices and pipes cannot be overwritten and are not
-// refused.
+//   - writing to an undeclared file is a programming error, and throws an Error.
+// Files are identified by device and inode, or by folder and name if they do not exist yet. Links, "..", "//" and
+// /proc/self/fd therefore cannot bypass the register. Devices and pipes cannot be overwritten and are not refused.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,9 @@
 
 namespace palpa {
 
-/// While one lives, as in palpa's programs all the time, what is read is remembered, and what is written has to be
-/// declared. Programs that use palpa as a library, and tests, do without: there only declared outputs are guarded.
+/// During its lifetime, the register remembers what is read, and everything that is written must be declared. palpa's
+/// programs keep one all the time. Programs that use palpa as a library, and tests, have none: then the register only
+/// guards declared outputs.
 class KeptRegister {
  public:
   KeptRegister();
@@ -37,7 +38,7 @@ class KeptRegister {
 
 namespace file_register {
 
-/// A file by its folder and its name there, whether it exists or not.
+/// A file as its folder and its name in that folder, whether it exists or not.
 struct Entry {
   FileIdentity folder;
   std::string name;
@@ -47,30 +48,30 @@ struct Entry {
 
 /// One declared output.
 struct Claim {
-  const void* owner;   ///< whose claims end together
+  const void* owner;   ///< claims of one owner end together
   std::string option;  ///< "--json", for messages
   OutputPlace place;
-  bool is_folder = false;  ///< all that lies within it is declared, too
+  bool is_folder = false;  ///< everything inside it is declared, too
   // Filled in by claim():
   Entry entry{};
   std::int64_t born = 0;
 };
 
-/// Declares them, or none. Throws bad_usage for what was read already, and for what another owner declares under
-/// another option.
+/// Declares all of the claims, or none. Throws bad_usage for a file that was already read, and for one that another
+/// owner declares under another option.
 void claim(std::vector<Claim> claims);
-/// Ends the claims of that owner.
+/// Ends all claims of that owner.
 void release(const void* owner);
 
-/// A file is about to be read: remembers it. Throws bad_usage, naming the option, where it is declared as an output.
+/// Call before reading a file: remembers it. Throws bad_usage, naming the option, if the file is declared as an output.
 void reads(const std::filesystem::path& file, const FileIdentity& identity);
-/// Whether reads() would have anything to do.
+/// Whether reads() has anything to do.
 bool is_in_use();
 
-/// A place is about to be written to. Throws bad_usage where it was read, failure() where it is not declared.
+/// Call before writing to a place. Throws bad_usage if it was read, failure() if it is not declared.
 void writes(const OutputPlace& place);
 
-/// One of palpa's own files, which it reads and writes without being asked: the viewer's settings, the cache.
+/// Adds one of palpa's own files, which palpa reads and writes without being asked: the viewer's settings, the cache.
 void add_own(const std::filesystem::path& file);
 
 }  // namespace file_register

@@ -24,7 +24,7 @@ std::string reason(int error) {
 }  // namespace
 
 InputFile::InputFile(const std::filesystem::path& path, std::uint64_t most_bytes) : name_(path.string()) {
-  // O_NONBLOCK: opening a FIFO without a writer would wait for one.
+  // O_NONBLOCK: opening a FIFO without a writer would block.
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0) {
     throw bad_input(name_, errno == ENOENT ? "no such file" : "cannot be opened: " + reason(errno));

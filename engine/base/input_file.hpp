@@ -1,4 +1,4 @@
-// Reading files that may be anything: directories, devices, pipes and giants are refused before a byte is believed.
+// Safe reading of arbitrary files: directories, devices, pipes and oversized files are refused before any byte is read.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace palpa {
 
-/// A regular file, open for reading. Owns the descriptor: what was examined is what is read, whatever happens to the
-/// name meanwhile.
+/// A regular file, open for reading. It owns the descriptor, so the file that was checked is the file that is read,
+/// even if the name changes meanwhile.
 class InputFile {
  public:
   static constexpr std::uint64_t any_size = std::numeric_limits<std::uint64_t>::max();
 
-  /// Throws bad_input: missing, unreadable, not a regular file, empty, of more than `most_bytes`; bad_usage for one
-  /// that is to be written (see Outputs). Never blocks (a FIFO is refused without waiting).
+  /// Throws bad_input if the file is missing, unreadable, not a regular file, empty, or larger than `most_bytes`;
+  /// bad_usage if it is a declared output (see Outputs). Never blocks (a FIFO is refused without waiting).
   explicit InputFile(const std::filesystem::path& path, std::uint64_t most_bytes = any_size);
   ~InputFile();
   InputFile(InputFile&& other) noexcept;
@@ -28,9 +28,9 @@ class InputFile {
   const std::string& name() const { return name_; }
   std::uint64_t size() const { return size_; }
 
-  /// Fills `out` from the byte `offset` on. Throws bad_input where the file ends earlier or the disk fails.
+  /// Fills `out` from the byte `offset` on. Throws bad_input if the file ends too early or the disk fails.
   void read_at(std::uint64_t offset, std::span<unsigned char> out) const;
-  /// The first bytes, at most `count`.
+  /// The first bytes of the file, at most `count`.
   std::string head(std::size_t count) const;
 
  private:
@@ -39,7 +39,7 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-/// All of a file of at most `most_bytes`. Throws as InputFile does.
+/// The whole of a file of at most `most_bytes`. Throws as InputFile does.
 std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes);
 
 }  // namespace palpa

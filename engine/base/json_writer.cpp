@@ -149,7 +149,7 @@ void JsonWriter::quote(std::string_view text) {
     } else if ((length = utf8_length(text)) != 0) {
       text_ += text.substr(0, length);
     } else {
-      // A name from a file may hold any bytes; JSON may not.
+      // A name from a file may contain any bytes; JSON may not.
       length = 1;
       text_ += "\\ufffd";
     }

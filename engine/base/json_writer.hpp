@@ -1,5 +1,5 @@
-// JSON text with numbers that read back exactly: each is the shortest decimal of its own type, so a float prints as 0.1
-// and not as the double nearest to it.
+// JSON text with numbers that round-trip: each is the shortest decimal of its own type, so a float prints as 0.1 and
+// not as the nearest double.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace palpa {
 
-/// Writes a document front to back. Objects and arrays open and close in pairs; keys keep the order they are written
-/// in. Non-finite numbers become null, since JSON has no word for them; what is no UTF-8 becomes U+FFFD.
+/// Writes a document front to back. Objects and arrays open and close in pairs; keys keep the order in which they are
+/// written. Non-finite numbers become null, because JSON cannot express them. Invalid UTF-8 becomes U+FFFD.
 ///
-/// A writer that is cleared and written again allocates nothing once its text has grown.
+/// A writer that is cleared and reused allocates nothing once its text has grown.
 class JsonWriter {
  public:
-  /// How a container is laid out. Inside of anything but a block everything stays on one line.
+  /// The layout of a container. Everything inside a container other than `block` stays on one line.
   enum class Style {
-    block,    ///< a member per line, two spaces deeper
+    block,    ///< one member per line, indented by two more spaces
     line,     ///< [1, 2]
-    compact,  ///< [1,2], and all that it contains
-    rows,     ///< a member per line without further indentation, each of them compact
+    compact,  ///< [1,2], including everything inside
+    rows,     ///< one member per line without further indentation, each of them compact
   };
 
   JsonWriter& begin_object(Style style = Style::block) { return begin('{', style); }
@@ -32,7 +32,7 @@ class JsonWriter {
   JsonWriter& key(std::string_view name);
 
   JsonWriter& value(double number);
-  /// Rounded to so many significant digits.
+  /// Rounded to `digits` significant digits.
   JsonWriter& rounded(double number, int digits);
   JsonWriter& value(float number);
   JsonWriter& value(std::int64_t number);
@@ -66,9 +66,9 @@ class JsonWriter {
 
   /// Ends the document with a newline. Every container must be closed. Valid until the writer is used again.
   std::string_view finish();
-  /// The same, handed over.
+  /// Like finish(), but returns the text itself.
   std::string take();
-  /// Begins anew and keeps the storage.
+  /// Starts a new document and keeps the storage.
   void clear();
 
  private:

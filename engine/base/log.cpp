@@ -23,30 +23,30 @@ namespace {
 
 std::atomic<Level> threshold{Level::warning};
 
-/// Of a whole line.
+/// Maximum length of a line in bytes.
 constexpr std::size_t longest_line = 500;
 
 std::string line_of(Level at, std::string_view line) {
-  // Names from files may hold anything; an event stays one line.
+  // Names from files may contain anything; an event stays on one line.
   const std::string text = fmt::format("palpa: {}: {}", word_of(level_words, at), one_line(line));
   return shortened(text, longest_line) + '\n';
 }
 
-/// What the relays share.
+/// State shared by all relays.
 struct Relayed {
   std::mutex mutex;
   int relays = 0;
-  std::optional<StreamWriter> writer;  ///< while there are any
+  std::optional<StreamWriter> writer;  ///< exists while there are relays
   std::uint64_t left_out = 0;
 
   bool add(std::string_view text) {
     try {
       return writer->add(text);
-    } catch (const Error&) {  // a closed pipe: nobody will read it
+    } catch (const Error&) {  // a closed pipe: there is no reader
       return false;
     }
   }
-  /// That there were such lines; nothing where there were none.
+  /// The line that reports dropped lines; empty if there were none.
   std::string left_out_line() const {
     if (left_out == 0) return {};
     const bool one = left_out == 1;
@@ -62,7 +62,7 @@ Relayed& relayed() {
   return instance;
 }
 
-/// What a Tail keeps.
+/// The contents of a Tail.
 struct Kept {
   std::mutex mutex;
   std::atomic<bool> on{false};
@@ -81,17 +81,17 @@ void keep(Level at, std::string_view line) {
   k.lines.push_back({at, shortened(one_line(line), longest_line)});
 }
 
-/// Waits for whoever reads it.
+/// Blocks until the reader has taken the text.
 void put(std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
     if (written >= 0) {
       text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno == EAGAIN) {  // whoever shares this pipe or terminal does not want to wait
+    } else if (errno == EAGAIN) {  // another process made this pipe or terminal non-blocking
       pollfd room{STDERR_FILENO, POLLOUT, 0};
       ::poll(&room, 1, -1);
     } else if (errno != EINTR) {
-      return;  // and there is nowhere to say so
+      return;  // the failure cannot be reported anywhere
     }
   }
 }
@@ -99,7 +99,7 @@ void put(std::string_view text) {
 void write(Level at, std::string_view line) {
   keep(at, line);
   if (at > threshold.load(std::memory_order_relaxed)) return;
-  // One write per line keeps lines of several threads apart.
+  // One write per line keeps lines from different threads apart.
   std::string text = line_of(at, line);
   Relayed& r = relayed();
   {
@@ -115,7 +115,7 @@ void write(Level at, std::string_view line) {
   put(text);
 }
 
-/// A hostile file may cause any number of different warnings.
+/// A malicious file may cause any number of different warnings.
 constexpr std::size_t most_kept = 1000;
 
 /// The warnings of one run of a program.
@@ -127,15 +127,15 @@ struct Warnings {
   std::mutex mutex;
   bool holding = false, counting = false;
   std::vector<Line> lines;
-  std::unordered_map<std::string, std::size_t> index;  ///< of lines, by their text
-  std::uint64_t others = 0;                            ///< those that found no place among the lines
+  std::unordered_map<std::string, std::size_t> index;  ///< indices into lines, by text
+  std::uint64_t others = 0;                            ///< warnings beyond the limit of lines
 };
 Warnings& warnings() {
   static Warnings instance;
   return instance;
 }
 
-/// Counts `line`; whether it is to be written at once.
+/// Counts `line`; returns whether it should be written at once.
 bool count(std::string_view line) {
   Warnings& w = warnings();
   const std::lock_guard lock(w.mutex);
@@ -154,7 +154,7 @@ bool count(std::string_view line) {
   return !w.holding;
 }
 
-/// What has not been told yet, and is told from now on.
+/// The warnings not yet written; marks them as written.
 std::vector<std::string> untold() {
   Warnings& w = warnings();
   const std::lock_guard lock(w.mutex);
@@ -267,7 +267,7 @@ Relay::~Relay() {
     if (r.writer->flush(patience_s)) r.tell_left_out();
     r.writer->flush(patience_s / 4);
     r.writer->close();
-  } catch (const Error&) {  // a closed pipe, or whoever reads it still does not
+  } catch (const Error&) {  // a closed pipe, or a reader that still does not read
   }
   r.left_out += r.writer->waiting();
   r.writer.reset();

@@ -1,7 +1,7 @@
-// One line per event on stderr. A succeeding command writes only warnings at the default level.
+// One line per event on stderr. A successful command writes only warnings at the default level.
 //
-// Whoever writes to a pipe that nobody reads, or to a terminal that Ctrl-S has stopped, waits. Who must not, since it
-// has an array to silence, logs while a Relay lives.
+// Logging blocks while stderr is a pipe that nobody reads, or a terminal that Ctrl-S has stopped. Code that must not
+// block, because it has an array to silence, logs while a Relay lives.
 #pragma once
 
 #include <cstddef>
@@ -24,32 +24,33 @@ inline constexpr Word<Level> level_words[] = {{"quiet", Level::quiet},
 void set_level(Level level);
 Level level();
 
-/// Thread-safe. What cannot be printed is escaped, line breaks are spaces, and a line of more than 500 bytes loses its
-/// middle.
+/// Thread-safe. Unprintable characters are escaped, line breaks become spaces, and a line of more than 500 bytes loses
+/// its middle.
 void error(std::string_view line);
 void warning(std::string_view line);
 void info(std::string_view line);
 void debug(std::string_view line);
-/// A warning that is not kept back: what the program waits for, which whoever waits for the program has to know.
+/// A warning that is never held back. It says what the program waits for, which the user who waits for the program
+/// needs to know.
 void at_once(std::string_view line);
 
-/// From now on warnings are kept instead of written: a program that turns out to fail says only why, one that succeeds
-/// releases them. Long work releases them before it begins. The same warning is then told once, and how often it came;
-/// of those after the thousandth only how many there were.
+/// From now on, warnings are held instead of written. A program that fails then prints only the reason, and one that
+/// succeeds releases them. Long work releases them before it begins. A repeated warning is written once, with its
+/// count. After the thousandth different warning only the number of further ones is written.
 void hold_warnings();
-/// Writes what has not been written, in order, and ends keeping; again at the end, for what came again meanwhile.
+/// Writes the held warnings in order and stops holding. Called again at the end, it writes how often they were repeated
+/// meanwhile.
 void release_warnings();
-/// Forgets what was kept and ends keeping and counting.
+/// Discards the held warnings and stops holding and counting.
 void drop_warnings();
 
-/// What is told to people while a program with a window runs: lines as they are logged, kept warnings when they are
-/// released.
+/// A line for the user of a program with a window: a line as it is logged, or a held warning when it is released.
 struct Line {
   Level level = Level::info;
   std::string text;
 };
 
-/// Keeps the newest lines, down to info whatever the level, for whoever shows them. One at a time.
+/// Keeps the newest lines, down to info at any log level, for display. Only one may exist at a time.
 class Tail {
  public:
   static constexpr std::size_t most = 500;
@@ -58,27 +59,27 @@ class Tail {
   Tail(const Tail&) = delete;
   Tail& operator=(const Tail&) = delete;
 
-  /// Those since the last call, oldest first; at most `most`.
+  /// The lines since the last call, oldest first; at most `most`.
   std::vector<Line> take();
 };
 
-/// What a terminal shows until something else takes its place, such as a progress bar: no line, and not kept. While a
-/// Relay lives it is left out where anything else still waits; false then.
+/// Text that a terminal shows until other output replaces it, such as a progress bar. It is not a log line and is not
+/// kept. While a Relay lives, it is skipped if any other output still waits, and false is returned.
 bool draw(std::string_view text);
 
-/// While one lives, a thread of its own writes what is logged, and nobody who logs waits for whoever reads it, or for a
-/// disk. Of a reader that is too slow 64 KiB wait; lines beyond are left out, and one line says how many as soon as
-/// there is room for it. Several are as one.
+/// While one lives, a separate thread writes the log, so that no logging thread waits for a slow reader or a disk. At
+/// most 64 KiB wait for a slow reader. Further lines are dropped, and one line reports their number as soon as there is
+/// room for it. Several relays act as one.
 class Relay {
  public:
-  /// How long the last one's end waits for what has not been written yet.
+  /// How long the destructor of the last relay waits for unwritten output.
   static constexpr double patience_s = 0.2;
   Relay();
   ~Relay();
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  /// Lines that were left out and not told of yet.
+  /// The number of dropped lines that were not reported yet.
   static std::uint64_t left_out();
 };
 

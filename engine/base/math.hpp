@@ -1,4 +1,5 @@
-// Vectors and transforms on the host. Double precision wherever a file or a pose is involved; the GPU gets floats.
+// Vectors and transforms on the host. Everything that touches a file or a pose is in double precision; the GPU gets
+// floats.
 #pragma once
 
 #include <glm/mat4x4.hpp>
@@ -12,7 +13,8 @@ using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 using Vec4 = glm::dvec4;
 
-/// A rigid or affine map named T_a_b: takes coordinates in frame b to frame a. GLM stores columns; files write rows.
+/// A rigid or affine map named T_a_b, which takes coordinates in frame b to frame a. GLM stores columns; files write
+/// rows.
 using Transform = glm::dmat4;
 
 inline Vec3 transform_point(const Transform& T_a_b, const Vec3& point_b) {

@@ -1,4 +1,4 @@
-// How much memory there is, for work that should rather be refused than begun.
+// How much memory is free, so that work that needs more is refused before it begins.
 #pragma once
 
 #include <cstddef>
@@ -7,19 +7,19 @@
 
 namespace palpa {
 
-/// Bytes that this machine can give now without pushing others out, and that this process's limits leave
-/// (base/memory_limits.hpp); nothing known: the largest number.
+/// Bytes that this machine can give now without evicting other processes, and that this process's limits leave
+/// (base/memory_limits.hpp). If nothing is known, the largest number.
 std::uint64_t free_memory();
 
-/// Throws failure, "WHAT needs 12.3 GB of memory, 7.9 GB are free; REMEDY", where `bytes` are more than nine tenths of
-/// what is free.
+/// Throws failure, "WHAT needs 12.3 GB of memory, 7.9 GB are free; REMEDY", if `bytes` exceeds nine tenths of the free
+/// memory.
 void require_memory(std::uint64_t bytes, const std::string& what, const std::string& remedy);
 
-/// Asks for large pages where `items`, which have room for `bytes` and were not touched yet, take many: the system
-/// takes back gigabytes of small ones so slowly that a program on a busy machine ends seconds after Ctrl-C. Does
-/// nothing where there are none.
+/// Asks for large pages for `items`, a block of `bytes` that was not touched yet, if the block is large. The system
+/// takes back gigabytes of small pages so slowly that a program on a busy machine ends seconds after Ctrl-C. Does
+/// nothing if there are no large pages.
 void prefer_large_pages(const void* items, std::uint64_t bytes);
-/// Room for `count` items in large pages.
+/// Reserves room for `count` items in large pages.
 template <typename Items>
 void reserve_large(Items& items, std::size_t count) {
   items.reserve(count);

@@ -19,14 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Nanoseconds after which a reader is looked for again.
+/// Nanoseconds between two checks for a reader.
 constexpr long slice_ns = 10'000'000;
-/// A reader that is started together with palpa comes sooner.
+/// A reader that is started together with palpa arrives sooner.
 constexpr auto told_after = std::chrono::milliseconds(500);
 
 thread_local const std::atomic<bool>* ends_waiting = nullptr;
 
-/// Without waiting for a pipe's reader: then errno is ENXIO.
+/// Does not wait for a pipe's reader: without one, errno is ENXIO.
 int try_to_open(const std::filesystem::path& file) {
   return ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
 }
@@ -40,7 +40,7 @@ int wait_for_reader(const std::filesystem::path& file, const OutputPlace& place,
   const Clock::time_point begin = Clock::now();
   bool told = false;
   for (;;) {
-    // A signal that does not end the program ends the wait, as it ends a call that opens such a pipe.
+    // A signal that does not end the program ends the wait, just as it ends a call that opens such a pipe.
     const timespec slice{0, slice_ns};
     const bool signalled = ::nanosleep(&slice, nullptr) != 0 && errno == EINTR;
     const int descriptor = try_to_open(file);

@@ -1,5 +1,5 @@
-// The one place where palpa opens a file to be written to. What is written whole goes through base/output_file.hpp,
-// what grows through base/stream_writer.hpp; both come here.
+// The only place where palpa opens a file for writing. Whole files go through base/output_file.hpp, growing files
+// through base/stream_writer.hpp, and both call this file.
 #pragma once
 
 #include <atomic>
@@ -11,20 +11,21 @@
 
 namespace palpa {
 
-/// How long a named pipe's reader is waited for: seconds; nothing: as long as it takes. Then a line says what is waited
-/// for once that has taken half a second.
+/// How long to wait for the reader of a named pipe, in seconds; nullopt: without limit. Without a limit, a line says
+/// what palpa waits for once the wait has taken half a second.
 using ReaderPatience = std::optional<double>;
-/// Of links: an array's drives are for now, and whoever plays them is there before.
+/// The patience of links. An array's drives are only useful now, so their reader has to be there first.
 inline constexpr double link_patience_s = 0.5;
 
-/// Somebody ended the wait for a pipe's reader: whoever asked for the end need not call it a failure.
+/// The wait for a pipe's reader was stopped on request. The code that requested the stop need not treat it as a
+/// failure.
 class WaitEnded : public Error {
  public:
   using Error::Error;
 };
 
-/// While one lives, what this thread waits for is given up with a WaitEnded when `stop` becomes true. Without one a
-/// signal ends the program or, where it is caught, the wait.
+/// While one lives, the waits of this thread end with a WaitEnded when `stop` becomes true. Without one, a signal ends
+/// the program or, if it is caught, the wait.
 class WaitUntil {
  public:
   explicit WaitUntil(const std::atomic<bool>& stop);
@@ -36,12 +37,12 @@ class WaitUntil {
   const std::atomic<bool>* before_;
 };
 
-/// A descriptor, which writes may block on, of what `file` is: created where nothing is, emptied where a file is; for
-/// stdout that of stdout. `place` is output_place(file). Asks the register of files first. Throws failure() naming the
-/// file, also where nobody reads a pipe in time.
+/// A descriptor for `file`, on which writes may block. A missing file is created, an existing one is emptied, and
+/// stdout gives its own descriptor. `place` is output_place(file). Asks the register of files first. Throws failure()
+/// naming the file, also if nobody reads a pipe in time.
 int open_output(const std::filesystem::path& file, const OutputPlace& place, ReaderPatience patience = std::nullopt);
 
-/// The same where the place is known to be a file that is there.
+/// The same for a place that is known to be an existing file.
 int reopen_output(const OutputPlace& place);
 
 }  // namespace palpa

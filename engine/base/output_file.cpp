@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::size_t block = 1 << 16;
 
-/// Not taken by any other writer in this process; two processes meet at most by O_EXCL.
+/// A name that no other writer in this process uses; between two processes, O_EXCL prevents collisions.
 std::filesystem::path new_name(const OutputPlace& place) {
   static std::atomic<std::uint64_t> count{0};
   return place.folder() / fmt::format(".palpa-{}-{}", ::getpid(), count++);
 }
 
-/// What a descriptor without a name is linked by.
+/// The path for linking a descriptor without a name.
 std::string link_of(int descriptor) {
   return fmt::format("/proc/self/fd/{}", descriptor);
 }
@@ -39,7 +39,7 @@ OutputFile::OutputFile(const std::filesystem::path& file) : place_(output_place(
   descriptor_ = open_output(file, place_);
 }
 
-/// Without a name where the file system can do that.
+/// Creates the file without a name if the file system supports that.
 bool OutputFile::create_beside() {
   descriptor_ = ::open(place_.folder().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor_ >= 0 && ::access(link_of(descriptor_).c_str(), F_OK) == 0) return true;
@@ -92,7 +92,7 @@ void OutputFile::put(int descriptor, std::string_view bytes) const {
     if (written > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(written));
     } else if (written < 0 && errno == EAGAIN) {
-      // Whoever shares this pipe or terminal does not want to wait; here nothing else is to be done.
+      // Another process made this pipe or terminal non-blocking; there is nothing else to do here but wait.
       pollfd room{descriptor, POLLOUT, 0};
       ::poll(&room, 1, -1);
     } else if (written == 0 || errno != EINTR) {
@@ -151,7 +151,7 @@ void OutputFile::finish() {
   flush();
   if (!in_place_) put_in_place();
   const int closing = std::exchange(descriptor_, -1);
-  // Some file systems tell of a full disk only here.
+  // Some file systems report a full disk only here.
   if (closing != STDOUT_FILENO && ::close(closing) != 0) throw write_failure(place_.name, errno);
 }
 

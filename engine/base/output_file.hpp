@@ -1,4 +1,5 @@
-// The one way in which palpa writes whole files. What is read while it grows is base/stream_writer.hpp's.
+// The only way in which palpa writes whole files. Files that are read while they grow are written by
+// base/stream_writer.hpp.
 #pragma once
 
 #include <filesystem>
@@ -9,30 +10,30 @@
 
 namespace palpa {
 
-/// A file that is there whole or not at all: written without a name and put into its place by finish(), so that whoever
-/// looks finds the old one or the new one, also when two write the same. A program that is killed leaves nothing
-/// behind, but on file systems without nameless files, where it leaves a `.palpa-...` beside the place. Symbolic links
-/// are followed; a file that is replaced keeps its mode, owner and group, a new one has the umask's. Nothing is
+/// A file that is written completely or not at all. It is written without a name and put into its place by finish(), so
+/// that a reader finds either the old or the new file, even if two processes write it. A killed program leaves nothing
+/// behind, except on file systems without nameless files, where it leaves a `.palpa-...` beside the place. Symbolic
+/// links are followed. A replaced file keeps its mode, owner and group; a new one has the umask's. Nothing is
 /// synchronised: after a power failure, the file system decides.
 ///
-/// A file with several names, and one that is a mount point, would lose them or cannot be replaced: finish() copies the
-/// whole of what was written into it.
+/// A file with several names would lose them, and a mount point cannot be replaced. For these, finish() copies the
+/// whole content into the existing file.
 ///
-/// Written where they stand are devices, pipes and what is open already; a file of somebody else, or of a group that
-/// the program is not in; and one in a folder that takes no new files.
+/// Written in place are devices, pipes and files that are already open; files that belong to somebody else, or to a
+/// group that the program is not in; and files in a folder that takes no new files.
 class OutputFile {
  public:
-  /// "-" is stdout. A FIFO's reader is waited for (base/open_output.hpp). Throws failure() naming the file, and what
-  /// the register of files refuses.
+  /// "-" is stdout. For a FIFO, waits for its reader (base/open_output.hpp). Throws failure() naming the file, and the
+  /// errors of the register of files.
   explicit OutputFile(const std::filesystem::path& file);
-  /// Without finish(): a file that would have been replaced is as it was, a new one is not there.
+  /// Without finish(), an existing file is unchanged, and a new one does not exist.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Throws failure() naming the file: a full disk, a limit, a closed pipe.
+  /// Throws failure() naming the file, for example for a full disk, a limit or a closed pipe.
   void write(std::string_view bytes);
-  /// The file is in its place. Throws as write().
+  /// Puts the file into its place. Throws as write().
   void finish();
 
  private:
@@ -46,13 +47,13 @@ class OutputFile {
   void put(int descriptor, std::string_view bytes) const;
 
   OutputPlace place_;
-  bool in_place_ = true;          ///< written where it stands
-  std::filesystem::path beside_;  ///< the name that it has until it is finished; empty where it has none
+  bool in_place_ = true;          ///< written directly to its place
+  std::filesystem::path beside_;  ///< the temporary name until the file is finished; empty if it has none
   int descriptor_ = -1;
   std::string buffer_;
 };
 
-/// All of `bytes` as a file, see OutputFile.
+/// Writes all of `bytes` as a file, see OutputFile.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace palpa

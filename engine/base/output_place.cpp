@@ -15,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As many links in a row as the kernel follows.
+/// The maximum number of links in a row that the kernel follows.
 constexpr int most_links = 40;
 
-/// Links in /proc stand for what is open, whatever their text says.
+/// Links in /proc refer to open files, whatever their text says.
 bool in_proc(const fs::path& folder) {
   struct statfs system {};
   return ::statfs(folder.c_str(), &system) == 0 && system.f_type == PROC_SUPER_MAGIC;
@@ -51,12 +51,13 @@ void refuse(const OutputPlace& place, bool refused, int code) {
   if (refused) throw write_failure(place.name, code);
 }
 
-/// For a system call, whose errno is read after it: arguments of one call are evaluated in any order.
+/// For the result of a system call. Reads errno after the call, because arguments of one call are evaluated in any
+/// order.
 void refuse_failed(const OutputPlace& place, bool succeeded) {
   if (!succeeded) throw write_failure(place.name, errno);
 }
 
-/// Nothing in a device can be overwritten, and many have the same one (/dev/null).
+/// Devices do not count: nothing in them can be overwritten, and many descriptors share one (/dev/null).
 bool is_stdout(const struct stat& there) {
   struct stat out {};
   return !S_ISCHR(there.st_mode) && !S_ISBLK(there.st_mode) && ::fstat(STDOUT_FILENO, &out) == 0 &&
@@ -108,7 +109,7 @@ void refuse_unwritable(const OutputPlace& place) {
   }
   const fs::path folder = place.folder();
   struct stat status {};
-  refuse(place, ::lstat(place.path.c_str(), &status) == 0, ELOOP);  // still a link after so many
+  refuse(place, ::lstat(place.path.c_str(), &status) == 0, ELOOP);  // still a link after that many
   refuse_failed(place, ::stat(folder.c_str(), &status) == 0);
   refuse(place, !S_ISDIR(status.st_mode), ENOTDIR);
   refuse_failed(place, may(folder, W_OK | X_OK));

@@ -1,4 +1,4 @@
-// Where an output goes: what a file name given for writing stands for, before anything is opened.
+// The place of an output: what a file name given for writing refers to, determined before anything is opened.
 #pragma once
 
 #include <sys/types.h>
@@ -12,7 +12,7 @@
 
 namespace palpa {
 
-/// What two names of one file have in common, hard and symbolic links included.
+/// Identifies a file under all of its names, hard and symbolic links included.
 struct FileIdentity {
   std::uint64_t device = 0, inode = 0;
   bool operator==(const FileIdentity&) const = default;
@@ -29,31 +29,31 @@ struct OutputPlace {
     other,  ///< a device, a pipe, a terminal
   };
 
-  std::string name;            ///< as messages tell it: what the user wrote, "stdout" for "-"
-  std::filesystem::path path;  ///< where symbolic links lead, those that lead nowhere included
+  std::string name;            ///< for messages: what the user wrote, "stdout" for "-"
+  std::filesystem::path path;  ///< with symbolic links resolved, dangling ones included
   Kind kind = Kind::absent;
-  /// Behind a descriptor that is open already ("-", /dev/stdout, /proc/self/fd/3): it is written where it stands.
+  /// It refers to a descriptor that is already open ("-", /dev/stdout, /proc/self/fd/3), so it is written in place.
   bool open_already = false;
-  /// It is stdout: "-", or any name of the file or pipe that stdout is open on. Opened anew, what is written by the one
-  /// would take the place of what is written by the other.
+  /// It is stdout: "-", or any name of the file or pipe that stdout is open on. If it were opened a second time, the
+  /// two writers would overwrite each other's output.
   bool is_stdout = false;
-  FileIdentity identity;  ///< of what is there; where nothing is, of the folder that it would come into
-  mode_t mode = 0;        ///< of what is there; so are:
+  FileIdentity identity;  ///< of the existing file; if there is none, of the folder that it would be created in
+  mode_t mode = 0;        ///< of the existing file, like the next three:
   uid_t owner = 0;
   gid_t group = 0;
-  nlink_t links = 0;  ///< names that it has
+  nlink_t links = 0;  ///< number of its names
 
   std::filesystem::path folder() const;
 };
 
-/// "-" is stdout. Never throws for what is or is not there.
+/// "-" is stdout. Never throws, whatever exists or does not exist there.
 OutputPlace output_place(const std::filesystem::path& file);
 
-/// Throws failure() where a file cannot be created or replaced there, without trying: no such folder, a folder, no
-/// permission, a file system that is read only. (A full disk shows only when it is written to.)
+/// Throws failure() if a file clearly cannot be created or replaced there: no such folder, a folder, no permission, a
+/// read-only file system. Tries nothing. (A full disk only shows during writing.)
 void refuse_unwritable(const OutputPlace& place);
 
-/// failure(): `name: cannot be written:` and what the system's error code means, such as a full disk.
+/// failure(): `name: cannot be written:` and the meaning of the system's error code, such as a full disk.
 Error write_failure(const std::string& name, int code);
 
 }  // namespace palpa

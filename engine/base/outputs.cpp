@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An output and where it goes.
+/// An output and its place.
 struct Placed {
   const Output* output;
   OutputPlace place;
@@ -21,7 +21,7 @@ struct Placed {
 
 Placed placed(const Output& output) {
   if (output.kind == Output::Kind::file) return {&output, output_place(output.target)};
-  // "take/" is "take", and "-" is a folder like any other.
+  // "take/" is the same as "take", and "-" is a folder like any other.
   const fs::path folder = fs::path(output.target) / "";
   OutputPlace place = output_place(fs::path(".") / folder.parent_path());
   place.name = output.target;
@@ -52,7 +52,7 @@ bool lies_within(const Placed& one, const Placed& folder) {
   return false;
 }
 
-/// Devices and pipes are nobody's.
+/// Devices and pipes are never the same output.
 bool is_same(const OutputPlace& a, const OutputPlace& b) {
   if (a.kind != b.kind || a.kind == OutputPlace::Kind::other || a.identity != b.identity) return false;
   return a.kind != OutputPlace::Kind::absent || a.path.filename() == b.path.filename();

@@ -1,5 +1,5 @@
-// What a command is going to write, known before anything is read or opened, so that it never writes over what it
-// reads.
+// The outputs of a command, declared before anything is read or opened, so that a command never overwrites its own
+// inputs.
 #pragma once
 
 #include <filesystem>
@@ -16,32 +16,32 @@ struct Output {
   enum class Kind { file, folder };
 
   std::string option;  ///< "--json", for messages
-  std::string target;  ///< a file, "-" for stdout, a new or empty folder; "" where there is none
+  std::string target;  ///< a file, "-" for stdout, a new or empty folder; "" if there is no output
   Kind kind = Kind::file;
 };
 
-/// The outputs of a command, declared in the register of files (base/file_register.hpp). While it lives, they may be
-/// written, and reading one of them is refused, under whatever name. Devices and pipes may be read, and written twice.
-/// Where several live, as in the viewer, an option of one may name the same file as the same option of another.
+/// The outputs of a command, declared in the register of files (base/file_register.hpp). While this object lives, they
+/// may be written, and reading one of them under any name is refused. Devices and pipes may be read, and written twice.
+/// If several objects live, as in the viewer, the same option of two of them may name the same file.
 class Outputs {
  public:
-  /// Throws, before anything is changed, failure() for an output that cannot be written there, bad_usage for a folder
-  /// that is not empty, for two that are the same file, for one that was read, for one within another's folder, and for
-  /// two on stdout.
+  /// Throws, before anything is changed, failure() for an output that cannot be written there; bad_usage for a folder
+  /// that is not empty, two outputs that are the same file, an output that was read, an output inside another's folder,
+  /// and two outputs on stdout.
   explicit Outputs(const std::vector<Output>& outputs);
   ~Outputs();
   Outputs(const Outputs&) = delete;
   Outputs& operator=(const Outputs&) = delete;
 
-  /// Whether one of them is stdout: nothing else may be printed there.
+  /// Whether one of them is stdout. Nothing else may be printed to stdout then.
   bool on_stdout() const { return on_stdout_; }
 
  private:
   bool on_stdout_ = false;
 };
 
-/// An input that is named now and read later, or not at all: throws bad_usage, naming the option, where it is a
-/// declared output, and remembers it. Nothing for "" and for what is no file.
+/// For an input that is named now and read later, or never: remembers it, and throws bad_usage, naming the option, if
+/// it is a declared output. Does nothing for "" and for names that are not files.
 void refuse_output_as_input(const std::filesystem::path& file);
 
 }  // namespace palpa

@@ -47,7 +47,7 @@ void parallel_chunks(std::size_t count, std::size_t size,
   std::vector<std::thread> others;
   others.reserve(worker_count());
   const std::size_t helpers = std::min<std::size_t>(worker_count(), chunks);
-  // Where no more threads are to be had, fewer do the same work.
+  // If the system has no more threads, fewer do the same work.
   for (std::size_t i = 1; i < helpers; ++i) {
     std::thread other = try_thread(run);
     if (!other.joinable()) break;

@@ -1,4 +1,4 @@
-// Work cut into chunks and done by as many threads as the machine has.
+// Work that is split into chunks and done by all threads of the machine.
 #pragma once
 
 #include <atomic>
@@ -7,19 +7,19 @@
 
 namespace palpa {
 
-/// Threads that parallel_chunks() uses: what the process may run on, at least one.
+/// Number of threads that parallel_chunks() uses: the processors that the process may run on, at least one.
 unsigned worker_count();
 
 /// Calls `work(chunk, begin, end)` for the chunks 0, 1, ... of `count` items, `size` items each (the last one fewer),
-/// on worker_count() threads, the calling one among them. Chunks are begun in ascending order. Results that go by chunk
-/// are the same for any number of threads. An exception ends the handing out of chunks and is thrown here; of several,
-/// that of the lowest chunk.
+/// on worker_count() threads, including the calling thread. Chunks begin in ascending order. Results stored per chunk
+/// are the same for any number of threads. After an exception no further chunk begins, and the exception is rethrown
+/// here; of several, that of the lowest chunk.
 void parallel_chunks(std::size_t count, std::size_t size,
                      const std::function<void(std::size_t chunk, std::size_t begin, std::size_t end)>& work);
 
-/// Thrown where work ends because nobody wants it any more.
+/// Thrown to end work whose result is no longer wanted.
 struct GivenUp {};
-/// Between the steps of long work: throws GivenUp if `give_up`, which may be null, became true.
+/// For use between the steps of long work: throws GivenUp if `give_up`, which may be null, is true.
 inline void stop_if(const std::atomic<bool>* give_up) {
   if (give_up && *give_up) throw GivenUp();
 }

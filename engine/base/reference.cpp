@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 
 std::atomic<bool> outside_allowed{false};
 
-/// As many links in a row as the kernel follows.
+/// The maximum number of links in a row that the kernel follows.
 constexpr int most_links = 40;
 
-/// Without symbolic links and ".."; what is not there is taken as it is written. Empty where that cannot be found out.
+/// The path without symbolic links and ".."; parts that do not exist are kept as written. Empty if it cannot be
+/// determined.
 fs::path resolved(fs::path path) {
   std::error_code fault;
-  // A link to nothing has to be followed, too: what it leads to may come to be there.
+  // A dangling link must also be followed, because its target may be created later.
   for (int i = 0; i < most_links && fs::is_symlink(fs::symlink_status(path, fault)); ++i)
     path = path.parent_path() / fs::read_symlink(path, fault);
   fs::path whole = fs::weakly_canonical(fs::absolute(path, fault), fault);
@@ -43,7 +44,7 @@ void allow_outside_references(bool allowed) {
 ReferenceFolder::ReferenceFolder(std::string naming, const fs::path& folder)
     : naming_(std::move(naming)), folder_(folder), root_(resolved(folder.empty() ? fs::path(".") : folder)) {}
 
-/// Of many references in one folder, only those that are symbolic links are resolved one by one.
+/// Caches folders: of many references in one folder, only symbolic links are resolved individually.
 bool ReferenceFolder::holds(const fs::path& path) {
   if (root_.empty()) return false;
   std::error_code fault;

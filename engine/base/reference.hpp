@@ -1,5 +1,6 @@
-// Files that files name: the buffers of a model, the images of a recording. Whoever wrote the naming file chose these
-// names, and whoever opens it may not know them, so they lead no further than the folder of the naming file.
+// Files that are named in other files: the buffers of a model, the images of a recording. The author of the naming file
+// chose these names, and the user who opens it may not know them. They may therefore only lead into the folder of the
+// naming file.
 #pragma once
 
 #include <filesystem>
@@ -8,19 +9,19 @@
 
 namespace palpa {
 
-/// Whether references may leave their folders, in the whole process; at first they may not. Files that a user names are
-/// no references, and a rig's masks and layouts are not looked at by this: `calibrate --out` writes their full paths.
+/// Whether references may leave their folders, for the whole process; the default is no. Files that a user names are
+/// not references, and a rig's masks and layouts are not checked here: `calibrate --out` writes their full paths.
 void allow_outside_references(bool allowed);
 
 /// The folder that the references of one file start from.
 class ReferenceFolder {
  public:
-  /// `naming` is the file that holds the references, for messages; they are found from `folder`.
+  /// `naming` is the file that holds the references, for messages. References are relative to `folder`.
   ReferenceFolder(std::string naming, const std::filesystem::path& folder);
 
-  /// The path of what `reference` names, to be opened as it is. Throws bad_input, naming the file and `what` names it
-  /// ("buffer 0"), where that path, with its symbolic links and ".." resolved, is not in the folder or below it.
-  /// Nothing is opened, and whether anything is there outside is not told.
+  /// The path of the file that `reference` names, to be opened unchanged. Throws bad_input if the path, with symbolic
+  /// links and ".." resolved, is not in the folder or below it. The message names the file and `what` contains the
+  /// reference ("buffer 0"). Nothing is opened, and the error does not reveal whether anything exists outside.
   std::filesystem::path find(const std::string& reference, const std::string& what);
 
  private:
@@ -29,7 +30,7 @@ class ReferenceFolder {
   std::string naming_;
   std::filesystem::path folder_;
   std::filesystem::path root_;                   ///< the folder, resolved
-  std::map<std::filesystem::path, bool> below_;  ///< folders of references, and whether they are in it
+  std::map<std::filesystem::path, bool> below_;  ///< the folders of earlier references, and whether each is inside
 };
 
 }  // namespace palpa

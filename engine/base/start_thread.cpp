@@ -13,13 +13,13 @@ namespace {
 
 constexpr double mebibyte = 1 << 20;
 
-/// The limit, or nothing where there is none.
+/// The limit, or nothing if there is none.
 rlim_t limit_of(__rlimit_resource_t what) {
   rlimit limit{};
   return ::getrlimit(what, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
 }
 
-/// Whether the address space has no room for another stack.
+/// Whether the address space lacks room for another stack.
 bool stack_fits_not(rlim_t most) {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

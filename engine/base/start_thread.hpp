@@ -1,4 +1,4 @@
-// Threads, and what is said where the system gives none.
+// Threads, and the error if the system cannot start one.
 #pragma once
 
 #include <system_error>
@@ -9,13 +9,13 @@
 
 namespace palpa {
 
-/// One line: what the thread is for, and which limit of this process or machine leaves no room for it.
+/// One line: what the thread is for, and which limit of this process or machine prevents it.
 Error no_thread(const char* purpose, const std::system_error& fault);
 
-/// Whether a system_error is of a thread that could not be started.
+/// Whether a system_error means that a thread could not be started.
 bool is_no_thread(const std::system_error& fault);
 
-/// A thread that runs `work`. Throws no_thread(): "the camera" as `purpose` reads "no thread for the camera".
+/// Starts a thread that runs `work`. Throws no_thread(); the `purpose` "the camera" reads "no thread for the camera".
 template <typename Work>
 std::thread start_thread(const char* purpose, Work&& work) {
   try {
@@ -25,7 +25,7 @@ std::thread start_thread(const char* purpose, Work&& work) {
   }
 }
 
-/// The same where the work can be done without: an empty thread where there is none.
+/// The same for work that is optional: returns an empty thread if none can be started.
 template <typename Work>
 std::thread try_thread(Work&& work) {
   try {

@@ -27,13 +27,13 @@
 namespace palpa {
 namespace {
 
-/// How often something that waits looks whether it still should.
+/// How often waiting code checks whether it should continue.
 constexpr auto slice = std::chrono::milliseconds(50);
 
-/// The most that one write takes on: whoever gives up is heard between two of them.
+/// The maximum size of one write. Between two writes, the thread notices that the writer has given up.
 constexpr std::size_t piece = 1 << 18;
 
-/// Longer than anybody waits.
+/// Longer than any wait.
 constexpr double forever_s = 1e6;
 
 std::chrono::steady_clock::time_point after(double seconds) {
@@ -43,29 +43,29 @@ std::chrono::steady_clock::time_point after(double seconds) {
 
 }  // namespace
 
-/// What the writer and its thread share.
+/// State shared by the writer and its thread.
 struct StreamWriter::Work {
-  // Of both, and never changed once the thread runs.
+  // Used by both, and constant once the thread runs.
   std::string name;
   int descriptor = -1;
-  bool shared = false;   ///< opened by others: whether its writes block is not for us to change, nor is closing it
+  bool shared = false;   ///< opened by others: palpa must neither change its blocking mode nor close it
   bool on_disk = false;  ///< a regular file
-  bool may_cut = false;  ///< of which palpa alone decides where it ends
+  bool may_cut = false;  ///< only palpa decides where it ends
 
   std::mutex mutex;
   std::condition_variable to_do, done;
   std::size_t room = 0;
-  std::string waiting;                              ///< what the thread has not taken yet
-  std::deque<std::uint64_t> ends;                   ///< where the records end that are not written whole
-  std::uint64_t added = 0, written = 0, whole = 0;  ///< bytes since the beginning; whole: up to the last record's end
-  std::size_t zeros = 0;                            ///< of the last record, should it not get further
+  std::string waiting;                              ///< data that the thread has not taken yet
+  std::deque<std::uint64_t> ends;                   ///< ends of the records that are not completely written
+  std::uint64_t added = 0, written = 0, whole = 0;  ///< bytes since the start; whole: up to the last record's end
+  std::size_t zeros = 0;                            ///< see end_in_zeros()
   std::uint64_t keep = 0;
   bool closing = false;      ///< nothing more will be added
-  bool given_up = false;     ///< nor is anything more to be written
+  bool given_up = false;     ///< nothing more will be written
   bool ended = false;        ///< the thread has closed the file
   std::optional<int> fault;  ///< errno; the thread has ended then
 
-  std::string taken;  ///< the thread's own: what it is writing
+  std::string taken;  ///< used only by the thread: the data that it is writing
 
   bool is_given_up();
   std::size_t next_piece(std::size_t left);
@@ -91,18 +91,17 @@ void StreamWriter::Work::written_more(std::size_t bytes) {
   done.notify_all();
 }
 
-/// How many of the `left` bytes go into one write: as many whole records as it may take, or a part of one that is
-/// longer.
+/// The number of the `left` bytes to put into one write: as many whole records as fit, or a part of a longer one.
 std::size_t StreamWriter::Work::next_piece(std::size_t left) {
   const std::lock_guard lock(mutex);
-  // A pipe that is ready has room for PIPE_BUF bytes; a longer write to one that may block could.
+  // A pipe that is ready has room for PIPE_BUF bytes; a longer write to a blocking pipe could block.
   const std::size_t most = std::min(left, on_disk ? piece : std::size_t{PIPE_BUF});
   const auto beyond = std::upper_bound(ends.begin(), ends.end(), written + most);
   if (beyond != ends.begin()) return *std::prev(beyond) - written;
   return std::min({left, shared ? most : piece, static_cast<std::size_t>(ends.front() - written)});
 }
 
-/// What went wrong, if anything did.
+/// Returns the error, if any.
 std::optional<int> StreamWriter::Work::write_taken() {
   std::string_view rest = taken;
   while (!rest.empty() && !is_given_up()) {
@@ -120,8 +119,8 @@ std::optional<int> StreamWriter::Work::write_taken() {
   return std::nullopt;
 }
 
-/// What was cut off goes, and the last whole record ends in zeros, which needs no room that the file does not have
-/// already. Where even that fails the file is what its reader has to make do with.
+/// Removes an incomplete record, and makes the last whole record end in zeros, which needs no additional disk space. If
+/// even that fails, the reader gets the file as it is.
 void StreamWriter::Work::end_at_whole_record() const {
   if (!may_cut) return;
   const off_t here = ::lseek(descriptor, 0, SEEK_CUR);
@@ -129,7 +128,7 @@ void StreamWriter::Work::end_at_whole_record() const {
   if (here < 0 || cut < 0) return;
   if (cut != here && (::ftruncate(descriptor, cut) != 0 || ::lseek(descriptor, cut, SEEK_SET) < 0)) return;
   if (zeros == 0 || whole < keep + zeros) return;
-  // To a file that is appended to, pwrite would append.
+  // On a file opened for appending, pwrite would append.
   const int flags = ::fcntl(descriptor, F_GETFL);
   const bool appends = flags >= 0 && (flags & O_APPEND) != 0;
   if (appends && ::fcntl(descriptor, F_SETFL, flags & ~O_APPEND) != 0) return;
@@ -137,7 +136,7 @@ void StreamWriter::Work::end_at_whole_record() const {
   if (appends) ::fcntl(descriptor, F_SETFL, flags);
 }
 
-/// Over the last `zeros` bytes before `end`.
+/// Overwrites the last `zeros` bytes before `end`.
 void StreamWriter::Work::write_zeros(off_t end) const {
   constexpr std::array<char, 4096> nothing{};
   for (std::size_t left = zeros; left > 0;) {
@@ -157,7 +156,7 @@ void StreamWriter::Work::end(std::optional<int> first_fault) {
 }
 
 void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
-  // A reader that goes away or a file that may not grow is told as an error, and must not end the program by a signal.
+  // A closed pipe or a file size limit must be reported as an error, and must not end the program by a signal.
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);
@@ -173,7 +172,7 @@ void StreamWriter::write_what_comes(const std::shared_ptr<Work>& work) {
     fault = w.write_taken();
     whole = !fault && !w.is_given_up();
   }
-  // Before anybody hears of it.
+  // Before the failure becomes visible.
   if (fault || w.is_given_up()) w.end_at_whole_record();
   w.end(fault);
 }
@@ -222,7 +221,7 @@ void StreamWriter::start() {
 StreamWriter::~StreamWriter() {
   try {
     if (!closed_) close();
-  } catch (const Error&) {  // nobody to tell
+  } catch (const Error&) {  // there is nobody to report it to
   }
 }
 

@@ -1,12 +1,12 @@
-// Writes to whatever a file name may stand for - a file, a pipe, a terminal, stdout - what is read while it grows,
-// and never lets its caller wait for it. Files that are to be there whole or not at all are base/output_file.hpp's.
+// Writes output that is read while it grows to any kind of file (a regular file, a pipe, a terminal, stdout) and never
+// blocks its caller. Files that must be complete or absent belong to base/output_file.hpp.
 //
-// A pipe that nobody reads is full after 64 KiB, a terminal is stopped by Ctrl-S, a disk is behind a network that is
-// gone: a write to any of them takes as long as it takes, Ctrl-C or not. So a thread of its own writes; what it has not
-// written yet waits in memory, as much as there is room for, and flush() says how long it may take.
+// A pipe that nobody reads is full after 64 KiB, a terminal is stopped by Ctrl-S, or a disk is behind a network that is
+// gone. A write to any of them blocks, regardless of Ctrl-C. A separate thread therefore does the writing. Unwritten
+// data waits in memory of limited size, and the argument of flush() limits the wait.
 //
-// A record of at most PIPE_BUF bytes (4096), such as a line, goes out in one write: on a pipe that others write to as
-// well nothing comes between its halves, and where nobody reads it is there whole or not at all.
+// A record of at most PIPE_BUF bytes (4096), such as a line, goes out in one write. On a pipe with several writers
+// nothing is mixed into it, and without a reader it is written completely or not at all.
 #pragma once
 
 #include <atomic>
@@ -22,52 +22,52 @@ namespace palpa {
 
 class StreamWriter {
  public:
-  /// How long flush_patiently() and add_patiently() wait for a reader, or a disk, that is too slow.
+  /// How long flush_patiently() and add_patiently() wait for a slow reader or disk.
   static constexpr double patience_s = 0.5;
-  /// And how long once that was not enough, until it has caught up.
+  /// How long they wait after that was not enough, until the reader or disk has caught up.
   static constexpr double last_patience_s = 0.2;
 
-  /// Creates or empties the file; "-" is stdout, and so is whatever stdout is open on. A FIFO's reader is waited for as
-  /// `patience` says. At most `room` bytes will ever wait. Throws failure() naming the file, and what the register of
-  /// files refuses.
+  /// Creates or empties the file; "-" is stdout, and so is any name of the file that stdout is open on. Waits for a
+  /// FIFO's reader as long as `patience` allows. At most `room` bytes will ever wait. Throws failure() naming the file,
+  /// and the errors of the register of files.
   StreamWriter(const std::string& file, std::size_t room, ReaderPatience patience = std::nullopt);
-  /// To what is open already, and stays open. `name` is for messages.
+  /// Writes to a descriptor that is already open and stays open. `name` is for messages.
   StreamWriter(int descriptor, const std::string& name, std::size_t room);
-  /// What still waits is lost. A thread that a write keeps in the kernel is left behind.
+  /// Discards what still waits. A thread that is blocked in a write is abandoned.
   ~StreamWriter();
   StreamWriter(const StreamWriter&) = delete;
   StreamWriter& operator=(const StreamWriter&) = delete;
 
   const std::string& name() const;
-  /// Whether it is a file on a disk.
+  /// Whether the output is a file on a disk.
   bool on_disk() const;
-  /// Before anything is added: makes room for more.
+  /// Makes room for more waiting data. Call it before anything is added.
   void grow(std::size_t room);
-  /// Should a file on a disk get no further, its last whole record is the last thing in it, and of that the last
-  /// `bytes` are zeros; the first `keep` bytes of the file stay as they are. Where it is stdout, too.
+  /// If a file on a disk (also as stdout) cannot grow further, it will end with its last whole record, the last `bytes`
+  /// of that record will be zeros, and the first `keep` bytes of the file stay unchanged.
   void end_in_zeros(std::size_t bytes, std::uint64_t keep);
 
-  /// Adds a record to what waits; false, and nothing is added, where there is no room for it. Throws failure() where
-  /// anything before it could not be written, a closed pipe, a full disk: then nothing can be written any more, and a
-  /// file on a disk ends with its last whole record.
+  /// Queues a record. Returns false, without queueing it, if there is no room. Throws failure() if anything before it
+  /// could not be written (a closed pipe, a full disk). After that nothing more can be written, and a file on a disk
+  /// ends with its last whole record.
   bool add(std::string_view record);
-  /// Waits for the room, up to patience_s, and for as much again as `spare`, which stays free.
+  /// Waits up to patience_s for room for the record plus `spare` bytes that stay free.
   bool add_patiently(std::string_view record, std::size_t spare = 0);
-  /// For whoever has nothing to silence: waits for the room as long as it takes, or until `stop` becomes true.
+  /// For callers that have no array to silence: waits for room without limit, or until `stop` becomes true.
   bool add_waiting(std::string_view record, const std::atomic<bool>& stop);
-  /// How many records have been added and are not written yet.
+  /// The number of records that were added but not written yet.
   std::uint64_t waiting() const;
-  /// Waits until all is written, but gives up after `seconds`. True when all is written. Throws as add().
+  /// Waits until everything is written, at most `seconds`. Returns true if everything is written. Throws as add().
   bool flush(double seconds);
-  /// flush(patience_s), or with last_patience_s where the last such had to give up.
+  /// flush(patience_s), or flush(last_patience_s) if the last such call timed out.
   bool flush_patiently();
-  /// As long as it takes, or until `stop` becomes true.
+  /// Waits without limit, or until `stop` becomes true.
   bool flush_waiting(const std::atomic<bool>& stop);
-  /// Closes the file, not stdout; some file systems tell of a full disk only here. What still waits is lost. Throws
-  /// failure() where the disk does not answer, too.
+  /// Closes the file, but not stdout. Some file systems report a full disk only here. Discards what still waits. Throws
+  /// failure(), also if the disk does not answer.
   void close();
 
-  /// The failure() of a reader or a disk that is too slow.
+  /// Throws the failure() for a reader or disk that is too slow.
   [[noreturn]] void fail_stalled() const;
 
  private:
@@ -77,7 +77,7 @@ class StreamWriter {
   void begin(int descriptor, std::size_t room);
   bool flush(double seconds, const std::atomic<bool>* stop);
 
-  std::shared_ptr<Work> work_;  ///< the thread's, too: it may outlive its writer
+  std::shared_ptr<Work> work_;  ///< shared with the thread, which may outlive the writer
   bool stalled_ = false;
   bool closed_ = false;
 };

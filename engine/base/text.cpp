@@ -5,7 +5,7 @@
 namespace palpa {
 namespace {
 
-/// Of a well-formed UTF-8 character.
+/// The code point of a well-formed UTF-8 character.
 unsigned code_point(std::string_view character) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
   if (character.size() == 1) return byte(0);
@@ -15,7 +15,7 @@ unsigned code_point(std::string_view character) {
   return code;
 }
 
-/// Controls, line and paragraph separators, what turns the direction of writing, the mark of byte order.
+/// Controls, line and paragraph separators, characters that change the writing direction, the byte order mark.
 bool is_unseen(unsigned code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
@@ -28,7 +28,7 @@ std::string escape(unsigned code) {
   return code < 0x80 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
 }
 
-/// Where a character begins, at or before that byte.
+/// The start of the character at or before that byte.
 std::size_t character_before(std::string_view text, std::size_t at) {
   while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80)
     --at;

@@ -29,20 +29,20 @@ const toml::node& as_node(const void* node) {
   return *static_cast<const toml::node*>(node);
 }
 
-/// The line of a key's fault: where the key stands, or the heading of a table.
+/// The line for a key's fault: that of the key, or of a table's heading.
 std::uint32_t line_of(const toml::key& key, const toml::node& value) {
   const bool headed = value.is_table() || value.is_array_of_tables();
   return headed ? value.source().begin.line : key.source().begin.line;
 }
 
-/// NaN for what is no number, which no range contains.
+/// NaN for values that are not numbers, which no range contains.
 double number_of(const toml::node& node) {
   if (const auto* real = node.as_floating_point()) return real->get();
   if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
   return std::nan("");
 }
 
-/// The finite numbers of a list; nothing where it is none or holds anything else.
+/// The finite numbers of a list; nullopt if it is not a list or contains anything else.
 std::optional<std::vector<double>> numbers_of(const toml::node& node) {
   const toml::array* list = node.as_array();
   if (list == nullptr) return std::nullopt;
@@ -55,7 +55,7 @@ std::optional<std::vector<double>> numbers_of(const toml::node& node) {
   return values;
 }
 
-/// What is wrong with it as a place and a direction; empty if nothing.
+/// The fault of a pose as a position and orientation; empty if it is valid.
 std::string rigidity_fault(const Transform& pose) {
   if (pose[0][3] != 0 || pose[1][3] != 0 || pose[2][3] != 0 || pose[3][3] != 1) {
     return "is not rigid: its last row must be 0 0 0 1";
@@ -92,7 +92,7 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::
     const auto document = std::make_shared<const Document>(Document{file, toml::parse(text)});
     return {document, &document->root, std::string(what)};
   } catch (const toml::parse_error& error) {
-    // What it describes would quote the file, which may be anybody's and anything.
+    // Its description would quote the file, which is untrusted and may contain anything.
     const toml::source_position at = error.source().begin;
     throw bad_input(file, fmt::format("line {}: not TOML: a syntax error at column {}", at.line, at.column));
   }
@@ -133,7 +133,7 @@ std::string TomlTable::place(std::string_view key) const {
   const toml::table& table = as_table(table_);
   const auto found = table.find(key);
   const std::uint32_t line = found == table.end() ? table.source().begin.line : line_of(found->first, found->second);
-  // The top level begins nowhere.
+  // The top level has no line where it begins.
   const bool placed = line != 0 && (found != table.end() || table_ != &document_->root);
   return placed ? fmt::format("{}: line {}", document_->file, line) : document_->file;
 }

@@ -1,4 +1,4 @@
-// What needs no parser: bounds on text to be read, and text to be written.
+// Work that needs no parser: limits on text before it is read, and text to be written.
 #include <fmt/format.h>
 
 #include "base/toml.hpp"
@@ -6,8 +6,8 @@
 namespace palpa {
 namespace {
 
-/// Walks over TOML text and knows which characters are structure rather than content of strings and comments. Text that
-/// is not TOML may confuse it; the parser stops there, too, before it nests anything behind that place.
+/// Walks over TOML text and distinguishes structural characters from the content of strings and comments. Text that is
+/// not TOML may confuse it, but the parser stops at the same place, before it nests anything behind it.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
@@ -15,7 +15,7 @@ class Scanner {
   bool done() const { return at_ >= text_.size(); }
   std::uint64_t line() const { return line_; }
 
-  /// The next structural character; strings and comments are passed over and yield '"' and '\n'.
+  /// The next structural character. Strings and comments are skipped and yield '"' and '\n'.
   char next() {
     const char c = text_[at_];
     if (c == '#') {
@@ -48,7 +48,7 @@ class Scanner {
         return;
       } else if (multi_line && text_.substr(at_, 3) == triple) {
         at_ += 3;
-        // Up to two quotes more belong to the string's end.
+        // Up to two more quotes belong to the end of the string.
         for (int more = 0; more < 2 && !done() && text_[at_] == quote; ++more)
           ++at_;
         return;
@@ -98,7 +98,7 @@ void guard_toml(std::string_view text, const std::string& file, const TomlLimits
 
 std::string toml_number(double value) {
   std::string text = fmt::format("{}", value);
-  // "3" would read back as an integer, and "-0" as one without its sign.
+  // "3" would read back as an integer, and "-0" as an integer without its sign.
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
 }

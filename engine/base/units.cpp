@@ -35,7 +35,7 @@ std::span<const Unit> units_of(Quantity quantity) {
   return {};
 }
 
-/// The finite number that all of `text` spells.
+/// The finite number that the whole `text` represents.
 std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const char* const end = text.data() + text.size();
@@ -44,7 +44,7 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-/// The number times 10^power, rounded once: the power goes into the text's exponent, so that "998.8mm" is the double
+/// The number times 10^power, rounded once: the power is added to the text's exponent, so that "998.8mm" is the double
 /// 0.9988.
 std::optional<double> parse_scaled(std::string_view number, int power) {
   const std::size_t e = number.find_first_of("eE");
@@ -54,7 +54,7 @@ std::optional<double> parse_scaled(std::string_view number, int power) {
     if (digits.starts_with('+')) digits.remove_prefix(1);
     if (std::from_chars(digits.data(), digits.data() + digits.size(), exponent).ec != std::errc{}) return std::nullopt;
   }
-  // Beyond this a double is zero or infinite anyway, and the sum below cannot overflow.
+  // Beyond this, a double is zero or infinite anyway, and the sum below cannot overflow.
   if (exponent < -100000 || exponent > 100000) return std::nullopt;
   return parse_number(std::string(number.substr(0, e)) + "e" + std::to_string(exponent + power));
 }

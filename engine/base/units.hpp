@@ -1,4 +1,4 @@
-// Quantities as people type them: "1.5mm", "11ms", "40kHz". Everything inside palpa is SI; a bare number is SI.
+// Quantities in the form that users type: "1.5mm", "11ms", "40kHz". Everything inside palpa is SI; a bare number is SI.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@ enum class Quantity { length, time, frequency, speed, pressure };
 
 /// The value in metres, seconds, hertz, metres per second or pascals. Units: m cm mm um; s ms us; Hz kHz MHz; m/s; Pa
 /// kPa.
-/// nullopt if the text is not a finite number followed by nothing or by a unit of that quantity.
+/// nullopt unless the text is a finite number, alone or followed by a unit of that quantity.
 std::optional<double> parse_quantity(std::string_view text, Quantity quantity);
 
-/// What a quantity's units are called in messages, e.g. "a length such as 1.5mm or 0.0015".
+/// The description of a quantity in messages, e.g. "a length such as 1.5mm or 0.0015".
 std::string_view quantity_hint(Quantity quantity);
 
 }  // namespace palpa

@@ -1,4 +1,4 @@
-// The words of an enum, each written once: options take them, help lists them, results print them.
+// The words of an enum, each written once and used by options, help texts and results.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace palpa {
 
-/// A value and its word. The table of an enum stands beside it, in the order in which help lists its words:
+/// A value and its word. The table of an enum stands beside the enum, in the order in which help lists the words:
 ///   inline constexpr Word<Solver> solver_words[] = {{"naive", Solver::naive}, {"greedy", Solver::greedy}};
 template <typename Enum>
 struct Word {
@@ -17,7 +17,7 @@ struct Word {
   Enum value;
 };
 
-/// The word of a value; empty where the table has none.
+/// The word of a value; empty if it is not in the table.
 template <typename Enum, std::size_t count>
 constexpr std::string_view word_of(const Word<Enum> (&words)[count], std::type_identity_t<Enum> value) {
   for (const Word<Enum>& entry : words) {
@@ -26,7 +26,7 @@ constexpr std::string_view word_of(const Word<Enum> (&words)[count], std::type_i
   return "";
 }
 
-/// The value of a word, if it is one of these.
+/// The value of a word, if the table has it.
 template <typename Enum, std::size_t count>
 constexpr std::optional<Enum> value_of(const Word<Enum> (&words)[count], std::string_view word) {
   for (const Word<Enum>& entry : words) {
@@ -35,7 +35,7 @@ constexpr std::optional<Enum> value_of(const Word<Enum> (&words)[count], std::st
   return std::nullopt;
 }
 
-/// For a message that says what would be right: "naive, gs-pat or greedy".
+/// A list of the valid words for a message: "naive, gs-pat or greedy".
 template <typename Enum, std::size_t count>
 std::string one_of(const Word<Enum> (&words)[count]) {
   std::string text;

@@ -1,4 +1,4 @@
-// Pictures made smaller, and put beside each other.
+// Scales pictures down and puts them side by side.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace palpa::drawing {
 
-/// Half as wide and high, rounded down: each pixel is the mean of four.
+/// Half the width and height, rounded down: each pixel is the mean of four.
 Pixels halved(const Pixels& picture);
-/// Pictures in rows of `columns`, which is 1 at least, in places of the widest and the highest; the rest is white.
+/// Pictures in rows of `columns` (at least 1), in cells of the largest width and height; the rest is white.
 Pixels side_by_side(const std::vector<Pixels>& pictures, std::uint32_t columns);
 
 }  // namespace palpa::drawing

@@ -1,4 +1,4 @@
-// A picture drawn on the host: rectangles, strokes and text on pixels.
+// A picture drawn on the host: rectangles, strokes and text as pixels.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ class Canvas {
  public:
   Canvas(std::uint32_t width, std::uint32_t height, const Colour& paper);
 
-  /// Whole pixels from the top left; what lies outside of the picture is left out.
+  /// Sets one pixel, counted from the top left. Pixels outside the picture are ignored.
   void set(std::uint32_t x, std::uint32_t y, const Colour& colour);
-  /// Strokes in pixels, as Ink makes them, the later over the earlier; with smooth edges and round ends.
+  /// Draws strokes in pixels, as Ink makes them, with smooth edges and round ends. Later strokes cover earlier ones.
   void draw(std::span<const shader::ViewStroke> strokes);
-  /// A rectangle of whole pixels, both corners included.
+  /// Fills a rectangle of whole pixels, both corners included.
   void fill(std::uint32_t left, std::uint32_t top, std::uint32_t right, std::uint32_t bottom, const Colour& colour);
 
   const Pixels& pixels() const { return pixels_; }

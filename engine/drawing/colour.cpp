@@ -25,7 +25,7 @@ float apart(const Oklch& one, const Oklch& other) {
   return std::hypot(p.lightness - q.lightness, p.a - q.a, p.b - q.b);
 }
 
-/// Björn Ottosson's Oklab, 2020, to linear red, green and blue.
+/// Björn Ottosson's Oklab (2020) to linear red, green and blue.
 std::array<float, 3> linear(const Oklch& colour) {
   const auto [lightness, a, b] = lab(colour);
   const auto cube = [](float v) { return v * v * v; };
@@ -37,7 +37,7 @@ std::array<float, 3> linear(const Oklch& colour) {
           -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
 }
 
-/// The map's way through the colours, uneven: as colourful as screens get, with a little to spare.
+/// The map's path through the colours, not yet uniform: as colourful as screens allow, with a small margin.
 Oklch on_the_way(double t) {
   constexpr double first_hue = 285, last_hue = 465;  // degrees: violet, then red and orange, to yellow
   Oklch colour;
@@ -56,7 +56,7 @@ Oklch on_the_way(double t) {
 
 constexpr std::size_t map_steps = 256;
 
-/// Colours at equal distances along that way.
+/// Colours at equal distances along that path.
 std::array<Colour, map_steps + 1> make_map() {
   constexpr std::size_t fine = 8192;
   std::array<Oklch, fine + 1> way;

@@ -1,11 +1,11 @@
-// Colours as screens have them, and a space in which they are as far apart as they look.
+// Screen colours, and a perceptually uniform colour space.
 #pragma once
 
 #include <cstdint>
 
 namespace palpa::drawing {
 
-/// As on the screen (sRGB, gamma-encoded), each component 0..1.
+/// As on the screen (sRGB, gamma-encoded), each component in 0..1.
 struct Colour {
   float r = 0, g = 0, b = 0, a = 1;
 };
@@ -22,14 +22,14 @@ Colour mix(Colour a, Colour b, float t);
 struct Oklch {
   float lightness = 0, chroma = 0, hue = 0;
 };
-/// What a screen cannot show is cut off at its limits.
+/// Colours outside the screen's range are clamped.
 Colour from_oklch(const Oklch& colour);
-/// Whether a screen can show it.
+/// Whether the colour is within the screen's range.
 bool on_screens(const Oklch& colour);
 
-/// The colour of a value 0..1 of something that begins at nothing: from near black through violet, red and orange to a
-/// light yellow. Perceptually even: equal steps are equal distances in Oklab, lightness rises all the way, so that the
-/// order shows in grey, too. Values outside are those of the ends; NaN is a grey that is no value's.
+/// The colour of a value in 0..1 on a scale that starts at zero: from near black through violet, red and orange to a
+/// light yellow. Perceptually uniform: equal steps are equal distances in Oklab, and lightness always rises, so that
+/// the order also shows in grey. Values outside are clamped; NaN is a grey that no value has.
 Colour map_colour(double value);
 
 }  // namespace palpa::drawing

@@ -20,7 +20,7 @@ constexpr double longest = 960, largest = 4096;     // of the map, pixels
 constexpr double letters = 9, small_letters = 7.5;  // height of capitals, points
 const Colour paper = rgb(0xffffff), ink_colour = rgb(0x1f2933), faint = rgb(0x66727f);
 
-/// Where things stand, in pixels.
+/// The positions of the elements, in pixels.
 struct Sheet {
   std::uint32_t left = 0, top = 0, width = 0, height = 0;  // of the map
   std::uint32_t bar_left = 0, bar_width = 0, bar_top = 0, bar_height = 0;
@@ -53,7 +53,7 @@ Sheet sheet_for(const FieldPicture& picture, const std::vector<std::string>& up_
   sheet.bar_left = sheet.left + sheet.width + pixels(24);
   sheet.bar_width = pixels(13);
   sheet.bar_top = sheet.top + pixels(20);  // below its unit
-  // A bar is no shorter than its labels need, however flat the map is.
+  // The bar is always long enough for its labels, however flat the map is.
   sheet.bar_height = std::max(sheet.height, pixels(110)) - pixels(20);
   std::uint32_t right =
       sheet.bar_left + std::max(sheet.bar_width + pixels(10) + widest(bar_labels), text_pixels(picture.unit, letters));
@@ -65,7 +65,7 @@ Sheet sheet_for(const FieldPicture& picture, const std::vector<std::string>& up_
   return sheet;
 }
 
-/// The picture's value for one pixel of its map: `x`, `y` from 0 to 1 from the top left, steps of (dx, dy).
+/// The picture's value for one pixel of its map. `x` and `y` run from 0 to 1 from the top left, in steps of (dx, dy).
 class Sampler {
  public:
   explicit Sampler(const FieldPicture& picture) : picture_(picture) {}
@@ -138,7 +138,7 @@ Marks marks(double low, double high, int most) {
   return marks;
 }
 
-/// As many numbers as fit side by side, each as wide as the widest end and a gap.
+/// How many numbers fit side by side, each as wide as the wider end plus a gap.
 int fitting(double room, double low, double high) {
   const double widest = std::max(text_pixels(tick_label(std::floor(low), 0.1), letters),
                                  text_pixels(tick_label(std::ceil(high), 0.1), letters));

@@ -1,4 +1,4 @@
-// A plane's values as a picture: the map in even colours, axes in millimetres, a bar that says what colours mean.
+// A picture of a plane's values: a map in uniform colours, axes in millimetres, and a colour bar.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 namespace palpa::drawing {
 
 struct FieldPicture {
-  std::span<const double> values;  ///< row by row from the top, none below 0
+  std::span<const double> values;  ///< row by row from the top, never negative
   std::uint32_t columns = 0, rows = 0;
-  Vec2 low_mm{}, high_mm{};        ///< of the plane: its left and bottom, its right and top edge
+  Vec2 low_mm{}, high_mm{};        ///< the plane's left and bottom, right and top edges
   std::string right, up;           ///< the axes' names, "x" and "z"
   std::string title;               ///< one line
-  std::vector<std::string> notes;  ///< below it, smaller, a line each
-  double most = 0;                 ///< what the bar's top stands for, in its unit
-  double scale = 1;                ///< a value in the bar's unit
+  std::vector<std::string> notes;  ///< below the picture, smaller, one line each
+  double most = 0;                 ///< the value at the bar's top, in its unit
+  double scale = 1;                ///< from a value to the bar's unit
   std::string unit;                ///< above the bar: "Pa", "of the largest"
 };
 
-/// About 1000 to 1400 pixels wide and high, more where there are more values. Values between samples are interpolated,
-/// where there are more samples than pixels they are averaged; NaN has a colour of its own.
+/// About 1000 to 1400 pixels wide and high, larger if there are more values. Values are interpolated between samples,
+/// and averaged if there are more samples than pixels. NaN has its own colour.
 Pixels draw(const FieldPicture& picture);
 
-/// Numbers for an axis from `low` to `high`: multiples of 1, 2 or 5 times a power of ten, `most` of them at most (but
-/// two or more wherever there are any).
+/// Tick positions for an axis from `low` to `high`: multiples of 1, 2 or 5 times a power of ten, at most `most` of them
+/// (but at least two where they exist).
 std::vector<double> ticks(double low, double high, int most);
-/// Such a number as text, without needless digits.
+/// A tick's number as text, without unnecessary digits.
 std::string tick_label(double value, double step);
 
 }  // namespace palpa::drawing

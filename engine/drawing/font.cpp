@@ -11,11 +11,11 @@ namespace palpa::drawing {
 namespace {
 
 // Units: capitals and digits are 7 high, small letters 5, descenders reach -2; y up, baseline 0. Commands:
-//   m x y              the pen goes to x y and begins a line (alone: a dot)
+//   m x y              move the pen to x y and start a line (alone: a dot)
 //   l x y              a line to x y
 //   q cx cy x y        a quadratic curve
-//   a cx cy rx ry s e  an elliptic arc from s to e degrees (0 right, 90 up), the pen lifted before it
-//   A ...              the same, joined to what came before
+//   a cx cy rx ry s e  an elliptic arc from s to e degrees (0 right, 90 up), with the pen lifted before it
+//   A ...              the same, joined to the previous stroke
 struct Drawing {
   std::uint32_t code;
   const char* commands;
@@ -231,7 +231,7 @@ const Glyph& glyph_of(std::uint32_t code) {
   return found == glyphs.end() ? glyphs.at(box) : found->second;
 }
 
-/// The next code point, `text` advanced past it; a malformed byte is the box.
+/// The next code point; advances `text` past it. A malformed byte yields the box.
 std::uint32_t next_code(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
   const std::uint32_t lead = byte(0);

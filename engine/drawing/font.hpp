@@ -1,4 +1,4 @@
-// Text as strokes: a small sans-serif drawn with lines and arcs, sharp at every size, with no font file to be missing.
+// Text as strokes: a small sans-serif font of lines and arcs, sharp at every size, that needs no font file.
 #pragma once
 
 #include <string_view>
@@ -8,15 +8,16 @@
 
 namespace palpa::drawing {
 
-/// A line of the pen, in pixels, y down. Both ends are equal for a dot.
+/// One pen stroke, in pixels, y down. For a dot, both ends are equal.
 struct PenStroke {
   Vec2 from, to;
 };
 
-/// Width of `text` when capitals are `height` pixels high. UTF-8; what the font does not have is a small box.
+/// Width of `text` if capitals are `height` pixels high. UTF-8; characters that the font lacks are drawn as a small
+/// box.
 double text_width(std::string_view text, double height);
 
-/// Appends the strokes of `text`, its baseline beginning at `origin`.
+/// Appends the strokes of `text`. Its baseline begins at `origin`.
 void write_text(std::string_view text, const Vec2& origin, double height, std::vector<PenStroke>& out);
 
 }  // namespace palpa::drawing

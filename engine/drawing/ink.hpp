@@ -1,4 +1,4 @@
-// Lines, discs and text that lie flat on a picture.
+// Lines, discs and text in the plane of a picture.
 #pragma once
 
 #include <cmath>
@@ -45,7 +45,7 @@ class Ink {
     line(centre - half, centre + half, 8, paper_);
     line(centre - half, centre + half, 8, fill);
   }
-  /// `at` is where the baseline begins, is centred or ends.
+  /// `at` is the start, centre or end of the baseline.
   void text(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
             double weight = 1) {
     if (align != Align::left) at.x -= text_width(words, px(height)) * (align == Align::centre ? 0.5 : 1.0);
@@ -54,7 +54,7 @@ class Ink {
     for (const PenStroke& s : pen_)
       line(s.from, s.to, weight * (0.55 + 0.088 * height), c);
   }
-  /// Text that reads upwards, its middle at `at` on the baseline, which is to its right.
+  /// Text that reads upwards. `at` is the middle of the baseline, which is on the right.
   void text_upwards(std::string_view words, const Vec2& at, double height, const Colour& c) {
     pen_.clear();
     write_text(words, {-text_width(words, px(height)) / 2, 0}, px(height), pen_);
@@ -62,7 +62,7 @@ class Ink {
     for (const PenStroke& s : pen_)
       line(turned(s.from), turned(s.to), 0.55 + 0.088 * height, c);
   }
-  /// Text with a border of the paper's colour, legible over anything.
+  /// Text with a border in the paper's colour, legible on any background.
   void label(std::string_view words, Vec2 at, double height, const Colour& c, Align align = Align::left,
              double weight = 1) {
     text(words, at, height, paper_, align, 3.2 * weight);

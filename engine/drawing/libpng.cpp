@@ -12,8 +12,8 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-// libpng reports errors by longjmp. The functions that it may jump out of hold nothing with a destructor; what owns
-// memory lives in their callers.
+// libpng reports errors by longjmp. Functions that it may jump out of hold no objects with destructors; their callers
+// own all memory.
 namespace palpa::drawing {
 namespace libpng {
 
@@ -78,7 +78,7 @@ struct PngValues::Reader {
 bool PngValues::Reader::read_header() {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_read_fn(png, &memory, read_memory);
-  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // callers check the size, with a better message
+  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // callers check the size with a better message
   png_set_chunk_malloc_max(png, 1 << 20);
   png_set_chunk_cache_max(png, 64);
   png_read_info(png, info);
@@ -102,7 +102,7 @@ std::uint32_t big_endian(const std::uint8_t* b) {
   return std::uint32_t{b[0]} << 24U | std::uint32_t{b[1]} << 16U | std::uint32_t{b[2]} << 8U | b[3];
 }
 
-/// The first chunk that promises more than the file has, in words; libpng would make room for what is promised.
+/// Describes the first chunk that claims more bytes than the file has; libpng would allocate the claimed size.
 std::optional<std::string> promise_fault(std::span<const std::uint8_t> png) {
   constexpr std::size_t signature = 8, around = 12;  // length, name and checksum of a chunk
   for (std::size_t at = signature; png.size() - at >= around;) {

@@ -1,4 +1,4 @@
-// Images in memory to the bytes of a PNG file and back: the one place that knows libpng.
+// Converts images in memory to the bytes of a PNG file and back. The only place that uses libpng.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace palpa::drawing {
 
-/// What libpng has against bytes or pixels, as printable ASCII.
+/// libpng's complaint about bytes or pixels, as printable ASCII.
 class PngFault : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -20,18 +20,19 @@ class PngFault : public std::runtime_error {
 
 bool begins_as_png(std::string_view bytes);
 
-/// No PNG of such an image is larger: deflate never grows data by much; the rest is room for ancillary chunks.
+/// Upper bound for the size of a PNG of such an image. Deflate hardly expands data; the rest is room for ancillary
+/// chunks.
 constexpr std::uint64_t most_png_bytes(std::uint32_t width, std::uint32_t height, std::size_t pixel_bytes) {
   const std::uint64_t bytes = std::uint64_t{width} * height * pixel_bytes;
   return bytes + bytes / 8 + (4U << 20);
 }
 
-/// A PNG whose values are wanted as they are: gamma and other ancillary chunks do not change them. Interlaced files are
-/// fine. `bytes` outlives the reader. Reserves no more than the file's own size and that of the rows.
+/// A PNG whose raw values are wanted: gamma and other ancillary chunks do not change them. Interlaced files are
+/// supported. `bytes` must outlive the reader. Reserves at most the file's own size plus that of the rows.
 class PngValues {
  public:
-  /// Reads the header. Throws PngFault where it is broken, and where a chunk promises more than the file has; failure
-  /// without memory.
+  /// Reads the header. Throws PngFault if it is broken or if a chunk claims more than the file has; failure if memory
+  /// is short.
   explicit PngValues(std::string_view bytes);
   ~PngValues();
   PngValues(const PngValues&) = delete;
@@ -39,12 +40,12 @@ class PngValues {
 
   std::uint32_t width() const;
   std::uint32_t height() const;
-  /// Whether each pixel is one grey value of so many bits.
+  /// Whether each pixel is one grey value of `bits` bits.
   bool is_grey(int bits) const;
   /// "16-bit grey", "8-bit colour with alpha", ...
   std::string kind() const;
-  /// Once. Rows from the top, width() x height() values of 1 or 2 bytes each. Throws PngFault where the file ends early
-  /// or is corrupt.
+  /// Call once. Rows from the top, width() x height() values of 1 or 2 bytes each. Throws PngFault if the file ends
+  /// early or is corrupt.
   void read_grey(std::span<std::uint8_t> values);
   void read_grey(std::span<std::uint16_t> values);
 
@@ -53,15 +54,15 @@ class PngValues {
   std::unique_ptr<Reader> reader_;
 };
 
-/// Grey, fast rather than small. Rows from the top; width and height are not 0. Throws PngFault; failure without
-/// memory.
+/// Grey, optimised for speed rather than size. Rows from the top; width and height are not 0. Throws PngFault; failure
+/// if memory is short.
 std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> values);
 std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> values);
 
-/// A PNG as a picture: of any kind, turned into red, green, blue and alpha as on the screen. `bytes` outlives it.
+/// A PNG of any kind as a picture, converted to red, green, blue and alpha as on the screen. `bytes` must outlive it.
 class PngPicture {
  public:
-  /// Reads the header. Throws PngFault where these bytes are no PNG.
+  /// Reads the header. Throws PngFault if the bytes are not a PNG.
   explicit PngPicture(std::string_view bytes);
   ~PngPicture();
   PngPicture(const PngPicture&) = delete;
@@ -69,7 +70,7 @@ class PngPicture {
 
   std::uint32_t width() const;
   std::uint32_t height() const;
-  /// Once. 4 bytes per pixel, rows from the top. Throws PngFault where the file is broken.
+  /// Call once. 4 bytes per pixel, rows from the top. Throws PngFault if the file is broken.
   std::vector<std::uint8_t> read_rgba();
 
  private:

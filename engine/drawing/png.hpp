@@ -1,4 +1,4 @@
-// 8-bit pictures on the host, and as PNG files.
+// 8-bit pictures in memory and as PNG files.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,15 @@ struct Pixels {
   }
 };
 
-/// Writes an RGB PNG without times or other text: the same pixels give the same bytes. Throws failure() naming the file
-/// when it cannot be written whole.
+/// Writes an RGB PNG without times or other text, so the same pixels give the same bytes. Throws failure() naming the
+/// file if it cannot be written completely.
 void write_png(const std::filesystem::path& file, const Pixels& pixels);
 
-/// Throws bad_input naming the file: missing, no regular file, no PNG, broken, or larger than 16384 pixels on a side.
+/// Throws bad_input naming the file: missing, not a regular file, not a PNG, broken, or larger than 16384 pixels on a
+/// side.
 Pixels read_png(const std::filesystem::path& file);
 
-/// Mean absolute difference of red, green and blue over all pixels, 0..1. The two must have the same size.
+/// Mean absolute difference of red, green and blue over all pixels, 0..1. The pictures must have the same size.
 double mean_difference(const Pixels& a, const Pixels& b);
 
 }  // namespace palpa::drawing

@@ -17,7 +17,7 @@ std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride) {
 
 std::uint32_t usual_stride(std::uint32_t foci) {
   std::uint32_t best = 1;
-  const auto off = [foci](std::uint32_t stride) {  // tenths of a focus from what is wanted
+  const auto off = [foci](std::uint32_t stride) {  // tenths of a focus from the ideal stride
     return std::abs(10 * std::int64_t{stride} - 3 * std::int64_t{foci});
   };
   for (std::uint32_t stride = 2; stride < foci; ++stride) {

@@ -1,4 +1,4 @@
-// Which solid a convex part belongs to.
+// The solid that a convex part belongs to.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace palpa::geometry {
 
-/// What makes a mesh one convex part of a solid: palpa decompose writes it into the node's `extras`.
+/// Marks a mesh as one convex part of a solid. palpa decompose writes it into the node's `extras`.
 struct PartOf {
   std::string solid;        ///< the solid's name
-  std::uint32_t group = 0;  ///< tells solids of one name apart
+  std::uint32_t group = 0;  ///< distinguishes solids of the same name
   double seam_m = 0;        ///< see Parts::seam_m
 };
 

@@ -43,7 +43,7 @@ Part read_part(const Scene& scene, const SceneMesh& mesh) {
            fmt::format("is concave: its surface bends inwards by {:.3g} degrees near {}; a part is convex",
                        reflex->angle * 180 / std::numbers::pi, text::point(welded.positions[reflex->vertices[0]])));
   }
-  // What no edge shows: a surface that passes through itself, or is inside out.
+  // Faults that no edge shows: a surface that passes through itself, or is inside out.
   const double hull = signed_volume(part->mesh), own = signed_volume(welded);
   if (std::abs(hull - own) > 1e-3 * hull) refuse(scene, mesh, "does not enclose its convex hull; a part is convex");
   return std::move(*part);
@@ -92,7 +92,7 @@ std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene) {
 
 namespace {
 
-/// Changes whenever the same mesh and options give other parts.
+/// Must change whenever the same mesh and options give other parts.
 constexpr std::uint32_t parts_version = 1;
 
 CacheKey cache_key(const Mesh& mesh, const DecomposeOptions& options) {
@@ -112,7 +112,7 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span(values.data(), values.size()));
 }
 
-/// Each part's corners, of which the hull is made anew: the same bits.
+/// Stores each part's corners, from which the hull is made again with the same bits.
 void store(const CacheKey& key, const Parts& parts) {
   std::vector<std::uint64_t> sizes;
   std::vector<Vec3> corners;

@@ -10,7 +10,7 @@
 namespace palpa::geometry {
 namespace {
 
-/// Equal for transforms that differ by a rigid motion: the products of their columns, to single precision, and their
+/// Equal for transforms that differ by a rigid motion: the products of their columns, in single precision, and their
 /// handedness.
 using Shape = std::array<std::int64_t, 9>;
 
@@ -20,7 +20,7 @@ Shape shape_of(const CopyOf& copy) {
   const double size = gram[0][0] + gram[1][1] + gram[2][2];
   int exponent = 0;
   const double mantissa = std::frexp(size, &exponent);
-  // Of copies a few units of rounding apart two may fall to either side of a step: then each is prepared for itself.
+  // Copies that differ by a few units of rounding may fall on either side of a step: then each is prepared separately.
   constexpr double steps = 1 << 24;
   const auto rounded = [&](double value) { return std::llround(value * steps); };
   return {copy.mesh,

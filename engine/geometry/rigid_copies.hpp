@@ -1,4 +1,4 @@
-// Which of a scene's meshes are one mesh, moved: what is found about the first of them holds for all.
+// Finds the meshes of a scene that are rigid copies of one mesh. Results for the first of them hold for all.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,19 @@
 
 namespace palpa::geometry {
 
-/// For each mesh of the scene the first one that it is a rigid copy of (the same mesh at the same scale, mirrored or
-/// not), or itself. Only touchable ones are copies of one another; parts of solids are not. A scene with little to
-/// spare is left as it is, each mesh prepared for itself, so that the last bits of its answers are those of its own
-/// place.
+/// For each mesh of the scene, the first mesh that it is a rigid copy of (the same mesh at the same scale, mirrored or
+/// not), or itself. Only touchable meshes are copies; parts of solids are not. If a scene has little to save, each mesh
+/// is prepared separately, so that the last bits of its results are those of its own position.
 std::vector<std::uint32_t> find_rigid_copies(const Scene& scene);
 
-/// How much is little: triangles of all copies together, each copy counted as `copy_overhead` more.
+/// Limit below which there is little to save: triangles of all copies together, plus `copy_overhead` per copy.
 inline constexpr std::uint64_t worth_sharing = 50'000, copy_overhead = 1000;
 
-/// For each vertex of `made`, what weld() and what mends made of `original`, one of the vertices that it was made of.
-/// Empty where one is of none.
+/// For each vertex of `made`, which weld() and the repairs made from `original`, one of the original vertices that it
+/// was made from. Empty if a vertex has none.
 std::vector<std::uint32_t> vertices_of(const Mesh& original, const Mesh& made);
 
-/// Takes a plane along with what it bounds; T is rigid but for the scale that it has in common with where the plane is
-/// now.
+/// The plane, moved along with the object that it bounds. T is rigid except for a uniform scale.
 Plane moved(const Plane& plane, const Transform& T);
 
 }  // namespace palpa::geometry

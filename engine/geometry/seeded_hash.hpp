@@ -1,4 +1,4 @@
-// Hashes that no file can be made against.
+// Hashes that no file can be crafted against.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,7 @@
 
 namespace palpa::geometry {
 
-/// Drawn anew by every run: a file cannot be made of values that all hash alike. Nothing that is found by a hash may
-/// depend on it.
+/// Different in every run, so that no file can contain values that all collide. Results must not depend on it.
 inline std::uint64_t hash_seed() {
   static const std::uint64_t seed = [] {
     std::random_device device;
@@ -16,7 +15,8 @@ inline std::uint64_t hash_seed() {
   return seed;
 }
 
-/// `h` with one more value. The finalizer of SplitMix64: every bit of the value changes half of the result's.
+/// Combines `h` with one more value. The finalizer of SplitMix64: every bit of the value changes half of the result's
+/// bits.
 inline std::uint64_t mix_hash(std::uint64_t h, std::uint64_t value) {
   h = (h ^ value) + 0x9e3779b97f4a7c15ULL;
   h = (h ^ h >> 30U) * 0xbf58476d1ce4e5b9ULL;

@@ -31,14 +31,14 @@ struct Candidate {
   std::string name;
   SolidMesh solid;  // welded
   Haptics haptics;
-  std::optional<CacheKey> cache;  // where to keep it once it is fit
+  std::optional<CacheKey> cache;  // where to store it once it is checked
   bool fit = false;
-  std::size_t place = 0;  // among the scene's meshes
+  std::size_t place = 0;  // index in the scene's meshes
 };
 
-/// Smaller meshes are made fit sooner than a file is found.
+/// Smaller meshes are checked faster than a cache file is found.
 constexpr std::size_t worth_caching = 5000;  // triangles
-/// Changes whenever make_fit() or weld_closed() judges or mends differently.
+/// Must change whenever make_fit() or weld_closed() judges or repairs differently.
 constexpr std::uint32_t solid_version = 1;
 
 std::optional<CacheKey> cache_key(const Mesh& mesh, SurfaceKind kind) {
@@ -85,7 +85,7 @@ std::optional<SolidMesh> load(const CacheKey& key) {
   return solid;
 }
 
-/// What becomes of meshes that no repair closes.
+/// The treatment of meshes that no repair closes.
 enum class Open { refused, kept };
 
 Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open open) {
@@ -106,16 +106,16 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   return solid;
 }
 
-/// `mesh`, put together as `made` was out of `first`, whose rigid copy it is.
+/// `mesh`, assembled in the same way as `made` was from `first`, of which it is a rigid copy.
 Mesh put_together(const Mesh& mesh, const std::vector<std::uint32_t>& vertices, const Mesh& made) {
   Mesh out{{}, made.triangles};
   out.positions.reserve(vertices.size());
   for (const std::uint32_t v : vertices)
-    out.positions.push_back(mesh.positions[v] + Vec3(0.0));  // no negative zeros, as weld() leaves none
+    out.positions.push_back(mesh.positions[v] + Vec3(0.0));  // no negative zeros, as after weld()
   return out;
 }
 
-/// Another copy of what became the solid `first` of the scene's mesh `original`.
+/// The solid of `mesh`, a rigid copy of the scene's mesh `original`, from which the solid `first` was made.
 Solid make_copy(const SceneMesh& original, const Solid& first, const std::vector<std::uint32_t>& vertices,
                 const SceneMesh& mesh) {
   Solid solid;
@@ -139,7 +139,7 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
     append(all, open[i].solid.mesh);
     owner.resize(all.triangles.size(), i);
   }
-  // Not weld(): it drops triangles, and the owners go by them.
+  // Not weld(), because it drops triangles, and the owners are stored per triangle.
   const std::vector<std::uint32_t> index = weld_indices(all.positions, flatness_tolerance(all));
   for (glm::uvec3& t : all.triangles)
     t = glm::uvec3(index[t[0]], index[t[1]], index[t[2]]);
@@ -164,10 +164,10 @@ Candidate begin(const SceneMesh& mesh, std::size_t place) {
   return {mesh.name, {}, mesh.haptics, std::nullopt, false, place};
 }
 
-// The scene's meshes, each welded for itself, closed or not.
+// The scene's meshes, each welded separately, closed or not.
 struct Gathered {
   std::vector<Candidate> closed, open;
-  std::vector<std::pair<std::size_t, std::size_t>> copies;  // of closed ones: their own place, the first one's
+  std::vector<std::pair<std::size_t, std::size_t>> copies;  // of closed ones: their own index, the first one's
 };
 
 Gathered gather_meshes(const Scene& scene, SurfaceKind kind) {
@@ -215,7 +215,7 @@ Gathered gather_meshes(const Scene& scene, SurfaceKind kind) {
   return out;
 }
 
-// Open meshes that are closed together become one, in the place of the first.
+// Open meshes that are closed together become one mesh, at the index of the first.
 std::vector<Candidate> join_pieces(std::vector<Candidate> open) {
   std::vector<Candidate> joined;
   for (const std::vector<std::uint32_t>& group : pieces_that_meet(open)) {
@@ -237,7 +237,7 @@ std::vector<Solid> solids_of(const Scene& scene, SurfaceKind kind, Open open) {
   for (Candidate& c : join_pieces(std::move(gathered.open)))
     gathered.closed.push_back(std::move(c));
   const std::size_t first_closed = found.size();
-  std::map<std::size_t, std::size_t> solid_at;  // of a closed mesh, by its place
+  std::map<std::size_t, std::size_t> solid_at;  // of a closed mesh, by its index
   for (std::size_t i = 0; i < gathered.closed.size(); ++i) {
     Candidate& c = gathered.closed[i];
     const std::size_t place = c.place;

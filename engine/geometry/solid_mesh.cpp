@@ -24,7 +24,7 @@ std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
   return fmt::format("from {} to {} m", text::point(mesh.positions[edge[0]]), text::point(mesh.positions[edge[1]]));
 }
 
-/// Of the farthest vertex from the origin, along an axis.
+/// The largest distance of a vertex from the origin along an axis.
 double reach_of(const Box& box) {
   double reach = 0;
   for (int i = 0; i < 3; ++i)
@@ -83,7 +83,7 @@ void check_volumes(const std::string& file, const std::string& name, const Mesh&
     throw bad_input(file, fmt::format("mesh {} is flat: it encloses no volume ({:.3g} m3)", name, volume));
   }
   for (const Shell& shell : shells.list) {
-    // A speck smaller than the tolerance may be a body all the same; one without any volume is none.
+    // A speck smaller than the tolerance may still be a body, but not one without any volume.
     if (std::abs(shell.volume) > 1e-9 * shell.area * std::sqrt(shell.area)) continue;
     throw bad_input(
         file, fmt::format("mesh {} has a flat piece that encloses no volume, at {} m (triangle {}); remove it", name,
@@ -109,7 +109,7 @@ void check_crossings(const std::string& file, const std::string& name, const Mes
                               name, crossing->triangles[0], crossing->triangles[1], text::point(crossing->where)));
 }
 
-// The shells that face the wrong way because the whole of them does; throws where one does not fit the shell around it.
+// The shells that face the wrong way as a whole; throws if a shell does not fit the shell around it.
 std::vector<char> shells_to_turn(const std::string& file, const std::string& name, const Mesh& mesh,
                                  const Shells& shells) {
   std::vector<char> turned(shells.list.size(), 0);
@@ -132,7 +132,7 @@ SolidMesh weld_closed(const Mesh& mesh) {
   SolidMesh first{weld(mesh), {}, {}};
   Defects defects = find_defects(first.mesh);
   if (defects.closed_and_oriented()) return first;
-  // So far out that vertices fall together: refused for its place, not for what that makes of its faces.
+  // So far from the origin that vertices coincide: refused for its position, not for the resulting faces.
   if (!(reach_of(bounds(first.mesh)) <= largest_size)) return first;
   const auto without_duplicates = [](const Mesh& welded) {
     SolidMesh less{welded, {}, {}};
@@ -197,7 +197,7 @@ void make_fit(const std::string& file, const std::string& name, SolidMesh& solid
     return;
   }
   if (may_cross && find_crossing(file, name, mesh, tree())) {
-    // Which lies in which means nothing then: bodies, one by one.
+    // Nesting is meaningless then, so each shell is treated as a separate body.
     std::vector<char> inwards;
     for (const Shell& shell : shells.list)
       inwards.push_back(shell.volume < 0 ? 1 : 0);

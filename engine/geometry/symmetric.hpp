@@ -16,7 +16,7 @@ struct EigenPairs {
   Matrix<n> vectors;  ///< vectors[i] belongs to values[i]; orthonormal
 };
 
-/// Jacobi's method: rotations in the planes of two coordinates until nothing is left beside the diagonal. In no order.
+/// Jacobi's method: rotations in the planes of two coordinates until the off-diagonal elements vanish. Unordered.
 template <std::size_t n>
 EigenPairs<n> eigen_of(Matrix<n> a) {
   EigenPairs<n> out{};

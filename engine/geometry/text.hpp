@@ -1,4 +1,4 @@
-// Pieces of messages. Names come from files: they must not break the line nor flood it.
+// Pieces of messages. Names come from files, so they must not break a line or flood it.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace palpa::geometry::text {
 
-/// The name in quotes, without control characters, at most 60 bytes of it.
+/// The name in quotes, without control characters, at most 60 bytes long.
 inline std::string quoted(std::string_view name) {
   return '"' + printable(name, 60) + '"';
 }

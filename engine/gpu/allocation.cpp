@@ -15,19 +15,18 @@
 namespace palpa::gpu {
 namespace {
 
-/// Whether a byte can be read. The kernel copies it into a pipe, and reports a page that is not there instead of
-/// sending SIGBUS.
+/// Whether a byte can be read. The kernel copies it into a pipe, and reports a missing page instead of sending SIGBUS.
 bool readable(const std::byte* at) {
   std::array<int, 2> pipe_ends{};
-  if (pipe(pipe_ends.data()) != 0) return true;  // nobody knows
+  if (pipe(pipe_ends.data()) != 0) return true;  // unknown
   const bool missing = write(pipe_ends[1], at, 1) < 0 && errno == EFAULT;
   close(pipe_ends[0]);
   close(pipe_ends[1]);
   return !missing;
 }
 
-/// Mesa's software device, from version 24 on, keeps its memory in a file without a name. It does not notice when a
-/// limit of file sizes keeps that file from growing, and the first access ends the process by SIGBUS.
+/// From version 24 on, Mesa's software device keeps its memory in a file without a name. It does not notice if a limit
+/// of file sizes keeps that file from growing, and the first access then ends the process with SIGBUS.
 void require_backed(const Device& device, VkDeviceMemory memory, VkDeviceSize bytes) {
   rlimit limit{};
   if (!is_software(device.description()) || getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)

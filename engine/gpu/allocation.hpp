@@ -1,4 +1,4 @@
-// Device memory: the one place where any of it is allocated.
+// The only place that allocates device memory.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace palpa::gpu {
 
-/// `bytes` of a memory type, counted in `device.memory_allocations`. Throws failure() where the limits of this process
-/// do not let a software device have them, and an Error with Vulkan's result where the driver has none.
+/// `bytes` of a memory type, counted in `device.memory_allocations`. Throws failure() if the limits of this process
+/// leave too little memory for a software device, and an Error with Vulkan's result if the driver has none left.
 Handle<VkDeviceMemory> allocate_memory(const Device& device, VkDeviceSize bytes, std::uint32_t memory_type);
 
 }  // namespace palpa::gpu

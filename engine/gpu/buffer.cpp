@@ -18,8 +18,8 @@ constexpr VkBufferUsageFlags every_usage =
 constexpr VkMemoryPropertyFlags host_memory =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
-/// Mesa's software device compiles a kernel that reads texels once for buffers of a power of two of bytes and once for
-/// others.
+/// Mesa's software device compiles a kernel that reads texels twice: once for buffers whose size in bytes is a power of
+/// two, and once for others.
 VkDeviceSize never_a_power_of_two(VkDeviceSize bytes) {
   return std::has_single_bit(bytes) ? bytes + 16 : bytes;
 }

@@ -1,4 +1,4 @@
-// Memory by intent: what stays on the device, what the host writes, what the host reads.
+// Memory by purpose: kept on the device, written by the host, or read by the host.
 #pragma once
 
 #include <volk.h>
@@ -12,20 +12,20 @@
 
 namespace palpa::gpu {
 
-/// A range of a buffer, as a pass binds it.
+/// A range of a buffer as a pass binds it.
 struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   VkDeviceSize size = 0;
-  VkBufferView texels = VK_NULL_HANDLE;  ///< where a binding reads texels, see texel_view.hpp
+  VkBufferView texels = VK_NULL_HANDLE;  ///< for a binding that reads texels, see texel_view.hpp
 };
 
-/// Behind every buffer's last byte lie so many more that nobody uses: room for a texel view that is made longer.
+/// Unused bytes behind the end of every buffer: room for a texel view that is extended.
 inline constexpr VkDeviceSize texel_room = 256;
 
-/// Device memory that only passes touch. Contents are undefined until a pass or `vkCmdFillBuffer` writes them.
-/// Usable as storage, texels, indirect, vertex, index, uniform, and as either end of a copy. A size of 0 allocates 4
-/// bytes.
+/// Device memory that only passes access. Contents are undefined until a pass or `vkCmdFillBuffer` writes them. Usable
+/// as storage, texels, indirect, vertex, index and uniform buffer, and as source and destination of copies. A size of 0
+/// allocates 4 bytes.
 class Buffer {
  public:
   Buffer() = default;
@@ -41,14 +41,14 @@ class Buffer {
          VkMemoryPropertyFlags preferred);
   std::byte* map(const Device& device) const;
 
-  // Destroyed in reverse: the buffer before its memory. One allocation per buffer: the engine keeps a few dozen
-  // long-lived buffers, far below any driver's limit of allocations.
+  // Destroyed in reverse: the buffer before its memory. Each buffer has its own allocation: the engine keeps a few
+  // dozen long-lived buffers, far below any driver's limit of allocations.
   Handle<VkDeviceMemory> memory_;
   Handle<VkBuffer> buffer_;
   VkDeviceSize size_ = 0;
 };
 
-/// The host writes `data()`, passes read `ref()`. Where memory is unified both are the same bytes.
+/// The host writes `data()`, passes read `ref()`. With unified memory, both are the same bytes.
 class Upload {
  public:
   Upload() = default;
@@ -60,8 +60,8 @@ class Upload {
     return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(ref().size / sizeof(T))};
   }
   BufferRef ref() const { return device_ ? device_.ref() : host_.ref(); }
-  /// After the host has written: copies the first `bytes` and makes them visible to later compute, indirect, vertex and
-  /// transfer reads. Records nothing where memory is unified, since a submit makes host writes visible.
+  /// Call after the host has written: copies the first `bytes` and makes them visible to later compute, indirect,
+  /// vertex and transfer reads. Records nothing if memory is unified, because a submit makes host writes visible.
   void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
 
  private:
@@ -75,7 +75,7 @@ class Upload {
   std::byte* mapped_ = nullptr;
 };
 
-/// A buffer of these values, at least 4 bytes: they are there for whatever `commands` records next.
+/// A buffer with these values, at least 4 bytes long. All that `commands` records afterwards can read them.
 template <typename T>
 Upload uploaded(const Device& device, VkCommandBuffer commands, std::span<const T> values, const char* name) {
   Upload buffer(device, values.size_bytes(), name);
@@ -84,7 +84,7 @@ Upload uploaded(const Device& device, VkCommandBuffer commands, std::span<const 
   return buffer;
 }
 
-/// Passes write `ref()`; the host reads `data()` once the submit that recorded `record` has completed.
+/// Passes write `ref()`; the host reads `data()` after the submit that contains `record` has completed.
 class Readback {
  public:
   Readback() = default;
@@ -96,7 +96,7 @@ class Readback {
     return {reinterpret_cast<const T*>(mapped_), static_cast<std::size_t>(host_.size() / sizeof(T))};
   }
   BufferRef ref() const { return device_.size() ? device_.ref() : host_.ref(); }
-  /// After the last compute or transfer write: brings the first `bytes` to the host.
+  /// Call after the last compute or transfer write: makes the first `bytes` available to the host.
   void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
 
  private:

@@ -33,7 +33,7 @@ BufferSet::BufferSet(const Device& device, const char* name, std::uint32_t count
   layout_ = Handle<VkDescriptorSetLayout>(device.get(), layout, vkDestroyDescriptorSetLayout);
   if (pushed || count == 0) return;
 
-  // Of each type as many as there are bindings: some too many.
+  // The number of bindings for each type, which is more than needed.
   const std::array<VkDescriptorPoolSize, 2> sizes{{{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, most_uses * count},
                                                    {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, most_uses * count}}};
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};

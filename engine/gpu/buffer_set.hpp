@@ -1,5 +1,4 @@
-// Buffers as a pipeline binds them: pushed with each dispatch or draw, so that nothing needs to be allocated or
-// kept alive.
+// The buffers of a pipeline. They are pushed with each dispatch or draw, so nothing has to be allocated or kept alive.
 #pragma once
 
 #include <volk.h>
@@ -15,19 +14,19 @@
 
 namespace palpa::gpu {
 
-/// Set 0 of a pipeline layout: `count` buffers at bindings 0..count-1. Binding i is a uniform texel buffer where bit i
-/// of `texels` is set, else a storage buffer.
+/// Set 0 of a pipeline layout: `count` buffers at bindings 0..count-1. Binding i is a uniform texel buffer if bit i of
+/// `texels` is set, else a storage buffer.
 class BufferSet {
  public:
   BufferSet() = default;
-  /// At most 16 buffers, bound at most `most_uses` times by the submits that are in flight together. `name` is the
-  /// pipeline's. Throws failure for more buffers.
+  /// At most 16 buffers, bound at most `most_uses` times by all submits in flight together. `name` is the pipeline's.
+  /// Throws failure for more buffers.
   BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
             std::uint32_t most_uses, std::uint32_t texels = 0);
 
   VkDescriptorSetLayout layout() const { return layout_.get(); }
-  /// `buffers` in binding order, exactly `count` of them, all of them there; those that are read as texels have a view
-  /// of them. Throws failure otherwise.
+  /// `buffers`: exactly `count`, in binding order, none of them null. Those read as texels must have a texel view.
+  /// Throws failure otherwise.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
             std::span<const BufferRef> buffers) const;
 
@@ -38,7 +37,7 @@ class BufferSet {
   std::string name_;
   std::uint32_t count_ = 0, texels_ = 0;
 
-  // GPU-assisted validation cannot see pushed descriptors. Under that preset alone, binds take turns in a ring of
+  // GPU-assisted validation cannot see pushed descriptors. Only under that preset, binds cycle through a ring of
   // `most_uses` ordinary sets.
   Handle<VkDescriptorPool> ring_pool_;
   std::vector<VkDescriptorSet> ring_;

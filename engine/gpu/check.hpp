@@ -1,4 +1,4 @@
-// Every Vulkan call that returns a VkResult goes through PALPA_VK: a failure becomes an Error with the call's text, its
+// Every Vulkan call that returns a VkResult goes through PALPA_VK. A failure becomes an Error with the call's text, its
 // file and line, and the result's name.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace palpa::gpu {
 
-/// "VK_ERROR_DEVICE_LOST" and so on.
+/// The result's name, "VK_ERROR_DEVICE_LOST" and so on.
 const char* result_name(VkResult result);
 
 /// Throws Error (Exit::failed) unless `result` is a success code.

@@ -51,7 +51,7 @@ Timeline::~Timeline() {
   try {
     wait(last_, 10.0);
   } catch (const std::exception&) {
-    // A lost device finishes nothing; there is nobody to tell from here.
+    // A lost device finishes nothing, and a destructor cannot report it.
   }
 }
 
@@ -77,7 +77,7 @@ void Timeline::wait(std::uint64_t value, double timeout_s) const {
   info.semaphoreCount = 1;
   info.pSemaphores = &semaphore;
   info.pValues = &value;
-  // Who has waited in vain once need not do so for all that is still under way.
+  // After one wait in vain, there is no need to wait for other work in progress.
   if (device_abandoned && !done(value)) throw failure(device_->description().name + ": does not answer");
   const VkResult result = wait_patiently(*device_, timeout_s, [&](std::uint64_t nanoseconds) {
     return vkWaitSemaphores(device_->get(), &info, nanoseconds);

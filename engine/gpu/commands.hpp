@@ -1,5 +1,5 @@
-// Recording and submitting. A Recorder is one command buffer that is recorded anew for every frame; a Timeline is the
-// semaphore that says how far the device has come. Nothing here ever waits for an idle device.
+// Recording and submitting. A Recorder is one command buffer that is re-recorded for every frame; a Timeline is the
+// semaphore that shows the device's progress. Nothing here ever waits for an idle device.
 #pragma once
 
 #include <volk.h>
@@ -11,7 +11,7 @@
 
 namespace palpa::gpu {
 
-/// One primary command buffer with its own pool. Re-recording is legal once the submit that used it has completed.
+/// One primary command buffer with its own pool. It may be re-recorded once the submit that used it has completed.
 class Recorder {
  public:
   Recorder() = default;
@@ -31,18 +31,18 @@ class Recorder {
 class Timeline {
  public:
   explicit Timeline(const Device& device, const char* name = "timeline");
-  /// Waits for the submits under way: whatever they use may then be destroyed. Members that a submit uses must
-  /// therefore be declared before their Timeline.
+  /// Waits for all submits in progress, so that everything they use may then be destroyed. Members that a submit uses
+  /// must therefore be declared before their Timeline.
   ~Timeline();
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  /// Submits to the device's queue and returns the value that its completion signals; of nothing, when all that the
-  /// queue was given before, by whomever, is complete.
+  /// Submits to the device's queue and returns the value that its completion signals. Without `commands`, the value is
+  /// signalled when everything that was submitted to the queue before, by any code, is complete.
   std::uint64_t submit(VkCommandBuffer commands = VK_NULL_HANDLE);
-  /// Blocks until `value` is signalled. Throws Error (Exit::failed) when the device is lost, or when it has had
-  /// `timeout_s`, of a software device seconds of processor time (gpu/patience.hpp); then the device counts as lost,
-  /// and as abandoned (gpu/handle.hpp).
+  /// Blocks until `value` is signalled. Throws Error (Exit::failed) if the device is lost or has had `timeout_s` (for a
+  /// software device: seconds of processor time, gpu/patience.hpp). After such a timeout the device counts as lost and
+  /// as abandoned (gpu/handle.hpp).
   void wait(std::uint64_t value, double timeout_s = 60.0) const;
   bool done(std::uint64_t value) const;
   /// The value of the newest submit.

@@ -24,8 +24,8 @@
 namespace palpa::gpu {
 namespace {
 
-/// Vulkan's loader looks for an object's device in its list of all instances, and takes no lock for that (1.4.309 does
-/// not): a name that one thread gives while another makes or destroys an instance or a device was a crash.
+/// Vulkan's loader looks up an object's device in its list of all instances without a lock (1.4.309 has none). Naming
+/// an object on one thread while another thread created or destroyed an instance or a device caused a crash.
 std::mutex loader_mutex;
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
@@ -43,8 +43,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
   return VK_FALSE;
 }
 
-/// A driver that runs out of memory while it is loaded throws through Vulkan's loader, which holds a lock then and
-/// never gives it back: whatever asks for it again would wait for ever, and so would the end of the program.
+/// A driver that runs out of memory while it is loaded throws through Vulkan's loader, which then holds a lock for
+/// ever. Any code that needs the lock again would wait for ever, and so would the end of the program.
 [[noreturn]] void out_of_memory() {
   device_abandoned = true;
   throw Error(Exit::no_device, "no Vulkan device: out of memory: " + driver_advice("close other programs"));
@@ -76,7 +76,8 @@ bool has_instance_extension(const char* name) {
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-/// What every instance has where the loader knows it, beside what it was asked for: see load_functions.
+/// The extensions that every instance gets, in addition to the requested ones, if the loader knows them: see
+/// load_functions.
 std::vector<const char*> with_usual_extensions(std::vector<const char*> wanted) {
   for (const char* name : {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME}) {
     const bool there =
@@ -86,9 +87,9 @@ std::vector<const char*> with_usual_extensions(std::vector<const char*> wanted) 
   return wanted;
 }
 
-/// Vulkan's functions are the process's, not a device's. They are loaded once, by the first instance, whichever that
-/// is, so that nobody's change while somebody calls them; and they are the loader's, which finds the driver by what it
-/// is called with, so that they serve devices of several drivers.
+/// Vulkan's functions belong to the process, not to a device. The first instance loads them, once, so that they never
+/// change while another thread calls them. They are the loader's functions, which find the driver by their arguments,
+/// so they work for devices of several drivers.
 void load_functions(VkInstance first) {
   static std::once_flag once;
   std::call_once(once, [&] { volkLoadInstance(first); });
@@ -103,7 +104,7 @@ bool has_extension(VkPhysicalDevice physical, const char* name) {
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-/// A family that computes and, if there is one, also draws.
+/// A queue family that computes and, if there is one, also draws.
 std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
@@ -152,7 +153,7 @@ std::string why_unusable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
     return fmt::format("offers Vulkan {}.{}, palpa needs 1.3", VK_API_VERSION_MAJOR(properties.apiVersion),
                        VK_API_VERSION_MINOR(properties.apiVersion));
   }
-  constexpr std::uint32_t shared_bytes = 32768;  // Vulkan promises half of it; splitting clusters takes 24 KB
+  constexpr std::uint32_t shared_bytes = 32768;  // Vulkan guarantees half of it; splitting clusters takes 24 KB
   if (properties.limits.maxComputeSharedMemorySize < shared_bytes) {
     return fmt::format("has {} bytes of shared memory, palpa needs {}", properties.limits.maxComputeSharedMemorySize,
                        shared_bytes);
@@ -162,7 +163,7 @@ std::string why_unusable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
   return {};
 }
 
-/// 22 of "Mesa 22.3.6 (LLVM 15.0.6)"; 0 where it does not say.
+/// 22 of "Mesa 22.3.6 (LLVM 15.0.6)"; 0 if it is not stated.
 int mesa_version(std::string_view driver_info) {
   constexpr std::string_view before = "Mesa ";
   const std::size_t at = driver_info.find(before);
@@ -315,13 +316,13 @@ void Device::create_instance(const DeviceOptions& options) {
   }
   if (validation_ == Validation::sync) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
-    // The layer knows the check across command buffers only by this name, not by an enumerator.
+    // The layer enables the check across command buffers only by this name, not by an enumerator.
     setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 0);
   } else if (validation_ == Validation::gpu_assisted) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   }
-  names_ = has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);  // they also help tools that capture frames
+  names_ = has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);  // they also help frame capture tools
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
   features.enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size());
   features.pEnabledValidationFeatures = enables.data();

@@ -1,4 +1,4 @@
-// Instance, device and its one queue. Nothing here knows a window or a hand.
+// The Vulkan instance, the device and its only queue. Independent of windows and of hands.
 #pragma once
 
 #include <volk.h>
@@ -29,14 +29,14 @@ inline constexpr Word<Validation> validation_words[] = {{"off", Validation::off}
                                                         {"gpu-assisted", Validation::gpu_assisted}};
 
 struct DeviceOptions {
-  /// Part of a device's name (any case) or its index as `palpa doctor` lists them; empty: the fastest kind present.
+  /// Part of a device's name (any case) or its index as listed by `palpa doctor`; empty: the fastest kind present.
   std::string select;
   /// Defaults to the environment's PALPA_VALIDATION, else off.
   std::optional<Validation> validation;
-  /// Copy through staging buffers even where memory is unified, as on a discrete GPU. Defaults to
-  /// PALPA_FORCE_STAGING=1.
+  /// Copy through staging buffers even if memory is unified, as on a discrete GPU. Defaults to PALPA_FORCE_STAGING=1.
   std::optional<bool> force_staging;
-  /// Instance extensions a window needs (from GLFW); with any, the device must also offer VK_KHR_swapchain.
+  /// Instance extensions that a window needs (from GLFW). If there are any, the device must also offer
+  /// VK_KHR_swapchain.
   std::vector<const char*> window_extensions;
 };
 
@@ -45,26 +45,26 @@ struct DeviceDescription {
   std::string name;
   std::string driver;  ///< driver name and version
   std::string kind;    ///< "discrete", "integrated", "virtual", "cpu" or "other"
-  /// Loops of a kernel end after 65,535 iterations, wherever they are. Set for Mesa's software device before version
-  /// 25: version 22 was seen to end them and 25 not to; 23 and 24 have not been tried.
+  /// The driver ends every loop of a kernel after 65,535 iterations. Set for Mesa's software device before version 25:
+  /// version 22 was seen to end loops and 25 was not; 23 and 24 have not been tried.
   bool ends_long_loops = false;
-  /// The driver dies of a null pointer when it compiles any fragment shader (vkcube does too), so that nothing may be
+  /// The driver crashes on a null pointer when it compiles any fragment shader (vkcube crashes, too), so nothing may be
   /// drawn with it. Set for Mesa 22's software device with vectors of 512 bits.
   bool cannot_draw = false;
   std::string unusable;  ///< why palpa cannot use it; empty if it can
 };
 
-/// All physical devices in index order. Empty where there is no Vulkan loader or driver. Throws Error (Exit::no_device)
-/// where memory does not suffice to load the drivers; no device can be used any more then (gpu/handle.hpp).
+/// All physical devices in index order. Empty if there is no Vulkan loader or driver. Throws Error (Exit::no_device) if
+/// memory does not suffice to load the drivers; after that, no device can be used any more (gpu/handle.hpp).
 std::vector<DeviceDescription> list_devices();
 bool validation_layer_present();
 
-/// Validation errors reported in this process so far. Tests and programs fail when it is not zero.
+/// Number of validation errors reported in this process so far. Tests and programs fail if it is not zero.
 std::uint64_t validation_errors();
 
 class Device {
  public:
-  /// Throws Error (Exit::no_device) with the reason for each device that does not fit.
+  /// Throws Error (Exit::no_device) with the reason for each unsuitable device.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(const Device&) = delete;
@@ -78,12 +78,12 @@ class Device {
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   Validation validation() const { return validation_; }
-  /// Threads that the driver started for this device; of another thread that was started meanwhile, too.
+  /// Threads that the driver started for this device. Includes threads that other code started at the same time.
   const std::vector<int>& driver_threads() const { return driver_threads_; }
-  /// The bits of a timestamp that count; the others are undefined.
+  /// The valid bits of a timestamp; the others are undefined.
   std::uint64_t timestamp_mask() const { return timestamp_mask_; }
 
-  /// True where host and device share memory and nobody asked for staging: uploads and readbacks then copy nothing.
+  /// True if host and device share memory and staging was not requested. Uploads and readbacks then copy nothing.
   bool unified_memory() const { return unified_; }
   /// Index of a memory type with all of `required` and, if there is one, all of `preferred`; throws if there is none.
   std::uint32_t memory_type(std::uint32_t allowed_bits, VkMemoryPropertyFlags required,
@@ -94,11 +94,11 @@ class Device {
 
   void name(VkObjectType type, std::uint64_t object, const char* name) const;
 
-  /// Counters that prove a loop's steady state: both stand still after its first frame.
+  /// Counters that prove a loop's steady state: they do not change after its first frame.
   mutable std::atomic<std::uint64_t> memory_allocations{0};
   mutable std::atomic<std::uint64_t> pipelines_created{0};
 
-  /// From now on every submit reports VK_ERROR_DEVICE_LOST: lets tests and rehearsals see what a lost GPU does.
+  /// After this call, every submit reports VK_ERROR_DEVICE_LOST. Lets tests and rehearsals simulate a lost GPU.
   void lose() const { lost_ = true; }
   bool lost() const { return lost_; }
 

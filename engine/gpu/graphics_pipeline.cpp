@@ -6,7 +6,7 @@
 namespace palpa::gpu {
 namespace {
 
-// Far more than the draws with one pipeline in two frames.
+// Far more than the number of draws with one pipeline in two frames.
 constexpr std::uint32_t most_in_flight = 4096;
 
 constexpr VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;

@@ -1,6 +1,6 @@
-// A pipeline that draws triangles whose vertices the shader fetches from storage buffers: no vertex input, no
-// descriptor pools. What changes from draw to draw (culling, depth) is dynamic, so that a handful of pipelines draw
-// everything.
+// A pipeline that draws triangles whose vertices the shader fetches from storage buffers, without vertex input or
+// descriptor pools. State that changes from draw to draw (culling, depth) is dynamic, so that a handful of pipelines
+// draw everything.
 #pragma once
 
 #include <volk.h>
@@ -25,7 +25,7 @@ struct GraphicsLayout {
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
   bool blend = false;        ///< source over destination, by the fragment's alpha
-  bool writes_alpha = true;  ///< false where a fragment's alpha says something else than the image's opacity
+  bool writes_alpha = true;  ///< false if a fragment's alpha has another meaning than the image's opacity
 };
 
 /// How one draw treats faces and depth.
@@ -39,17 +39,17 @@ struct DrawState {
 class GraphicsPipeline {
  public:
   GraphicsPipeline() = default;
-  /// `vertex` and `fragment` are arrays of namespace palpa::spirv; the entry points are main. No fragment: it draws
-  /// depth alone.
+  /// `vertex` and `fragment` are arrays of namespace palpa::spirv; the entry points are main. Without a fragment
+  /// shader, it draws only depth.
   GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout);
 
-  /// Inside a rendering of the layout's formats and samples, with viewport and scissor set. `buffers` in binding order;
-  /// gl_VertexIndex counts from `first`. Records nothing where `vertices` is 0. Throws failure for another number of
-  /// buffers or size of push constants than the layout's.
+  /// Call inside a rendering with the layout's formats and samples, with viewport and scissor set. `buffers` are in
+  /// binding order; gl_VertexIndex counts from `first`. Records nothing if `vertices` is 0. Throws failure if the
+  /// number of buffers or the size of the push constants differs from the layout's.
   void draw(VkCommandBuffer commands, std::initializer_list<BufferRef> buffers, const Push& push,
             const DrawState& state, std::uint32_t vertices, std::uint32_t first = 0) const;
-  /// The same for the vertices that a run of `indices` (32 bits each) names; gl_VertexIndex is the index.
+  /// The same for indexed vertices, given as a run of `indices` (32 bits each); gl_VertexIndex is the index.
   struct Run {
     BufferRef indices;
     std::uint32_t first = 0, count = 0;

@@ -8,10 +8,10 @@
 
 namespace palpa::gpu {
 
-/// True once a device did not answer in time (Timeline::wait), or memory ran out. Such a device may be at work for ever
-/// on anything that it was given, and who threw for want of memory may keep a lock for ever: from then on nothing of
-/// any device is destroyed, and the program must end by std::_Exit, since the driver's threads do not stop for
-/// destructors of its own.
+/// True once a device did not answer in time (Timeline::wait), or memory ran out. Such a device may work for ever on
+/// anything that it was given, and the code that ran out of memory may hold a lock for ever. From then on no object of
+/// any device is destroyed, and the program must end with std::_Exit, because the driver's threads do not stop for
+/// destructors.
 inline std::atomic<bool> device_abandoned{false};
 
 template <typename T>

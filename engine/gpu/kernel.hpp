@@ -1,5 +1,5 @@
-// What the build reads from a compiled compute shader, so that a pass hands over buffers by the names that the shader
-// gives them, not by their order.
+// Data that the build extracts from a compiled compute shader. With it, a pass assigns buffers by the names in the
+// shader instead of their order.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ struct KernelBinding {
 
 /// A compute shader: `palpa::spirv::NAME_comp` of the header "spirv/NAME.comp.hpp", which the build generates.
 struct Kernel {
-  const char* name = "";  ///< the shader's file without its ending
+  const char* name = "";  ///< the shader's file without its extension
   std::span<const std::uint32_t> words = {};
   std::span<const KernelBinding> bindings = {};  ///< element i is binding i of set 0; at most most_kernel_buffers
 };
 
-/// The buffers for one dispatch of a kernel. `palpa::spirv::NAME_buffers(from)`, in the same header, makes it: `from`
-/// is any struct that has a BufferRef under the name of each of the kernel's bindings, and does not compile without
-/// one.
+/// The buffers for one dispatch of a kernel. `palpa::spirv::NAME_buffers(from)`, in the same header, makes it. `from`
+/// is any struct with a BufferRef under the name of each of the kernel's bindings; if one is missing, it does not
+/// compile.
 struct KernelBuffers {
   const Kernel* kernel = nullptr;
   std::array<BufferRef, most_kernel_buffers> refs = {};  ///< element i is bound at binding i

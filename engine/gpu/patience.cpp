@@ -19,14 +19,14 @@ namespace palpa::gpu {
 namespace {
 
 constexpr double longest_slice_s = 1;
-constexpr double standstill = 1e-3;  // of a slice: threads that wait for work are woken now and then
+constexpr double standstill = 1e-3;  // of a slice: threads that wait for work are woken occasionally
 
 /// The clock of another thread of this process, as the kernel numbers such clocks (pthread_getcpuclockid).
 clockid_t processor_clock(int thread) {
   return static_cast<clockid_t>((~static_cast<unsigned>(thread) << 3) | 6u);
 }
 
-/// The letter behind the name, which is in brackets: running or waiting to, or waiting for a disk.
+/// Reads the state letter behind the name, which is in brackets: running or waiting to run, or waiting for a disk.
 bool may_run(int thread) {
   std::ifstream in(fmt::format("/proc/self/task/{}/stat", thread));
   std::string line;
@@ -93,7 +93,7 @@ std::string Patience::reason() const {
 
 VkResult wait_patiently(const Device& device, double limit_s, const std::function<VkResult(std::uint64_t)>& wait) {
   using Clock = std::chrono::steady_clock;
-  // Without threads that are known to be the driver's, only the wall clock is left.
+  // If no threads are known to be the driver's, only the wall clock can be used.
   const bool software = is_software(device.description()) && !device.driver_threads().empty();
   Patience patience(limit_s, software);
   for (;;) {

@@ -1,7 +1,7 @@
-// How long to wait for a device. A GPU computes by itself, and the clock on the wall says how long it has had. A device
-// that is software has only what this machine's processors leave it: ten programs that start at once may wait for
-// minutes without anything being wrong. So there the processor time of the driver's threads counts, and whether they
-// still get on.
+// How long to wait for a device. A GPU computes by itself, so the wall clock measures its time. A software device only
+// has what the machine's processors leave for it: ten programs that start at once may wait for minutes without any
+// fault. For software devices, the limit therefore counts the processor time of the driver's threads, and whether they
+// make progress.
 #pragma once
 
 #include <volk.h>
@@ -16,41 +16,42 @@
 
 namespace palpa::gpu {
 
-/// What a thread has done so far.
+/// The work that a thread has done so far.
 struct ThreadWork {
   double processor_s = 0;
-  bool may_run = false;  ///< it computes, waits for a processor that is free, or for a disk
+  bool may_run = false;  ///< it computes, or waits for a free processor or for a disk
 };
 
 /// Ids of this process's threads.
 std::vector<int> threads_of_process();
-/// In the same order; nothing done where there is no such thread any more.
+/// In the same order; zero work for a thread that no longer exists.
 std::vector<ThreadWork> work_of(std::span<const int> threads);
 
-/// Decides when a device has been waited for in vain.
+/// Decides when to give up waiting for a device.
 class Patience {
  public:
-  /// `limit_s`: seconds of the wall clock for a GPU; with `software`, seconds of processor time of the busiest of the
-  /// driver's threads, or seconds of the wall clock in which none of them does anything.
+  /// `limit_s`: for a GPU, seconds of the wall clock; with `software`, seconds of processor time of the busiest of the
+  /// driver's threads, or seconds of the wall clock during which none of them does anything.
   Patience(double limit_s, bool software) : limit_s_(limit_s), software_(software) {}
 
-  /// For how long to wait before the next look.
+  /// How long to wait before the next check.
   double slice_s() const;
-  /// Called after each wait in vain, which took `waited_s`, with what the driver's threads have done; true when it is
-  /// enough. A wait that took much longer than a slice counts as two: this program did not run then either.
+  /// Call after each unsuccessful wait, which took `waited_s`, with the work of the driver's threads. Returns true if
+  /// the limit is reached. A wait that took much longer than a slice counts as two slices: this program did not run
+  /// then either.
   bool ends(double waited_s, std::span<const ThreadWork> threads);
-  /// After that: what was waited for.
+  /// After the end: what was waited for.
   std::string reason() const;
 
  private:
   double limit_s_;
   bool software_;
-  double waited_s_ = 0;  ///< of a software device: without any progress
+  double waited_s_ = 0;  ///< for a software device: time without any progress
   std::vector<ThreadWork> first_, last_;
 };
 
-/// Calls `wait` with nanoseconds until it returns something else than VK_TIMEOUT. Where the device does not answer, it
-/// counts as lost and as abandoned (gpu/handle.hpp) from then on, and failure() is thrown.
+/// Calls `wait` with nanoseconds until it returns something other than VK_TIMEOUT. If the device does not answer, it
+/// counts as lost and abandoned (gpu/handle.hpp) from then on, and failure() is thrown.
 VkResult wait_patiently(const Device& device, double limit_s, const std::function<VkResult(std::uint64_t)>& wait);
 
 }  // namespace palpa::gpu

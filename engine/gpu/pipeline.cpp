@@ -9,10 +9,10 @@
 
 namespace palpa::gpu {
 namespace {
-// Far more than the dispatches with one pipeline in two frames.
+// Far more than the number of dispatches with one pipeline in two frames.
 constexpr std::uint32_t most_in_flight = 512;
 
-/// Bit i: binding i is read as texels.
+/// Bit i is set if binding i is read as texels.
 std::uint32_t texels_of(const Kernel& kernel) {
   std::uint32_t texels = 0;
   for (std::size_t i = 0; i < kernel.bindings.size(); ++i)

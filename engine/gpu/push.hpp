@@ -1,4 +1,4 @@
-// Push constants on their way to a shader: the struct that the pass and its shader share.
+// Push constants for a shader: the struct that a pass and its shader share.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace palpa::gpu {
 
-/// Refers to the struct for the length of one call. Pipelines refuse another size than their shader's.
+/// Refers to the struct during one call. Pipelines reject a size other than their shader's.
 class Push {
  public:
   /// For shaders without push constants.
   static Push none() { return {nullptr, 0}; }
 
-  // Implicit on purpose: a dispatch is given the struct itself.
+  // Implicit on purpose: callers pass the struct itself to a dispatch.
   template <typename T>
   requires std::is_class_v<T> Push(const T& value) : Push(&value, sizeof(T)) {
     static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0 && sizeof(T) <= 128);
@@ -29,7 +29,7 @@ class Push {
   std::uint32_t bytes_;
 };
 
-/// Throws failure unless `push` has the `expected` bytes of the pipeline's shader.
+/// Throws failure unless `push` has the size that the pipeline's shader expects.
 void check_push_bytes(const std::string& pipeline, std::uint32_t expected, const Push& push);
 
 }  // namespace palpa::gpu

@@ -10,7 +10,7 @@ void ScanPass::record(VkCommandBuffer commands, ScanBindings b, const Sizes& siz
   const bool dynamic = b.length.buffer != VK_NULL_HANDLE;
   const shader::ScanPush push{sizes.most_counts, dynamic ? sizes.items_per_count : 0u, sizes.most_total, 0,
                               sizes.groups};
-  if (!dynamic) b.length = b.total;  // something must be bound in its place
+  if (!dynamic) b.length = b.total;  // something must be bound there
   pipeline_.dispatch(commands, spirv::scan_buffers(b), push, 1);
 }
 

@@ -1,5 +1,5 @@
 // Exclusive prefix sum of the counts that the workgroups of a compaction found. Compaction by prefix sum keeps the
-// input's order, so its output is the same on every run, whatever order workgroups ran in.
+// input's order, so its output is the same on every run, in whatever order workgroups ran.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,25 @@
 
 namespace palpa::gpu {
 
-/// 64 items per group, however many that are.
+/// 64 items per group, without a limit on groups.
 inline constexpr shader::ScanGroups groups_of_64{64, 0, 0xffffffffu, 1};
 
 struct ScanBindings {
-  BufferRef counts;       ///< in, out: uint32 each, replaced by the sum of those before it
+  BufferRef counts;       ///< in, out: uint32 each, replaced by the sum of the counts before it
   BufferRef length = {};  ///< in: uint32, see record()
   BufferRef total;        ///< out: shader::ScanTotal
 };
 
-/// Pipelines only; the caller owns buffers and command buffer.
+/// Holds only pipelines; the caller owns buffers and command buffer.
 class ScanPass {
  public:
   explicit ScanPass(const Device& device);
 
-  /// In place over `counts` (at most `most_counts` of them and at most the buffer's size). With `length`
-  /// the number of counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an
-  /// empty BufferRef means exactly `most_counts`. Writes to `total` a ScanTotal: the sum, clamped to `most_total`, and
-  /// the three group counts of an indirect dispatch that is cut up as `groups` says. Barriers: expects counts and
-  /// length to be visible to compute; the caller adds compute_to_compute afterwards.
+  /// Works in place on `counts` (at most `most_counts` and at most the buffer's size). With `length`, the number of
+  /// counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty BufferRef
+  /// means exactly `most_counts`. Writes a ScanTotal to `total`: the sum, clamped to `most_total`, and the three group
+  /// counts of an indirect dispatch that is divided as `groups` says. Barriers: expects counts and length to be visible
+  /// to compute; the caller adds compute_to_compute afterwards.
   struct Sizes {
     std::uint32_t most_counts = 0;
     std::uint32_t items_per_count = 1;

@@ -6,7 +6,7 @@
 
 namespace palpa::gpu {
 
-/// C++ twin of ScanPass: replaces each count by the sum of those before it and returns the total.
+/// C++ twin of ScanPass: replaces each count by the sum of the counts before it and returns the total.
 std::uint32_t exclusive_scan(std::span<std::uint32_t> counts);
 
 }  // namespace palpa::gpu

@@ -1,5 +1,5 @@
-// Memory that a pass works in from one of its dispatches to the next. The pass declares its pieces in one place;
-// whoever records it makes the memory from that list and hands it over whole.
+// Working memory that a pass keeps from one of its dispatches to the next. The pass declares its pieces in one place;
+// the code that records it allocates them from that list and passes them on as one object.
 #pragma once
 
 #include <span>
@@ -14,21 +14,21 @@ namespace palpa::gpu {
 struct ScratchBuffer {
   const char* name = "";  ///< a string literal
   VkDeviceSize bytes = 0;
-  VkFormat texels = VK_FORMAT_UNDEFINED;  ///< of its view, where a pass reads it as texels
+  VkFormat texels = VK_FORMAT_UNDEFINED;  ///< format of its view, if a pass reads it as texels
 };
 
-/// The pieces of one pass, for one record of it at a time: one buffer, each piece at the alignment that any binding
-/// needs. Contents are undefined until the pass writes them.
+/// The pieces of one pass, for one recording of it at a time: one buffer, each piece aligned for any binding. Contents
+/// are undefined until the pass writes them.
 class Scratch {
  public:
   Scratch() = default;
-  /// A piece of 0 bytes gets 4, others are rounded up to words. Before, between and after the pieces `margin` bytes at
-  /// least lie idle: tests watch them.
+  /// A piece of 0 bytes gets 4; others are rounded up to words. At least `margin` unused bytes lie before, between and
+  /// after the pieces: tests check that they do not change.
   Scratch(const Device& device, std::vector<ScratchBuffer> pieces, const char* name, VkDeviceSize margin = 0);
 
-  /// Piece number `piece` of the list, exactly: passes index with an enum of their own.
+  /// Exactly piece number `piece` of the list: passes index with their own enum.
   BufferRef operator[](std::size_t piece) const { return refs_[piece]; }
-  /// As made, the bytes being those of operator[].
+  /// As allocated; the bytes are those of operator[].
   std::span<const ScratchBuffer> pieces() const { return pieces_; }
   BufferRef whole() const { return memory_.ref(); }
 

@@ -14,14 +14,14 @@
 namespace palpa::gpu {
 namespace {
 
-// Measured with Mesa 22.3's llvmpipe for what takes most, a live loop: 1.02, 1.17 and 1.47 GB with 1, 2 and 4 threads,
-// of which the process has 0.24 GB when the driver is loaded; 0.24 GB of it are in use.
+// Measured with Mesa 22.3's llvmpipe for the largest user, a live loop: 1.02, 1.17 and 1.47 GB with 1, 2 and 4 threads.
+// The process has 0.24 GB of this when the driver is loaded, and 0.24 GB are in use.
 constexpr std::uint64_t without_threads = 850'000'000, each_thread = 150'000'000, in_use = 256'000'000;
-constexpr std::uint64_t spare = 100'000'000;         // what is compiled and mapped beside buffers, once at work
+constexpr std::uint64_t spare = 100'000'000;         // compiled and mapped data besides buffers, in use
 constexpr std::uint64_t driver_bytes = 220'000'000;  // until one of the drivers, Mesa's with LLVM in it, is loaded
 constexpr unsigned most_threads = 32;
 
-/// As many as Mesa starts.
+/// The number of threads that Mesa starts.
 unsigned driver_threads() {
   unsigned count = worker_count();
   if (const char* const given = std::getenv("LP_NUM_THREADS")) {
@@ -31,7 +31,7 @@ unsigned driver_threads() {
   return std::min(count, most_threads);
 }
 
-/// To be compared: in one unit.
+/// In one unit, so that values can be compared.
 std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{} MB", bytes / 1'000'000);
 }

@@ -1,5 +1,5 @@
-// What a device that is software takes of this machine: it computes in this process's memory. Mesa's crashes where an
-// allocation of its own fails, so that whether there is enough is asked before.
+// The memory that a software device takes from this machine: it computes in this process's memory. Mesa's driver
+// crashes if one of its own allocations fails, so the free memory is checked beforehand.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,25 @@
 
 namespace palpa::gpu {
 
-/// A software device computes on processors, whatever driver it is of.
+/// Whether the device computes on processors, with any driver.
 bool is_software(const DeviceDescription& device);
 
-/// Bytes of addresses that a software device and what palpa computes on it take beside what the process has when the
-/// driver is loaded, with so many threads of its own.
+/// Bytes of address space that a software device and palpa's computations on it need beyond what the process has when
+/// the driver is loaded. `threads` is the number of the device's own threads.
 std::uint64_t software_device_bytes(unsigned threads);
 
-/// Why the process's limits (base/memory_limits.hpp) do not let it use the device, which is software; else nothing.
+/// Why the limits of this process (base/memory_limits.hpp) prevent it from using the device, which is a software
+/// device; empty if they do not.
 std::string lacking_room(const DeviceDescription& device);
-/// Throws failure() with that.
+/// Throws failure() with that reason.
 void require_room_for(const DeviceDescription& device);
-/// The same for `bytes` more once it is at work. Cheap where there is no limit.
+/// The same for `bytes` more while it is in use. Cheap if there is no limit.
 void require_room_for(const DeviceDescription& device, std::uint64_t bytes);
 
-/// Whether the process's limits leave what drivers take to be loaded. Where they do not, LLVM ends the process.
+/// Whether the process's limits leave enough memory to load the drivers. If they do not, LLVM ends the process.
 bool drivers_fit();
 
-/// What would help where no driver, or none that works, was found: `otherwise`, or to raise the limit of memory.
+/// Advice if no driver, or no working one, was found: `otherwise`, or to raise the memory limit.
 std::string driver_advice(const std::string& otherwise = "install a driver such as mesa-vulkan-drivers");
 
 }  // namespace palpa::gpu

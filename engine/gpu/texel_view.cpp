@@ -14,8 +14,8 @@ VkDeviceSize texel_bytes(VkFormat format) {
   return format == VK_FORMAT_R32_UINT ? 4 : format == VK_FORMAT_R32G32_UINT ? 8 : 16;
 }
 
-/// Mesa's software device tells views apart whose bits 8 to 15 of their bytes are all 0, and compiles a kernel anew for
-/// each mixture of such and others: a scene or an array of another size would cost seconds.
+/// Mesa's software device distinguishes views in which bits 8 to 15 of the size in bytes are all 0, and compiles a
+/// kernel again for each mixture of such and other views. A scene or an array of another size would cost seconds.
 VkDeviceSize of_one_kind(VkDeviceSize bytes) {
   return (bytes >> 8 & 0xff) == 0 ? bytes + 0x100 : bytes;
 }

@@ -1,6 +1,6 @@
-// A buffer's contents as texels, read-only in shaders (a uniform texel buffer). For what shaders look up at scattered
-// places: a software device fetches a texel of 16 bytes in one piece, but reads a storage buffer word by word and lane
-// by lane, which takes several times as long.
+// A buffer's contents as texels, read-only in shaders (a uniform texel buffer). For data that shaders read at scattered
+// places: a software device fetches a texel of 16 bytes at once, but reads a storage buffer word by word and lane by
+// lane, which takes several times as long.
 #pragma once
 
 #include <volk.h>
@@ -14,9 +14,9 @@ namespace palpa::gpu {
 class TexelView {
  public:
   TexelView() = default;
-  /// All of `buffer`, which outlives the view, and where that suits the device 256 bytes of what lies behind it.
-  /// `format` is one of the 32-bit formats that every device offers for texel buffers: R32_UINT, R32G32_UINT,
-  /// R32G32B32A32_UINT or _SFLOAT. Throws failure where the buffer has more texels than the device can address.
+  /// Views all of `buffer`, which must outlive the view, plus 256 bytes behind it if that suits the device. `format` is
+  /// one of the 32-bit formats that every device offers for texel buffers: R32_UINT, R32G32_UINT, R32G32B32A32_UINT or
+  /// _SFLOAT. Throws failure if the buffer has more texels than the device can address.
   TexelView(const Device& device, const BufferRef& buffer, VkFormat format, const char* name);
 
   /// As a pass binds it.

@@ -1,4 +1,4 @@
-// The time of every pass, measured on the device.
+// The time of each pass, measured on the device.
 #pragma once
 
 #include <volk.h>
@@ -16,16 +16,17 @@ struct PassTime {
   double ms;
 };
 
-/// Marks of one command buffer. `begin`, then one `mark` after each pass; `read` once the submit has completed.
+/// The marks of one command buffer. Call `begin`, then `mark` after each pass, and `read` once the submit has
+/// completed.
 class Timestamps {
  public:
   Timestamps() = default;
   Timestamps(const Device& device, std::uint32_t most_marks);
 
   void begin(VkCommandBuffer commands);
-  /// Ends the pass `name` (a string literal, kept by pointer) that began at the mark before.
+  /// Ends the pass `name` (a string literal, kept by pointer), which began at the previous mark.
   void mark(VkCommandBuffer commands, const char* name);
-  /// Replaces `out` by the passes' times in the order of their marks; several marks of one name add up.
+  /// Replaces `out` with the times of the passes in the order of their marks; several marks with the same name add up.
   void read(std::vector<PassTime>& out) const;
 
  private:

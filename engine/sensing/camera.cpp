@@ -38,7 +38,7 @@ std::optional<Vec2> find_blind_pixel(const Camera& camera) {
 }
 
 std::uint32_t first_valid_depth(const Camera& camera) {
-  // The slack keeps a range that is a whole number of units from being lost to the division's rounding.
+  // The slack keeps a range that is a whole number of units from being lost to the rounding of the division.
   const double steps = std::ceil(camera.min_range_m / camera.depth_unit_m - 1e-6);
   return static_cast<std::uint32_t>(std::clamp(steps, 1.0, 65536.0));
 }

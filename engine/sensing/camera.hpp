@@ -15,34 +15,34 @@ namespace palpa::sensing {
 
 /// Which pixels of a camera may be skin.
 struct Mask {
-  std::string file;                  ///< where it came from, and under which name it is written into a TOML
+  std::string file;                  ///< where it came from; also its name in a TOML
   std::vector<std::uint8_t> pixels;  ///< width * height of the camera, rows from the top; 0: ignored
 };
 
-/// What a real camera is set to when it is opened; frames that come from elsewhere take no notice of it.
+/// Settings that a real camera gets when it is opened. They do not affect frames from other sources.
 struct DeviceSetting {
-  bool own_lens = false;               ///< fx fy cx cy of the calibration that it keeps take the place of the file's
-  std::optional<double> exposure_s;    ///< 0: its own automatic; absent: as it is
-  std::optional<std::uint8_t> preset;  ///< librealsense's "hardware preset"; absent: as it is
+  bool own_lens = false;               ///< the calibration stored in the camera replaces the file's fx fy cx cy
+  std::optional<double> exposure_s;    ///< 0: the camera's own automatic; absent: unchanged
+  std::optional<std::uint8_t> preset;  ///< librealsense's "hardware preset"; absent: unchanged
 };
 
-/// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the ray's
-/// length.
+/// Camera frame: x right, y down, z forward; pixel centres at integers. Depth is the z coordinate, not the length of
+/// the ray.
 struct Camera {
   std::string name;
   std::uint32_t width = 0, height = 0;    ///< pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
   std::array<double, 5> distortion{};     ///< k1 k2 p1 p2 k3, as OpenCV
   double depth_unit_m = 0.001;            ///< metres per step of the 16-bit depth; depth 0 means no data
-  double min_range_m = 0;                 ///< depths nearer than this are no data
+  double min_range_m = 0;                 ///< nearer depths are no data
   double rate_hz = 0;                     ///< frames per second
   Transform T_world_camera{1.0};
-  std::optional<PixelBox> roi;       ///< pixels outside are ignored; not empty and within the image
-  std::shared_ptr<const Mask> mask;  ///< may be none; never changes, copies of a camera share it
+  std::optional<PixelBox> roi;       ///< pixels outside are ignored; never empty, always inside the image
+  std::shared_ptr<const Mask> mask;  ///< may be null; never changes, copies of a camera share it
   DeviceSetting device{};
 };
 
-/// Ignored pixels hold no skin, whatever their depth. Sleeves and table tops are no skin.
+/// Whether some pixels are ignored. Ignored pixels hold no skin at any depth, for example sleeves and table tops.
 inline bool ignores_pixels(const Camera& camera) {
   return camera.roi || camera.mask;
 }
@@ -53,18 +53,18 @@ inline bool is_ignored(const Camera& camera, std::uint32_t u, std::uint32_t v) {
 
 /// Pixel of a point in camera coordinates (z > 0), distorted.
 Vec2 project(const Camera& camera, const Vec3& point_camera);
-/// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9. Both are NaN
-/// where the lens model sends no ray to that pixel, or only one beyond the circle where the model folds back on itself.
+/// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9. Both are NaN if
+/// the lens model sends no ray to that pixel, or only one beyond the circle where the model folds back on itself.
 Vec2 undistort(const Camera& camera, const Vec2& pixel);
 /// World point of pixel (u, v) at raw depth d > 0, in double precision.
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth);
 
-/// A pixel for which undistort() finds no ray, looked for in steps of a 32nd of the image, its corners among them (the
-/// model is a polynomial); nullopt where the lens reaches the whole image.
+/// A pixel for which undistort() finds no ray. Tests the image in steps of one 32nd, including the corners (the model
+/// is a polynomial). nullopt if the lens covers the whole image.
 std::optional<Vec2> find_blind_pixel(const Camera& camera);
 
-/// The smallest raw depth that is data: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535
-/// where the camera can hold no valid depth at all.
+/// The smallest valid raw depth: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535 if the
+/// camera cannot represent any valid depth.
 std::uint32_t first_valid_depth(const Camera& camera);
 
 /// Pixels of one image.

@@ -10,22 +10,23 @@ namespace palpa::sensing {
 namespace {
 
 constexpr std::uint32_t tiles_per_block = 8;
-constexpr std::uint32_t before = 0xffffffffu;  // what was there before the first triangle
+constexpr std::uint32_t before = 0xffffffffu;  // drawn before the first triangle
 
 /// A box of the tree: a tile, or a block of tiles.
 struct Region {
   RayBounds rays;
-  float farthest = 0;  ///< drawn there until now
+  float farthest = 0;  ///< the farthest depth drawn so far
 };
 
-/// What decides who is seen at a pixel. Drawn one after the other, the last one wins whose depth is below the rounded
-/// one, which is the least of all; where there is none such, the first one that rounds to it.
+/// State that decides which triangle is visible at a pixel. If triangles are drawn one after the other, the last one
+/// wins whose depth is below the rounded one, which is the minimum of all; if there is none, the first one that rounds
+/// to it.
 struct Seen {
   std::uint32_t triangle = before;
   bool below = false;
 };
 
-/// No value of the edge at any ray within is above. Rounding keeps the order of products and sums.
+/// Upper bound of the edge function for all rays inside. Rounding keeps the order of products and sums.
 double most_along(const Vec3& edge, const RayBounds& rays) {
   return along(edge, edge.x > 0 ? rays.high.x : rays.low.x, edge.y > 0 ? rays.high.y : rays.low.y);
 }
@@ -87,15 +88,15 @@ class Crowd {
     return farthest;
   }
 
-  /// Whether no ray of the region could show the triangle: all pass it by, or meet it behind what is drawn there.
+  /// Whether no ray of the region can show the triangle: all miss it, or meet it behind what is drawn there.
   static bool hides(const Region& region, const TriangleEdges& t) {
     Vec3 most(0);
     for (int k = 0; k < 3; ++k) {
       most[k] = most_along(t.edge[static_cast<std::size_t>(k)], region.rays);
       if (most[k] < 0) return true;
     }
-    // The sum of the edges, which is largest where the depth is least: at most that of the most of each. Computed at
-    // once it is closer, up to what rounding may have made of either.
+    // The sum of the edges is largest where the depth is smallest, and at most the sum of the individual maxima.
+    // Computing it at once gives a tighter bound, up to the rounding of either.
     const Vec3 normal = t.edge[0] + t.edge[1] + t.edge[2];
     const glm::vec2 reach = glm::max(glm::abs(region.rays.low), glm::abs(region.rays.high));
     double size = 0;
@@ -133,7 +134,7 @@ class Crowd {
     }
   }
 
-  /// Whether the farthest that is drawn in the tile is nearer now.
+  /// Draws the triangle in a tile; returns whether the tile's farthest depth became nearer.
   bool draw_tile(std::uint32_t index, std::uint32_t tx, std::uint32_t ty, std::uint64_t& looks) {
     const CrowdTriangle& t = triangles_[index];
     Region& tile = tiles_[std::size_t{ty} * table_.tiles_x + tx];

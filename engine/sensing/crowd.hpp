@@ -1,5 +1,6 @@
-// Draws triangles of which very many lie behind each other: those nearer first, with a tree of boxes over the image
-// that knows how far each box is drawn already, so that what is hidden, or passes a box by, costs nothing there.
+// Draws meshes in which very many triangles lie behind each other. Nearer triangles are drawn first. A tree of boxes
+// over the image keeps the farthest depth drawn in each box, so that triangles that are hidden in a box, or miss it,
+// cost nothing there.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@
 
 namespace palpa::sensing {
 
-/// A triangle, and the pixels that may show it: those of `box`, of these only tiles whose rays reach from `low` to
-/// `high`.
+/// A triangle and the pixels that may show it: the pixels in `box`, and of these only tiles whose rays reach from `low`
+/// to `high`.
 struct CrowdTriangle {
   TriangleEdges edges;
   PixelBox box;
@@ -23,9 +24,9 @@ struct CrowdTriangle {
   double near = 0;  ///< the depth of its nearest corner
 };
 
-/// Draws `triangles` over `depth` and `slant` (as in DepthImage): the same bytes as drawing one after the other, where
-/// one replaces what is there if its depth, not yet rounded, is below. Adds the rays that were cast to `looks`, and
-/// returns false, with the image undefined, as soon as these are more than `most`.
+/// Draws `triangles` over `depth` and `slant` (as in DepthImage). The bytes are the same as if each triangle were drawn
+/// in turn and replaced a pixel whenever its unrounded depth is smaller. Adds the number of cast rays to `looks`, and
+/// returns false, with the image undefined, as soon as `looks` exceeds `most`.
 bool draw_crowd(const CameraTable& table, const glm::vec2* rays, std::span<const CrowdTriangle> triangles,
                 std::span<float> depth, std::span<float> slant, std::uint64_t most, std::uint64_t& looks);
 

@@ -16,7 +16,7 @@ std::uint64_t mix64(std::uint64_t x) {  // splitmix64
   return x ^ (x >> 31);
 }
 
-/// 32 random bits of a place; written so that compilers run several places at once.
+/// 32 random bits for a place; written so that compilers vectorise it.
 inline std::uint32_t hash(std::uint32_t place, std::uint32_t key_a, std::uint32_t key_b) {
   std::uint32_t h = (place + key_a) * 0x9e3779b1u;
   h ^= h >> 15;
@@ -26,7 +26,8 @@ inline std::uint32_t hash(std::uint32_t place, std::uint32_t key_a, std::uint32_
   return h ^ h >> 16;
 }
 
-/// Zero mean, standard deviation 1: the sum of four bytes. Smoothing brings its short tails to a normal distribution's.
+/// Zero mean, standard deviation 1: the sum of four bytes. Smoothing extends its short tails to those of a normal
+/// distribution.
 inline float white_noise(std::uint32_t bits) {
   const int sum = static_cast<int>((bits & 0xff) + (bits >> 8 & 0xff) + (bits >> 16 & 0xff) + (bits >> 24));
   return static_cast<float>(sum - 510) * (1.0f / 147.79829f);  // sqrt(4 (256^2 - 1) / 12)
@@ -65,8 +66,8 @@ bool near_silhouette(const DepthImage& image, std::uint32_t u, std::uint32_t v) 
   return false;
 }
 
-/// The other side of the silhouette at (u, v): the neighbour that differs most; where it shows nothing, somewhat
-/// behind.
+/// The other side of the silhouette at (u, v): the neighbour that differs most, or a slightly larger depth if that
+/// neighbour shows nothing.
 float other_side(const DepthImage& image, std::uint32_t u, std::uint32_t v) {
   const int width = static_cast<int>(image.camera.width), height = static_cast<int>(image.camera.height);
   const float here = image.depth[std::size_t{v} * image.camera.width + u];
@@ -82,12 +83,12 @@ float other_side(const DepthImage& image, std::uint32_t u, std::uint32_t v) {
   return there;
 }
 
-/// Share of a 16-bit draw.
+/// A probability as a threshold for a 16-bit draw.
 constexpr std::uint32_t share(double part) {
   return static_cast<std::uint32_t>(part * 65536);
 }
 
-/// The cosine of incidence decides whether the matcher finds anything.
+/// Whether the matcher finds nothing at this cosine of incidence.
 bool lost_to_grazing(float cosine, std::uint32_t draw) {
   constexpr auto all = static_cast<float>(D415::grazing_all), none = static_cast<float>(D415::grazing_none);
   return static_cast<float>(draw & 0xffff) < (none - cosine) * (65536 / (none - all));
@@ -129,13 +130,13 @@ void find_risks(const DepthImage& image, const PixelBox& box, std::span<Risk> ri
 
 namespace {
 
-/// The lesser of a number and a positive one: floats are ordered as their bits are, and of integers compilers take the
-/// lesser without a branch.
+/// The minimum of a number and a positive one. Floats are ordered like their bits, and compilers compute the minimum of
+/// integers without a branch.
 inline float at_most(float value, float most) {
   return std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(value), std::bit_cast<std::int32_t>(most)));
 }
 
-/// What makes depths of disparities.
+/// Converts disparities to depths.
 struct Disparities {
   static constexpr auto step = static_cast<float>(D415::disparity_step_px);
   /// Both smoothings together leave 6/16 of the standard deviation of a sum of 16 sixteenths.
@@ -145,14 +146,14 @@ struct Disparities {
 
   explicit Disparities(const Camera& camera)
       : disparity(static_cast<float>(camera.fx * D415::baseline_m)),
-        units(static_cast<float>(disparity / step / camera.depth_unit_m)),  // of depth at one step
+        units(static_cast<float>(disparity / step / camera.depth_unit_m)),  // depth units at one step
         first(static_cast<std::int32_t>(first_valid_depth(camera))) {}
 
-  /// The raw depth of one at z metres, with smooth noise; 0: none. Without a branch, so that compilers run several
-  /// pixels at once.
+  /// The raw depth of a pixel at z metres, with smoothed noise; 0: none. Branch-free, so that compilers vectorise it.
   std::int32_t raw(float z, float noise) const {
     const float noisy = disparity / z + noise_scale * noise;
-    // Truncation after adding a half rounds, since nothing negative counts; std::lround would be a call per pixel.
+    // Truncation after adding a half rounds correctly, because negative values do not matter; std::lround would be a
+    // call per pixel.
     const auto steps = static_cast<std::int32_t>(at_most(noisy * (1 / step) + 0.5f, 1e9f));
     const auto depth = static_cast<std::int32_t>(at_most(units / static_cast<float>(steps) + 0.5f, 65536.0f));
     const int fits = (steps > 0) & (depth >= first) & (depth < 65536) & (z < beyond);
@@ -160,7 +161,7 @@ struct Disparities {
   }
 };
 
-/// A row's pixels as if none were at risk.
+/// A row's pixels as if no pixel were at risk.
 void quantize_row(Disparities to, std::uint32_t count, const float* depth, const float* above, const float* middle,
                   const float* below, std::int32_t* __restrict out) {
   for (std::uint32_t i = 0; i < count; ++i)
@@ -191,7 +192,7 @@ void DepthNoise::apply(const DepthImage& image, std::span<const Risk> risks, std
   out.assign(image.depth.size(), 0);
   smooth_.resize(std::size_t{width} * 3);
   const auto smoothed = [&](int v) { return smooth_.data() + std::size_t(v + 3) % 3 * width; };
-  // A smoothed row is as long as the rows that need it: itself, the one above, the one below.
+  // A smoothed row covers all columns that the rows using it need: itself, the one above, the one below.
   const auto needed = [&](int line) {
     RowSpan all{width, 0};
     for (int v = std::max(line - 1, 0); v <= std::min(line + 1, static_cast<int>(height) - 1); ++v) {

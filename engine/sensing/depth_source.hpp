@@ -1,4 +1,4 @@
-// Where depth frames come from: a synthetic rig, a recording, later real cameras. Interchangeable by name.
+// The sources of depth frames: a synthetic rig, a recording, later real cameras. Interchangeable by name.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +19,17 @@ struct DepthFrame {
 /// One frame of every camera of a rig, in the rig's order, taken together.
 struct FrameSet {
   std::vector<DepthFrame> frames;
-  double time_s = 0;           ///< the oldest capture time among them
+  double time_s = 0;           ///< the oldest capture time of the frames
   std::uint64_t sequence = 0;  ///< counts from 0; gaps are frames that the source dropped
 };
 
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
-  /// Constant for the source's life.
+  /// Constant during the source's lifetime.
   virtual const std::vector<Camera>& cameras() const = 0;
-  /// Blocks until the next set is there, at most about `timeout_s`. Reuses `out`'s storage. False at the end of the
-  /// stream. A set that did not come in time leaves `out.frames` empty and returns true. Throws Error on a fault.
+  /// Blocks until the next set is available, at most about `timeout_s`. Reuses `out`'s storage. Returns false at the
+  /// end of the stream. If no set comes in time, `out.frames` is empty and the result is true. Throws Error on a fault.
   virtual bool next(FrameSet& out, double timeout_s) = 0;
 };
 

@@ -22,19 +22,19 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 constexpr double angle_tolerance = 5 * degree;   // between two patches
-constexpr double across_m = 0.16;                // middles of two patches on it are never that far apart
-constexpr double on_face_m = 3e-3;               // of a patch's middle from the target
-constexpr double sample_m = 4e-3;                // from one sample of the target's surface to the next
-constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // what is seen there lies on the surface; lies behind it
-constexpr double least_facing = 0.25;            // cosine at which a sample ought to be seen
+constexpr double across_m = 0.16;                // maximum distance between the middles of two patches on the target
+constexpr double on_face_m = 3e-3;               // maximum distance of a patch's middle from the target
+constexpr double sample_m = 4e-3;                // distance between samples of the target's surface
+constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // a seen point is on the surface; is behind the surface
+constexpr double least_facing = 0.25;            // cosine above which a sample should be visible
 constexpr std::uint64_t least_seen = 2000;       // pixels
 constexpr int least_hits = 100;                  // samples: 16 square centimetres
 constexpr double least_agreement = 0.8;
-constexpr double rival_share = 0.8;  // of the best score: too near to it
+constexpr double rival_share = 0.8;  // of the best score: a rival with more is too close
 constexpr std::size_t most_candidates = 8, most_points = 30000;
-constexpr double most_scale = 0.1;             // off by more it would not have been found
-constexpr double wide_gate_m = 6e-3;           // of a target of another scale
-constexpr double scale_off = 0.015, sure = 6;  // what is told, and how many standard deviations it is at least
+constexpr double most_scale = 0.1;             // larger errors would have prevented finding it
+constexpr double wide_gate_m = 6e-3;           // for a target of another scale
+constexpr double scale_off = 0.015, sure = 6;  // minimum reported error, and its minimum number of standard deviations
 constexpr double same_m = 0.01, same_angle = 8 * degree;
 
 struct Sample {
@@ -52,7 +52,7 @@ Error refused(const Camera& camera, const std::string& fault) {
   return bad_input(fmt::format("camera \"{}\"", printable(camera.name, 60)), fault);
 }
 
-/// Which images, and how much of them can be used.
+/// The images used, and how much of them is usable.
 std::string what_is_seen(const StillImage& image) {
   return fmt::format("{} of its {} pixels have a depth and stand still in {} ({} have a depth)", image.seen,
                      image.points.size(),
@@ -61,7 +61,7 @@ std::string what_is_seen(const StillImage& image) {
                      image.deep);
 }
 
-/// Evenly over the mesh, but for its underside.
+/// Samples evenly spread over the mesh, except its underside.
 std::vector<Sample> samples_of(const geometry::Mesh& mesh) {
   std::vector<Sample> samples;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -143,7 +143,7 @@ class Search {
                                what_is_seen(image_), patches_.size()));
   }
 
-  /// The best poses by what three patches say.
+  /// The best poses according to sets of three patches.
   std::vector<Candidate> match() const {
     std::vector<Candidate> found;
     const std::size_t n = patches_.size();
@@ -162,7 +162,7 @@ class Search {
     return glm::distance(patches_[i].middle, patches_[j].middle) < across_m;
   }
 
-  /// These three patches as any three faces.
+  /// Matches these three patches with any three faces.
   void match(const std::array<std::size_t, 3>& three, std::vector<Candidate>& found) const {
     const std::size_t m = faces_.size();
     for (std::size_t a = 0; a < m; ++a) {
@@ -194,7 +194,7 @@ class Search {
       known[i] = face.normal;
       offsets[i] = face.offset - patch.offset;
     }
-    // Mirrored ones have the other sign; nearly flat ones say nothing.
+    // Mirrored matches have the other sign; nearly flat ones are inconclusive.
     if (std::abs(glm::determinant(seen)) < 0.1 || glm::determinant(seen) * glm::determinant(known) < 0) return;
     const glm::dmat3 rotation = nearest_rotation(known * glm::inverse(seen));
     const Vec3 shift = glm::inverse(glm::transpose(known)) * offsets;
@@ -208,7 +208,7 @@ class Search {
     if (candidate.hits >= least_hits / 2 && candidate.score() > 0) found.push_back(candidate);
   }
 
-  /// What the camera sees where the target's surface ought to be.
+  /// Compares the camera's view with the target's expected surface.
   void look(Candidate& candidate) const {
     const Transform T_camera_target = glm::inverse(candidate.T_target_camera);
     candidate.hits = candidate.past = 0;
@@ -229,7 +229,7 @@ class Search {
     }
   }
 
-  /// The best of each neighbourhood, the best first.
+  /// The best candidate of each neighbourhood, the best first.
   static std::vector<Candidate> distinct(std::vector<Candidate> all) {
     std::stable_sort(all.begin(), all.end(),
                      [](const Candidate& a, const Candidate& b) { return a.score() > b.score(); });
@@ -248,19 +248,20 @@ class Search {
     return glm::length(Vec3(between[3])) < same_m && std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) < same_angle;
   }
 
-  /// From where the candidate is. Three faces fit at every scale, so that all rests on the roof and what else is seen:
-  /// a few points, which are off by so much that they pass for outliers of the others. First nothing does, therefore.
+  /// Starts from the candidate's pose. Three faces fit at every scale, so the scale rests on the roof and other visible
+  /// faces. These few points are so far off that they would count as outliers among the others. The first fit therefore
+  /// treats nothing as an outlier.
   geometry::ScaleFitted scale_of(const Candidate& candidate) const {
     const std::vector<geometry::MeasuredPoint> near = points_near(candidate, wide_gate_m, most_points);
     const geometry::ScaleFitted first =
         fit_.fit_scale(near, candidate.T_target_camera, {.gate_m = wide_gate_m, .steps = 6, .tukey = 100});
     const geometry::ScaleFitted second = fit_.fit_scale(near, first.T_mesh_points, {});
-    // What nothing holds goes anywhere.
+    // An undetermined scale can take any value.
     return std::isfinite(second.deviation) && std::abs(second.scale - 1) < most_scale ? second
                                                                                       : geometry::ScaleFitted{};
   }
 
-  /// What is seen of the target's box there, and how much it errs; `most` of it, evenly.
+  /// The points inside the target's box, with their errors; at most `most`, evenly selected.
   std::vector<geometry::MeasuredPoint> points_near(const Candidate& candidate, double gate_m, std::size_t most) const {
     std::vector<geometry::MeasuredPoint> near;
     const double wide = TargetSize::plate_half + gate_m;
@@ -269,7 +270,7 @@ class Search {
       if (point.z <= 0) continue;
       const Vec3 at = transform_point(candidate.T_target_camera, Vec3(point));
       if (std::abs(at.x) > wide || std::abs(at.y) > wide || at.z < 0 || at.z > high) continue;
-      // Along the ray, and with the square of the distance: what a step of disparity is.
+      // Along the ray, and proportional to the squared distance, like a step of disparity.
       near.push_back({Vec3(point), Vec3(point) * static_cast<double>(point.z)});
     }
     if (near.size() > most) {

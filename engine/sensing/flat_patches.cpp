@@ -12,10 +12,11 @@ namespace {
 
 constexpr std::uint32_t seed_step = 4;               // pixels from seed to seed
 constexpr std::int64_t seed_reach = 6;               // of a seed's window
-constexpr double seed_share = 0.8;                   // of its pixels that must be there
-constexpr double seed_depth_m = 0.02;                // no farther from its middle pixel
-constexpr double noise_factor = 4;                   // a patch's points are that many times the noise from its plane,
-constexpr double least_m = 0.6e-3, most_m = 2.5e-3;  // within these
+constexpr double seed_share = 0.8;                   // of its pixels that must have data
+constexpr double seed_depth_m = 0.02;                // maximum distance from the depth of its middle pixel
+constexpr double noise_factor = 4;                   // a patch's points are within this many times the noise of its
+                                                     // plane,
+constexpr double least_m = 0.6e-3, most_m = 2.5e-3;  // within these limits
 constexpr int refits = 3;
 
 /// Sums for 1 / z = a x + b y + c over rays (x, y, 1).
@@ -30,7 +31,8 @@ struct InverseDepth {
     right += ray / static_cast<double>(point.z);
     ++count;
   }
-  /// (a, b, c): the plane's points have dot(that, point) = 1. Nothing where it is seen edge-on, or there are too few.
+  /// (a, b, c): the plane's points have dot(that, point) = 1. nullopt if it is seen edge-on or there are too few
+  /// points.
   std::optional<Vec3> solve() const {
     if (count < 6 || !(std::abs(glm::determinant(left)) > 1e-18 * std::pow(count, 3))) return std::nullopt;
     const Vec3 plane = glm::inverse(left) * right;
@@ -71,7 +73,7 @@ std::optional<Seed> seed_at(const StillImage& image, std::uint32_t u, std::uint3
   return Seed{u, v, *plane, std::sqrt(squares / sums.count)};
 }
 
-/// Flattest first.
+/// Sorted, flattest first.
 std::vector<Seed> find_seeds(const StillImage& image) {
   std::vector<Seed> seeds;
   constexpr auto reach = static_cast<std::uint32_t>(seed_reach);
@@ -145,7 +147,7 @@ class Growing {
 
   const StillImage& image_;
   double tolerance_m_;
-  std::vector<std::uint32_t> mark_;  ///< the round that reached a pixel last
+  std::vector<std::uint32_t> mark_;  ///< the last round that reached a pixel
   std::uint32_t round_ = 0;
   std::vector<std::size_t> region_;
 };

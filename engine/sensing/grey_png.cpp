@@ -12,7 +12,7 @@
 namespace palpa::sensing {
 namespace {
 
-/// `what` is what such an image is, for messages: "a depth image".
+/// `what` describes such an image in messages: "a depth image".
 template <typename Pixel>
 void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height, const char* what,
               std::vector<Pixel>& out) {

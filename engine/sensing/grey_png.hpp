@@ -1,4 +1,4 @@
-// Grey PNG files: depth images of 16 bits, masks of 8.
+// Grey PNG files: 16-bit depth images, 8-bit masks.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace palpa::sensing {
 
-/// Reads an image of exactly width x height into `out`, rows from the top. Throws bad_input: unreadable, no PNG, not
-/// 16-bit grey (names what it is), another size (names both), truncated or corrupt. Bounded by the expected size,
-/// whatever the file or one of its chunks claims. Interlaced files are fine; ancillary chunks (gamma and such) do not
-/// change the values.
+/// Reads an image of exactly width x height into `out`, rows from the top. Throws bad_input: unreadable, not a PNG, not
+/// 16-bit grey (names the actual kind), another size (names both), truncated or corrupt. Memory is bounded by the
+/// expected size, whatever the file or one of its chunks claims. Interlaced files are supported; ancillary chunks (such
+/// as gamma) do not change the values.
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out);
-/// The same of 8-bit grey.
+/// The same for 8-bit grey.
 void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                std::vector<std::uint8_t>& out);
 
-/// Fast rather than small. Throws failure() when the file cannot be written whole.
+/// Optimised for speed rather than size. Throws failure() if the file cannot be written completely.
 void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                  std::span<const std::uint16_t> pixels);
 void write_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,

@@ -10,7 +10,7 @@ struct Lens::Value {
   Vec2 distorted;
   double xx, xy, yy;  ///< its symmetric Jacobian
 
-  /// Both principal stretches are positive: the image keeps its orientation here.
+  /// Both principal stretches are positive, so the image keeps its orientation here.
   bool unfolded() const { return xx + yy > 0 && determinant() > 1e-9; }
   double determinant() const { return xx * yy - xy * xy; }
 };
@@ -47,11 +47,12 @@ void Lens::find_bounds() {
     const double r2 = r * r;
     const double across = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
     const double along = 1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * 7 * k3));
-    const double smaller = std::min(across, along), tilt = 8 * tangential * r;  // bounds the tangential part's norm
+    const double smaller = std::min(across, along), tilt = 8 * tangential * r;  // bounds the norm of the tangential
+                                                                                // part
     safe = safe && smaller - tilt > 1e-3;
     if (safe) safe_radius_ = r;
     reach = std::max(reach, r * 1.005 * std::abs(across) + 4 * tangential * r2);
-    if (smaller + tilt < 0) {  // folded in every direction: no ray comes from beyond
+    if (smaller + tilt < 0) {  // folded in every direction, so no ray comes from beyond
       target_radius_ = reach * 1.05 + 1e-6;
       return;
     }
@@ -73,7 +74,7 @@ std::optional<Vec2> Lens::newton(const Vec2& target, Vec2 ray) const {
   return best <= 1e-10 ? std::optional(ray) : std::nullopt;
 }
 
-/// Whether the straight way from the axis to the ray stays unfolded: rules out solutions beyond a fold.
+/// Whether the straight line from the axis to the ray stays unfolded. Excludes solutions beyond a fold.
 bool Lens::reachable(const Vec2& ray) const {
   if (ray.x * ray.x + ray.y * ray.y < safe_radius_ * safe_radius_) return true;
   constexpr int samples = 12;

@@ -20,7 +20,7 @@ constexpr std::uint32_t round_up(std::uint32_t value, std::uint32_t step) {
   return (value + step - 1) / step * step;
 }
 
-/// Bounds in normalised coordinates and depth of what a camera can see of a box.
+/// Bounds, in normalised coordinates and depth, of the part of a box that a camera can see.
 struct Outline {
   Vec2 low{1e300}, high{-1e300};
   double near = 1e300, far = -1e300;
@@ -35,8 +35,8 @@ struct Outline {
   bool empty() const { return near > far; }
 };
 
-/// The box in camera coordinates, cut off nearer than `nearest` > 0, seen from the camera. A convex body in front of
-/// the camera projects into the bounds of its projected corners.
+/// The box in camera coordinates, clipped at the depth `nearest` > 0, as seen from the camera. A convex body in front
+/// of the camera projects into the bounds of its projected corners.
 Outline outline(const Camera& camera, const Box& box, double nearest) {
   const Transform T_camera_world = glm::inverse(camera.T_world_camera);
   std::array<Vec3, 8> corners;
@@ -47,7 +47,7 @@ Outline outline(const Camera& camera, const Box& box, double nearest) {
   Outline out;
   for (unsigned i = 0; i < 8; ++i) {
     if (corners[i].z >= nearest) out.add(corners[i]);
-    for (unsigned axis = 1; axis < 8; axis <<= 1) {  // the three edges that leave corner i upwards
+    for (unsigned axis = 1; axis < 8; axis <<= 1) {  // the three edges that go up from corner i
       if (i & axis) continue;
       const Vec3 &a = corners[i], &b = corners[i | axis];
       if ((a.z < nearest) == (b.z < nearest)) continue;
@@ -58,7 +58,7 @@ Outline outline(const Camera& camera, const Box& box, double nearest) {
   return out;
 }
 
-/// The box with room for what float arithmetic adds to a point of it, and without infinities.
+/// The box enlarged by the rounding errors of float arithmetic, and without infinities.
 Box grown(const Camera& camera, const Box& box) {
   constexpr double world = 1e6;  // metres
   const Vec3 low = glm::clamp(box.low, Vec3(-world), Vec3(world)),
@@ -186,11 +186,11 @@ void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const 
     const CameraTable& table = tables.cameras[i];
     const std::uint32_t first_depth = first_valid_depth(camera);
     if (first_depth > 65535) continue;
-    // Half a depth step nearer than any data: what is cut off there holds none.
+    // Half a depth step nearer than any data, so that the clipped part holds no data.
     const Outline seen = outline(camera, grown(camera, box), (first_depth - 0.5) * camera.depth_unit_m);
     if (seen.empty()) continue;
 
-    // Rays and depths are floats too.
+    // Rays and depths are also floats.
     constexpr double slack = 1e-6;
     const double scale =
         1 + std::max({std::abs(seen.low.x), std::abs(seen.low.y), std::abs(seen.high.x), std::abs(seen.high.y)});
@@ -209,7 +209,7 @@ void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const 
     crop.rows = std::min((tiles.y1 + 1) * tile_pixels, table.height) - crop.first_row;
     crop.depth_low = static_cast<std::uint32_t>(std::clamp(low, static_cast<double>(first_depth), 65536.0));
     crop.depth_high = static_cast<std::uint32_t>(std::clamp(high, 0.0, 65535.0));
-    if (crop.depth_low > crop.depth_high) continue;  // thus both fit 16 bits
+    if (crop.depth_low > crop.depth_high) continue;  // so both fit 16 bits
     crop.depth_unit = static_cast<float>(camera.depth_unit_m);
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {

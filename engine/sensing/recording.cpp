@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::uint64_t most_frames = 1'000'000;
 constexpr std::uint64_t most_bytes = 256u << 20;  // of times.csv
-constexpr double most_seconds = 1e12;             // either way
+constexpr double most_seconds = 1e12;             // in both directions
 
 /// A printf-like pattern with exactly one %d, %4d or %04d.
 struct Pattern {
@@ -72,7 +72,7 @@ bool parse_cell(std::string_view text, T& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// `sequence,time,time,...` per frame after a heading. A last line without its end is a frame that was never finished.
+/// `sequence,time,time,...` per frame after a heading. A last line without a line end is a frame that was not finished.
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   const std::string text = read_file(file, most_bytes);
   Times times;
@@ -115,7 +115,7 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   return times;
 }
 
-/// What keeps it from being an image; empty where nothing does.
+/// Why the file is not an image; empty if it is one.
 std::string fault_of(const std::filesystem::path& file) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -126,7 +126,7 @@ std::string fault_of(const std::filesystem::path& file) {
   return status.type() == fs::file_type::regular ? "" : "is not a regular file";
 }
 
-/// The image of a frame must exist when the recording is opened: a hole in it shows at once, not minutes later.
+/// The images of a frame must exist when the recording is opened, so that a gap shows at once and not minutes later.
 void add_files(Recording::Entry& entry, ReferenceFolder& folder, const std::string& name) {
   entry.files.push_back(folder.find(name, "files"));
   const std::string fault = fault_of(entry.files.back());
@@ -150,7 +150,7 @@ void list_patterns(TomlTable& table, ReferenceFolder& folder, std::optional<std:
   }
   const std::uint64_t first = table.has("first") ? table.whole("first", 0, 1'000'000'000) : 0;
   if (!frames && table.has("count")) frames = table.whole("count", 1, most_frames);
-  if (!frames) {  // as many as there are
+  if (!frames) {  // as many as exist
     const auto complete = [&](std::uint64_t frame) {
       return std::all_of(patterns.begin(), patterns.end(), [&](const Pattern& p) {
         return fault_of(folder.find(p.name(first + frame), "files")).empty();

@@ -11,10 +11,10 @@
 namespace palpa::sensing {
 namespace {
 
-/// Of one line of times.csv.
+/// The size of one line of times.csv.
 constexpr std::size_t most_waiting = 1 << 16;
 
-/// All of the line is on the disk, however long that takes, as it is with the images.
+/// Waits until the whole line is on the disk, however long that takes, as for the images.
 void put(StreamWriter& out, const std::string& line) {
   constexpr double forever_s = 1e6;
   if (!out.add(line) || !out.flush(forever_s)) out.fail_stalled();
@@ -24,7 +24,7 @@ std::string mask_name(std::size_t camera) {
   return fmt::format("mask-{}.png", camera);
 }
 
-/// As the recording's TOML has it: its mask lies in the folder.
+/// The camera as in the recording's TOML: its mask is in the folder.
 Camera kept_camera(const Camera& camera, std::size_t index) {
   Camera kept = camera;
   if (camera.mask) kept.mask = std::make_shared<Mask>(Mask{mask_name(index), camera.mask->pixels});
@@ -72,7 +72,7 @@ bool RecordingWriter::write(const FrameSet& set) {
     write_png16(folder_ / fmt::format("{:06}-{}.png", frames_, i), cameras_[i].width, cameras_[i].height,
                 set.frames[i].depth);
   }
-  // The line makes the frame part of the recording: it comes last, in one piece.
+  // The line makes the frame part of the recording, so it is written last, in one piece.
   put(*times_, line + "\n");
   last_time_ = oldest;
   last_sequence_ = set.sequence;

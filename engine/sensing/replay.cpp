@@ -14,7 +14,7 @@ class Replay : public DepthSource {
   Replay(Recording recording, ReplayOptions options) : recording_(std::move(recording)), options_(options) {
     const auto& entries = recording_.entries;
     const double length = entries.back().time_s - entries.front().time_s;
-    // One round lasts until where the next frame would have come.
+    // One round lasts until the time of the frame that would follow.
     const double step = entries.size() > 1                       ? length / static_cast<double>(entries.size() - 1)
                         : recording_.cameras.front().rate_hz > 0 ? 1 / recording_.cameras.front().rate_hz
                                                                  : 1.0 / 90;
@@ -30,7 +30,7 @@ class Replay : public DepthSource {
       if (!started_) start_ = Clock::now();
       started_ = true;
       const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-      // Whoever comes late gets the newest frame; the last one of all is not dropped.
+      // A late caller gets the newest frame; the very last frame is never dropped.
       while (has_next(next_) && due(next_ + 1) <= elapsed)
         ++next_;
       const double wait = due(next_) - elapsed;

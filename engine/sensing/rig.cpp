@@ -16,12 +16,12 @@ namespace {
 constexpr double most_metres = 1e4;
 constexpr std::size_t most_cameras = 64;
 
-/// Files are found from where the rig stands.
+/// File names are relative to the rig's folder.
 std::string resolve(const std::filesystem::path& folder, const std::string& file) {
   return std::filesystem::absolute(folder / file).lexically_normal().string();
 }
 
-/// A layout is a built-in name unless it looks like a file.
+/// A layout is a built-in name unless it looks like a file name.
 std::string resolve_layout(const std::string& layout, const std::filesystem::path& rig_file) {
   const std::filesystem::path path(layout);
   if (path.extension() != ".toml" && layout.find('/') == std::string::npos) return layout;
@@ -44,7 +44,7 @@ PixelBox read_roi(TomlTable& table, const Camera& camera) {
   return {pixels(n[0]), pixels(n[1]), pixels(n[0] + n[2]), pixels(n[1] + n[3])};
 }
 
-/// `rate_hz` 0: nobody knows.
+/// `rate_hz` 0: unknown.
 DeviceSetting read_device(TomlTable& table, double rate_hz) {
   DeviceSetting device;
   const std::string lens = table.text_or("calibration", "file");
@@ -90,7 +90,7 @@ void read_mask(TomlTable& table, const std::filesystem::path& folder, Camera& ca
 
 }  // namespace
 
-/// Without its mask: that may be read once the cameras are known not to have too many pixels.
+/// Without its mask, which is only read once the total number of pixels has been checked.
 static Camera read_camera(TomlTable& table, std::size_t place) {
   Camera camera;
   camera.name = table.text_or("name", fmt::format("camera {}", place + 1));

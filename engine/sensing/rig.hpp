@@ -1,4 +1,4 @@
-// The physical set-up as a TOML file: cameras, array, screen, all posed in the world. Schema in docs/files.md.
+// The physical set-up as a TOML file: cameras, array and screen with their poses in the world. Schema in docs/files.md.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 namespace palpa::sensing {
 
 struct ArrayPlacement {
-  std::string layout;                       ///< a built-in layout's name or a layout TOML's path
-  std::optional<Transform> T_world_layout;  ///< absent: where that layout stands by default
+  std::string layout;                       ///< a built-in layout's name or the path of a layout TOML
+  std::optional<Transform> T_world_layout;  ///< absent: the layout's default pose
   std::string where;                        ///< "FILE: line N" of the layout's name, for messages
 };
 
@@ -31,11 +31,11 @@ struct Rig {
 };
 
 /// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above
-/// 16384, more pixels of all cameras than make_rays() takes, distortion that cannot be undone somewhere in the image,
+/// 16384, more pixels of all cameras than make_rays() accepts, distortion that cannot be undone somewhere in the image,
 /// negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation
-/// orthonormal to 1e-4), a `roi` that is not within the image, a `mask` that read_png8 refuses or that leaves no pixel.
+/// orthonormal to 1e-4), a `roi` that is not inside the image, a `mask` that read_png8 rejects or that leaves no pixel.
 Rig load_rig(const std::filesystem::path& file);
-/// The same text that load_rig reads; doubles round-trip. Masks are named, not written.
+/// The text that load_rig reads; doubles round-trip. Masks are named, not written.
 std::string to_toml(const Rig& rig);
 
 }  // namespace palpa::sensing

@@ -1,4 +1,4 @@
-// The [[camera]] tables of a rig TOML, which a recording's TOML shares.
+// The [[camera]] tables of a rig TOML, also used by a recording's TOML.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace palpa::sensing {
 
-/// Every [[camera]] of the top-level table, at most 64, with their masks, which are found from `folder`; where
-/// `references` is given they lie within that.
+/// Every [[camera]] of the top-level table, at most 64, with their masks. Mask paths are relative to `folder`; if
+/// `references` is given, they must lie inside its folder.
 std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& folder,
                                  ReferenceFolder* references = nullptr);
 
-/// One [[camera]] as read_cameras reads it.
+/// One [[camera]] in the form that read_cameras reads.
 std::string to_toml(const Camera& camera);
 
 }  // namespace palpa::sensing

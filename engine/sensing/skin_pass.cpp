@@ -15,7 +15,7 @@ namespace {
 static_assert(sizeof(glm::vec2) == 8, "a ray is one vec2 on the device");
 static_assert(tile_pixels % block_pixels == 0, "crops begin and end at whole blocks");
 
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The kernels' buffers by name: those of the caller, and the scratch.
 struct Buffers : SkinBindings {
   gpu::BufferRef runs = {}, counts = {};
 };
@@ -44,7 +44,7 @@ shader::SkinPush push_of(const Crop& crop, const CameraTable& table, const Box& 
   return push;
 }
 
-/// Most groups that any box needs; each looks at skin_group runs.
+/// The maximum number of groups for any box; each processes skin_group runs.
 std::uint32_t skin_groups(const RayTables& tables) {
   std::uint32_t groups = 0;
   for (const CameraTable& table : tables.cameras) {

@@ -1,4 +1,4 @@
-// Skin points on the device: the pixels of all depth frames that lie inside a box of the world, as points of the world.
+// Skin points on the device: the pixels of all depth frames that lie inside a box, as points in the world.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace palpa::sensing {
 struct SkinBindings {
   gpu::BufferRef depth;   ///< in: packed by pack_depth, 2 bytes per padded pixel
   gpu::BufferRef rays;    ///< in: upload_rays, 8 bytes per padded pixel
-  gpu::BufferRef points;  ///< out: SkinPoint[], room for size / 16 of them, at most tables.pixels are written
-  gpu::BufferRef total;   ///< out: shader::ScanTotal, points found and an indirect dispatch over them
+  gpu::BufferRef points;  ///< out: SkinPoint[], room for size / 16 of them; at most tables.pixels are written
+  gpu::BufferRef total;   ///< out: shader::ScanTotal, the number of points and an indirect dispatch over them
 };
 
 /// Bytes of the packed depth frames, e.g. for a gpu::Upload.
@@ -28,24 +28,24 @@ inline std::uint64_t packed_bytes(const RayTables& tables) {
   return tables.padded_pixels * sizeof(std::uint16_t);
 }
 
-/// The rays in device memory, written once; blocks until they are there.
+/// The rays in device memory, written once; blocks until they are uploaded.
 gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables);
 
-/// Pipelines only; the caller owns memory and command buffer.
+/// Holds only pipelines; the caller owns memory and command buffer.
 class SkinPass {
  public:
   explicit SkinPass(const gpu::Device& device) : device_(&device) {}
 
-  /// Makes the pipelines that these cameras need; those that are there stay.
+  /// Creates the pipelines that these cameras need; existing ones stay.
   void prepare(const RayTables& tables);
 
-  /// Enough for any box.
+  /// Sizes that suffice for any box.
   static std::vector<gpu::ScratchBuffer> scratch(const RayTables& tables);
 
-  /// Finds the skin points inside `box` (world, compared in float) from the crops that plan_crops gave for it; who
-  /// looks at them next does so in `groups`.
+  /// Finds the skin points inside `box` (world, compared in float) from the crops that plan_crops made for it. The
+  /// total's indirect dispatch is divided as `groups` says.
   /// Barriers: expects depth and rays to be visible to compute, and earlier readers of points and total to be ordered
-  /// before; inside it adds its own; the caller adds compute_to_compute (or writes_to_transfer) afterwards. With
+  /// before; adds its own barriers inside; the caller adds compute_to_compute (or writes_to_transfer) afterwards. With
   /// `times`, marks "skin count", "skin scan" and "skin scatter".
   void record(VkCommandBuffer commands, const SkinBindings& bindings, const gpu::Scratch& scratch,
               const RayTables& tables, const Box& box, std::span<const Crop> crops, const shader::ScanGroups& groups,
@@ -59,7 +59,7 @@ class SkinPass {
   Kernels make(const char* count, const char* scatter, std::uint32_t rays_from_table) const;
 
   const gpu::Device* device_;
-  Kernels pinhole_, table_;  ///< CameraTable::pinhole, and all others
+  Kernels pinhole_, table_;  ///< for CameraTable::pinhole, and for all other cameras
   std::optional<gpu::ScanPass> scan_;
 };
 

@@ -1,4 +1,4 @@
-// Skin points: places on a hand's surface, from depth frames or from elsewhere.
+// Skin points: places on a hand's surface, from depth frames or other sources.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@
 
 namespace palpa::sensing {
 
-/// On the device one vec4: x, y, z and the index's bits.
+/// On the device, one vec4: x, y, z and the bits of the index.
 struct SkinPoint {
   glm::vec3 position{};     ///< metres, world
-  std::uint32_t index = 0;  ///< v * width + u, plus the pixels of the earlier cameras; else the place in its list
+  std::uint32_t index = 0;  ///< v * width + u, plus the pixels of the earlier cameras; from other sources its place in
+                            ///< the list
 };
 static_assert(sizeof(SkinPoint) == 16);
 
-/// Points whose index is their place.
+/// Points whose index is their place in the list.
 inline std::vector<SkinPoint> numbered(std::span<const glm::vec3> positions) {
   std::vector<SkinPoint> points(positions.size());
   for (std::uint32_t i = 0; i < points.size(); ++i)

@@ -10,15 +10,16 @@
 namespace palpa::sensing {
 namespace {
 
-/// The middle half of a pixel's depths lies within that of what stands still; noise grows with the square of the
-/// distance.
+/// For something that stands still, the middle half of a pixel's depths lies within this range; noise grows with the
+/// square of the distance.
 constexpr double still_m = 3e-3, still_at_m = 0.5;
-/// A step between pixels beside which depths are made up, and how many pixels on either side. A plane seen at 15
-/// degrees has steps of less than four times what a pixel covers: 3 mm at 0.5 m and a focal length of 600 pixels.
+/// The step between pixels beside which depths are invented, and the number of affected pixels on either side. A plane
+/// seen at 15 degrees has steps of less than four times the width of a pixel: 3 mm at 0.5 m and a focal length of 600
+/// pixels.
 constexpr double step_m = 5e-3, step_px = 4;
 constexpr std::int64_t rim_px = 2;
 
-/// Metres, 0 where there is none.
+/// In metres, 0 if there is none.
 double middle_depth(std::vector<std::uint16_t>& depths, std::size_t frames, double unit_m) {
   const std::size_t n = depths.size();
   if (n == 0 || 2 * n <= frames) return 0;
@@ -32,7 +33,7 @@ double middle_depth(std::vector<std::uint16_t>& depths, std::size_t frames, doub
   return spread > still_m * far * far + unit_m ? 0 : z;
 }
 
-/// Which pixels have a step in depth, or nothing at all, near them.
+/// Marks pixels that have a step in depth, or a pixel without data, near them.
 std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t width, std::uint32_t height,
                              double focal_px) {
   std::vector<bool> near(depth.size(), false);

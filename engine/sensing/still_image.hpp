@@ -1,4 +1,5 @@
-// What stands still before a depth camera, from several frames: less noise than one has, and without what moves.
+// An image of everything that stands still before a depth camera, made from several frames: less noise than a single
+// frame, and nothing that moves.
 #pragma once
 
 #include <cstdint>
@@ -11,29 +12,29 @@
 
 namespace palpa::sensing {
 
-/// A camera's pixels as points of its own frame, rows from the top; z = 0 where there is nothing.
+/// A camera's pixels as points in the camera frame, rows from the top; z = 0 if a pixel has no point.
 struct StillImage {
   std::uint32_t width = 0, height = 0;
   std::vector<glm::vec3> points;      ///< metres
-  std::uint64_t seen = 0;             ///< how many there are
+  std::uint64_t seen = 0;             ///< the number of points
   std::uint64_t deep = 0;             ///< pixels that have a depth in any frame, also where something moves
-  std::size_t frames = 0;             ///< that it was made of,
-  std::uint64_t first = 0, last = 0;  ///< and their numbers
+  std::size_t frames = 0;             ///< number of frames that it was made of,
+  std::uint64_t first = 0, last = 0;  ///< and their first and last number
 
   const glm::vec3& at(std::uint32_t u, std::uint32_t v) const { return points[std::size_t{v} * width + u]; }
 };
 
 class StillFrames {
  public:
-  /// All pixels count, also those that `camera` ignores because they are no skin.
+  /// All pixels count, also those that `camera` ignores because they are not skin.
   explicit StillFrames(const Camera& camera) : camera_(camera) {}
 
-  /// One frame's raw depths, width * height of them; without a number it is the next one.
+  /// One frame's raw depths, width * height of them. Without a number, it is the next one.
   void add(std::span<const std::uint16_t> depth, std::optional<std::uint64_t> number = {});
   std::size_t frames() const { return frames_.size(); }
-  /// Of each pixel the mean of the middle half of its depths. Nothing where half of the frames or more have no data,
-  /// where depths disagree by more than still stands (something moved), and beside a step in depth, where cameras make
-  /// points up.
+  /// For each pixel, the mean of the middle half of its depths. No point if half of the frames or more have no data, if
+  /// the depths differ too much for something that stands still, and beside a step in depth, where cameras invent
+  /// points.
   StillImage finish() const;
 
  private:

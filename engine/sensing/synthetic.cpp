@@ -17,14 +17,13 @@
 namespace palpa::sensing {
 namespace {
 
-/// From so many rays cast for each pixel of an image on, triangles are drawn as a crowd (crowd.hpp), which costs more
-/// for each of them.
+/// From this many rays per pixel of an image, triangles are drawn as a crowd (crowd.hpp), which costs more per
+/// triangle.
 constexpr std::uint64_t crowded = 16;
-/// Rays that are cast at most: for each pixel of an image, or for a picture of all cameras where that is more; and for
-/// each triangle.
+/// Maximum number of rays: per pixel of an image, or for the pictures of all cameras if that is more; and per triangle.
 constexpr std::uint64_t most_looks_per_pixel = 64, most_looks = std::uint64_t{1} << 27, most_looks_per_triangle = 1000;
 
-/// The pixels between two places on an image's axis, and those that the rounding of rays could bring there.
+/// The pixels between two positions on an image's axis, plus those that the rounding of rays could bring there.
 RowSpan between(double low, double high, std::uint32_t size) {
   constexpr double rounding = 1.0 / 64;
   const double last = static_cast<double>(size);
@@ -43,7 +42,7 @@ void SyntheticRig::Layer::copy(const Layer& from, const PixelBox& box, std::uint
   }
 }
 
-/// The same cameras, ignoring nothing: a camera sees what it is told to ignore, too.
+/// The same cameras without ignored pixels: a camera also sees what it is told to ignore.
 static std::vector<Camera> seeing_all(std::vector<Camera> cameras) {
   for (Camera& camera : cameras) {
     camera.roi.reset();
@@ -103,7 +102,7 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
 
   PixelBox drawn;
   std::uint64_t looks = 0;
-  std::vector<CrowdTriangle> crowd;  // of those that come when too many rays are cast already
+  std::vector<CrowdTriangle> crowd;  // triangles that come after too many rays have been cast
   const auto draw_box = [&](const TriangleEdges& edges, const PixelBox& box) {
     drawn = around(drawn, box);
     looks += std::uint64_t{box.x1 - box.x0} * (box.y1 - box.y0);
@@ -125,7 +124,7 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
     const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
     if (far <= 0) continue;
     const bool is_crowded = looks > crowded * pixel_count(camera);
-    const bool behind = near < 1e-6;  // reaches behind the camera: no bounds
+    const bool behind = near < 1e-6;  // reaches behind the camera, so has no bounds
     const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
     const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
     PixelBox box{0, 0, table.width, table.height};

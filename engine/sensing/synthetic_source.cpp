@@ -31,7 +31,7 @@ class SyntheticSource : public DepthSource {
       if (!started_) start_ = Clock::now();
       started_ = true;
       const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-      // Whoever comes late gets the newest frame, as from a camera.
+      // A late caller gets the newest frame, as from a camera.
       next_ = std::max(next_, static_cast<std::uint64_t>(elapsed * options_.rate_hz));
       const double wait = static_cast<double>(next_) / options_.rate_hz - elapsed;
       if (ended()) return false;

@@ -14,7 +14,7 @@ namespace {
 using Size = TargetSize;
 
 constexpr int round_sides = 16;      // of a hole; a multiple of 4
-constexpr double hole_room = 0.003;  // half of the square cell that a hole stands in
+constexpr double hole_room = 0.003;  // half the side of the square cell around a hole
 
 /// Triangles of convex polygons given counter-clockwise; geometry::weld joins their corners afterwards.
 struct Builder {
@@ -31,7 +31,7 @@ struct Builder {
       mesh.positions.push_back(p);
     mesh.triangles.emplace_back(first, first + 1, first + 2);
   }
-  /// A horizontal polygon, seen from above where `up`, else from below.
+  /// A horizontal polygon, counter-clockwise as seen from above if `up`, else from below.
   void level(std::vector<Vec2> corners, double z, bool up) {
     if (!up) std::reverse(corners.begin(), corners.end());
     std::vector<Vec3> at;
@@ -40,13 +40,13 @@ struct Builder {
       at.emplace_back(p, z);
     polygon(at);
   }
-  /// The wall below the edge from a to b of something that is seen from above counter-clockwise.
+  /// The wall below the edge from a to b of a polygon that is counter-clockwise from above.
   void wall(const Vec2& a, const Vec2& b) {
     polygon({Vec3(a, 0), Vec3(b, 0), Vec3(b, Size::plate_thickness), Vec3(a, Size::plate_thickness)});
   }
 };
 
-/// One cell with a round hole in its middle, and the hole's wall.
+/// A cell with a round hole in its middle, and the hole's wall.
 void add_hole(Builder& out, const std::array<Vec2, 4>& corners) {
   const Vec2 middle = 0.5 * (corners[0] + corners[2]);
   const auto round = [&](int i) {
@@ -59,7 +59,7 @@ void add_hole(Builder& out, const std::array<Vec2, 4>& corners) {
     for (int side = 0; side < 4; ++side) {
       const Vec2 &from = corners[static_cast<std::size_t>(side)],
                  &to = corners[static_cast<std::size_t>((side + 1) % 4)];
-      // A fan about the side's first corner over its quarter of the round, then the triangle to the next corner.
+      // A fan about the side's first corner over its quarter of the circle, then the triangle to the next corner.
       for (int i = side * quarter; i < (side + 1) * quarter; ++i)
         out.level({from, round(i + 1), round(i)}, z, up);
       out.level({from, to, round((side + 1) * quarter)}, z, up);
@@ -69,7 +69,7 @@ void add_hole(Builder& out, const std::array<Vec2, 4>& corners) {
     out.wall(round(i + 1), round(i));
 }
 
-/// Lines of the grid in which the plate is cut up, so that holes and stump stand in cells of their own.
+/// Grid lines that divide the plate so that holes and stump have their own cells.
 std::vector<double> grid(double hole_m) {
   std::vector<double> lines{-Size::plate_half, -Size::base_half, Size::base_half, Size::plate_half};
   if (hole_m > 0) {

@@ -1,4 +1,4 @@
-// Rigid bodies whose equations are factored, kept for whoever asks for the same again.
+// Rigid bodies with factored equations, kept for later requests of the same body.
 #pragma once
 
 #include <atomic>
@@ -12,18 +12,18 @@
 
 namespace palpa::acoustics {
 
-/// For one thread at a time; what it gives out lives on without it.
+/// For one thread at a time. The returned bodies may outlive the cache.
 class BodyCache {
  public:
-  /// Keeps the `most` bodies that were asked for last: a finger of 4322 faces takes some 40 MB.
+  /// Keeps the `most` most recently requested bodies: a finger of 4322 faces takes about 40 MB.
   explicit BodyCache(std::size_t most = 1) : most_(most) {}
 
-  /// The body of this mesh and wave number: a kept one where its vertices, triangles and wave number are the very same,
-  /// else a new one, made when the oldest has made way. `mesh` and `give_up` as RigidBody takes them.
+  /// The body of this mesh and wave number. Returns a kept body if its vertices, triangles and wave number are
+  /// identical; otherwise removes the oldest body and makes a new one. `mesh` and `give_up` as in RigidBody.
   std::shared_ptr<const RigidBody> of(const geometry::Mesh& mesh, double wave_number,
                                       const std::atomic<bool>* give_up = nullptr);
 
-  /// How many it had to make.
+  /// The number of bodies that were made.
   std::uint64_t made() const { return made_; }
 
  private:

@@ -31,17 +31,17 @@ using geometry::Mesh;
 namespace {
 
 constexpr double fine_sides = 6, coarse_sides = 3;  // per wavelength
-/// Sides between a source and the mesh: the error of a sphere's pressure is twice that of a far source's at two of
-/// them, and 10 to 20 % at a half.
+/// In sides between a source and the mesh. The error of a sphere's pressure is twice that of a distant source at two
+/// sides, and 10 to 20 % at half a side.
 constexpr double fine_source = 2, coarse_source = 0.5;
-/// A face so many times as long as high is a needle.
+/// A face this many times as long as high is a needle.
 constexpr double needle = 10;
-/// Coordinates beyond have lost what a transducer's wave needs of them.
+/// Farther coordinates are too imprecise for a transducer's wave.
 constexpr double farthest_m = 100;
-/// Smaller pieces of a body have faces that single precision cannot tell apart.
+/// Smaller pieces of a body have faces that single precision cannot distinguish.
 constexpr double smallest_m = 1e-6;
 
-/// Of a face: its longest side by its height above that.
+/// A face's longest side divided by its height over that side.
 double length_by_height(const Mesh& mesh, std::uint32_t face) {
   const glm::uvec3& t = mesh.triangles[face];
   double longest = 0;
@@ -66,9 +66,9 @@ void check_faces(const std::string& file, const Mesh& mesh) {
     if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= farthest_m))
       throw bad_input(file, "has a vertex farther than 100 m from the origin; coordinates are metres");
   }
-  check_size(file, "is", geometry::bounds(mesh));  // first: what is smaller may have areas of zero
+  check_size(file, "is", geometry::bounds(mesh));  // first, because smaller bodies may have areas of zero
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    // A thousand times as long as high it has no normal to speak of.
+    // A thousand times as long as high, it has no meaningful normal.
     if (!(length_by_height(mesh, t) < 1e3)) {
       throw bad_input(file, fmt::format("face {} at {} m is a needle without area; mend the mesh, a remesher such as "
                                         "MeshLab's isotropic one does",
@@ -90,7 +90,7 @@ void check_closed(const std::string& file, const Mesh& mesh) {
   if (defects.flipped > 0) refuse("faces of opposite orientation meet at the edge", defects.first_flipped);
 }
 
-/// None of its pieces is too small to be there.
+/// Checks that no piece is too small.
 void check_sizes(const std::string& file, const Mesh& body, const geometry::Shells& shells) {
   std::vector<Box> boxes(shells.list.size());
   for (std::size_t t = 0; t < body.triangles.size(); ++t) {
@@ -101,7 +101,7 @@ void check_sizes(const std::string& file, const Mesh& body, const geometry::Shel
     check_size(file, "has a piece that is", box);
 }
 
-/// None of its pieces within another.
+/// Checks that no piece lies within another.
 void check_apart(const std::string& file, const Mesh& body, const geometry::Bvh& tree, geometry::Shells& shells) {
   geometry::find_nesting(body, tree, shells);
   for (const geometry::Shell& shell : shells.list) {
@@ -209,13 +209,13 @@ void check_source(const Mesh& body, const Vec3& source, bool force) {
 
 namespace {
 
-/// A wall between transducers ends that far beyond them, in distances of neighbours: boards leave some places out.
+/// A wall of transducers extends this far beyond them, in distances between neighbours: boards leave some places empty.
 constexpr double wall_margin = 1.2;
 
 /// Whether a corner of the box lies behind one of the transducers.
 bool may_be_behind(const Box& box, const array::Layout& layout) {
   return std::ranges::any_of(layout.transducers, [&](const array::Transducer& t) {
-    // The corner of the box that lies farthest against the axis.
+    // The corner of the box that lies farthest back along the axis.
     const Vec3 corner(t.axis.x > 0 ? box.low.x : box.high.x, t.axis.y > 0 ? box.low.y : box.high.y,
                       t.axis.z > 0 ? box.low.z : box.high.z);
     return glm::dot(corner - t.position, t.axis) < 0;
@@ -234,7 +234,7 @@ std::size_t nearest_transducer(const array::Layout& layout, const Vec3& point, s
   return best;
 }
 
-/// The transducers next to each other are a wall, from which the body keeps away on their side.
+/// Neighbouring transducers form a wall; the body must stay on their sounding side.
 void check_before_wall(const std::string& file, const Mesh& body, const array::Layout& layout) {
   if (layout.transducers.size() < 2 || !may_be_behind(geometry::bounds(body), layout)) return;
   std::vector<std::size_t> behind(body.positions.size(), layout.transducers.size());
@@ -286,7 +286,7 @@ void check_memory(const Mesh& body) {
 Inside::Inside(const Mesh& body) : bounds_(geometry::bounds(body)), surface_(geometry::make_surface(body, {})) {}
 
 bool Inside::holds(const Vec3& point) const {
-  if (geometry::distance2(bounds_, point) > 0) return false;  // the surface's grid knows its own box only
+  if (geometry::distance2(bounds_, point) > 0) return false;  // the surface's grid only covers its own box
   const float reach = static_cast<float>(surface_.options.reach_m);
   return geometry::find_place(surface_, glm::vec3(point - surface_.centre), reach).region != geometry::Region::outside;
 }

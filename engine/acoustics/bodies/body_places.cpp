@@ -7,8 +7,8 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Beside the gap between patch and face: what rounding of files and single precision leave, in sides, and what the
-/// patch's slope there takes, in gaps.
+/// Margins in addition to the gap between patch and face: for the rounding of files and single precision, in sides, and
+/// for the slope of the patch, in gaps.
 constexpr double sides_beside = 1e-3, gaps_beside = 0.05;
 
 /// u and v of a point of the triangle.

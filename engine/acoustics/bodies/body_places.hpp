@@ -1,8 +1,8 @@
-// Where points are beside a body: in the air around it, on its skin, or inside, where there is no sound.
+// Locates points relative to a body: in the air around it, on its skin, or inside, where there is no sound.
 //
-// Between a body's curved patches (patches.hpp) and its mesh's flat faces lies a thin gap that is both or neither. What
-// is in it, or within a thousandth of a side from it, is on the skin: pressure does not change along the normal there,
-// over a width that is a small part of a side's square.
+// Between a body's curved patches (patches.hpp) and its mesh's flat faces there is a thin gap that belongs to both or
+// neither. Points in the gap, or within a thousandth of a side of it, count as on the skin. The gap's width is a small
+// part of a side's square, and the pressure does not change along the normal over such a distance.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace palpa::acoustics {
 struct BodyPlace {
   enum class Where { air, skin, inside };
   Where where = Where::air;
-  std::uint32_t face = 0;  ///< the nearest one, and the place in its patch that is next to the point
+  std::uint32_t face = 0;  ///< the nearest one, and the (u, v) in its patch nearest to the point
   double u = 0, v = 0;
   double distance_m = 0;  ///< from that face
 };

@@ -9,7 +9,7 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Foci that are solved in one go: their incident waves are all in memory at a time.
+/// The number of foci that are solved at once: their incident waves are all in memory together.
 constexpr std::size_t together = 16;
 
 }  // namespace

@@ -1,9 +1,9 @@
-// What one rigid finger feels of a focus: the radiation pressure in full (radiation.hpp, Langevin) at its skin, of the
-// total field, the sound that the finger scatters included. It takes the place of the array's field in free air
-// (array_field.hpp), with an incident wave and a solution per focus; places are those of the skin that are nearest to
-// the path's, which runs from focus to focus through the finger.
+// The radiation pressure of a focus on one rigid finger. It is the full (Langevin) radiation pressure of radiation.hpp
+// at the finger's skin, of the total field including the sound that the finger scatters. It replaces the array's field
+// in free air (array_field.hpp), with an incident wave and a solution per focus. The path runs from focus to focus
+// through the finger; its places are mapped to the nearest points of the skin.
 //
-// The sound of a focus is the drive that it has alone. Air absorbs what it does there.
+// The sound of a focus is the drive for this focus alone. Absorption by air is included.
 #pragma once
 
 #include <optional>
@@ -21,9 +21,9 @@ namespace palpa::acoustics {
 
 class FingerField final : public FocusField {
  public:
-  /// All in one frame; body, layout and transfer outlive it. Foci are made for the finger by `transfer`, which is aimed
-  /// anew in every call; without it for free air. Of the drive's options the solver does not count: a focus is alone.
-  /// `pressure_pa`: asked for at each focus, in the place of the constraint.
+  /// Everything is in one frame; body, layout and transfer must outlive it. Foci are made for the finger by `transfer`,
+  /// which is aimed again in every call; without it, for free air. Of the drive's options, the solver does not matter,
+  /// because each focus is alone. `pressure_pa` is the pressure requested at each focus and replaces the constraint.
   FingerField(const RigidBody& body, const array::Layout& layout, const Air& air, const array::DriveOptions& drive,
               FingerTransfer* transfer = nullptr, std::optional<double> pressure_pa = {});
 
@@ -31,7 +31,7 @@ class FingerField final : public FocusField {
   double step_m() const override;
   Vec3 skin_at(const Vec3& place) const override;
 
-  /// In pascals. One thread at a time may call it where it has a transfer.
+  /// In pascals. With a transfer, only one thread at a time may call it.
   bool felt(std::span<const Vec3> path, std::size_t every, std::vector<double>& pressures,
             const std::atomic<bool>* give_up = nullptr) const override;
 

@@ -13,7 +13,7 @@ using Complex = std::complex<double>;
 
 namespace {
 
-/// Foci that are solved in one go: their sources on the skin are all in memory at a time.
+/// The number of foci that are solved at once: their sources on the skin are all in memory together.
 constexpr std::size_t together = 16;
 
 }  // namespace
@@ -59,7 +59,7 @@ void FingerTransfer::hear(std::span<Aim* const> aims) const {
       rows.push_back(body_.row_on_skin(place.face, place.u, place.v));
       continue;
     }
-    // In the air there is what comes straight from the transducers, too.
+    // In the air, the direct sound of the transducers is added.
     constexpr Complex whole[]{1};
     rows.push_back(body_.row_in_air(aim->place));
     incident_.received(std::span(&aim->place, 1), {}, whole, {}, aim->sound);

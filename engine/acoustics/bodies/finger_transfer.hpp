@@ -1,17 +1,17 @@
-// What transducers do at places of one rigid finger, in the place of the free field's transfer: solvers that are given
-// it focus the sound that the finger scatters, too (Inoue, Makino and Shinoda 2016).
+// The effect of transducers at places of one rigid finger, used instead of the free field's transfer. Solvers that use
+// it also focus the sound that the finger scatters (Inoue, Makino and Shinoda 2016).
 //
-// By reciprocity one solution of the boundary elements' transposed system per focus tells it of all transducers at
-// once. With the system A u = b (galerkin.hpp), b = sum over transducers of s_t b_t what their sound gives on the
-// finger, and the row e that reads the pressure at the focus from the unknowns u,
+// By reciprocity, one solution of the boundary elements' transposed system per focus gives this for all transducers at
+// once. The system is A u = b (galerkin.hpp). b = sum over transducers of s_t b_t is their sound on the finger, and the
+// row e reads the pressure at the focus from the unknowns u:
 //
 //   p = e^T u = sum over transducers of s_t g_t,   g_t = y^T b_t,   A^T y = e:
 //
-// transposed, not conjugated. The phases -arg g_t then bring the whole array's sound there in phase; at full amplitude
-// no drive is louder there.
+// This is the transpose, not the conjugate transpose. The phases -arg g_t make the whole array's sound arrive there in
+// phase; at full amplitude no drive is louder there.
 //
-// Within the finger there is no pressure: a focus there, as the centroid of contacts is, stands for the point of the
-// skin that is nearest to it. A focus in the air stays where it is.
+// Inside the finger there is no pressure. A focus there, such as the centroid of contacts, is moved to the nearest
+// point of the skin. A focus in the air stays where it is.
 #pragma once
 
 #include <complex>
@@ -31,15 +31,15 @@ namespace palpa::acoustics {
 
 class FingerTransfer final : public array::Transfer {
  public:
-  /// All in one frame; body and layout outlive it. The body's wave number is that of `air`, and absorption counts if
-  /// the air has any.
+  /// Everything is in one frame; body and layout must outlive it. The body's wave number is that of `air`, and
+  /// absorption is included if the air has any.
   FingerTransfer(const RigidBody& body, const array::Layout& layout, const Air& air, array::Directivity directivity);
 
-  /// From now on it knows these foci, and no others: finite, within 100 m. Those that it knew already cost nothing, the
-  /// others a right-hand side each. The place of each of them: on the skin, or where the focus is.
+  /// Replaces the known foci by these: finite, within 100 m. Foci that were known before cost nothing, each of the
+  /// others costs a right-hand side. Returns the place of each focus: on the skin, or at the focus itself.
   std::vector<Vec3> aim(std::span<const Vec3> foci);
 
-  /// Foci as they were aimed at, to the last bit; of others nothing arrives, and they ask for nothing.
+  /// `foci` must be bit-equal to those passed to aim(). At others nothing arrives, and they request nothing.
   void fill(std::span<const array::FocusSource> foci, array::Weighting weighting,
             array::Columns& columns) const override;
   void fill(std::span<const array::FocusSource> foci, array::Weighting weighting, std::size_t first, std::size_t count,

@@ -1,12 +1,12 @@
-// The steady pressure of sound on rigid skin, second order, averaged over the tone's period (Langevin; Eckart 1948,
-// Awatani 1955). Of the total field at the surface, where nothing moves along the normal, peak phasors:
+// The steady second-order pressure of sound on rigid skin, averaged over the tone's period (Langevin; Eckart 1948,
+// Awatani 1955). It follows from the total field at the surface, where nothing moves along the normal, as peak phasors:
 //
 //   langevin  P = (|p|^2 - |grad_S p|^2 / k^2) / (4 rho c^2)
 //   squared   P = |p|^2 / (4 rho c^2)
 //
-// The second term of the first is the kinetic energy of the air that slides along the skin; it may outweigh the other
-// at grazing incidence, where the skin is pulled: that is no error and is not clamped. `squared` leaves it out, as
-// pictures of |p|^2 do.
+// The second term of the first formula is the kinetic energy of the air that slides along the skin. At grazing
+// incidence it may exceed the first term, so that the skin is pulled; this is correct and is not clamped. `squared`
+// omits this term, as pictures of |p|^2 do.
 #pragma once
 
 #include <cstddef>
@@ -23,40 +23,40 @@ namespace palpa::acoustics {
 Vec3 face_centroid(const geometry::Mesh& mesh, std::size_t face);
 double face_area(const geometry::Mesh& mesh, std::size_t face);
 
-/// What one sound gives, Pa.
+/// The radiation pressure of one sound, Pa.
 struct Radiation {
   double langevin, squared;
 };
 Radiation radiation_of(const FaceSound& sound, const Air& air);
 
-/// By face, Pa.
+/// Per face, Pa.
 struct SkinPressure {
   std::vector<double> langevin, squared;
   double loudest_pa = 0;  ///< largest |p| of any sound at any face
 };
 
-/// Adds `weight` times what one sound gives: averages over a schedule are sums of these.
+/// Adds the pressure of one sound times `weight`. Averages over a schedule are sums of these.
 void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure);
 
-/// At each vertex the mean of the faces around it, by their area.
+/// The mean of the faces around each vertex, weighted by area.
 std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces);
 
-/// Total force in N and torque in Nm about a point of a pressure on a closed mesh, which pushes along the faces' inward
+/// Total force in N and torque in Nm about a point. The pressure on a closed mesh pushes along the faces' inward
 /// normals at their centroids.
 struct Load {
   Vec3 force{0}, torque{0};
 };
 Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const Vec3& about);
 
-/// What is said of a pressure on skin.
+/// Summary of a pressure on skin.
 struct Spot {
   double peak_pa = 0;        ///< largest of any face
   Vec3 peak_at{0};           ///< that face's centroid
-  double half_area_m2 = 0;   ///< of the faces with more than half of it
+  double half_area_m2 = 0;   ///< total area of the faces with more than half the peak
   double half_radius_m = 0;  ///< of a disc of that area
-  double elongation = 1;     ///< of these faces' centroids and areas
+  double elongation = 1;     ///< elongation_of() these faces' centroids and areas
 };
-/// sqrt(l1 / l2) of the covariance of points that stand for areas; 1 for fewer than three.
+/// sqrt(l1 / l2) of the covariance of points that represent areas; 1 for fewer than three.
 double elongation_of(std::span<const Vec3> points, std::span<const double> areas);
 Spot spot_of(const geometry::Mesh& mesh, std::span<const double> pressure);
 

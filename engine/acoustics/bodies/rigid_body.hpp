@@ -1,7 +1,7 @@
-// A rigid body in the sound: what reaches its surface, what that becomes there, and what it sends into the air.
+// A rigid body in sound: computes the sound at its surface from an incident wave, and the sound that it scatters.
 //
-// Made once per body and wave number; every further wave costs right-hand sides only. The wave number is that of the
-// lossless air: absorption, and directivity, belong to the incident wave and its slope.
+// Made once per body and wave number; each further wave only costs right-hand sides. The wave number is that of
+// lossless air: absorption and directivity are part of the incident wave and its slope.
 #pragma once
 
 #include <atomic>
@@ -21,54 +21,55 @@ namespace palpa::acoustics {
 class RigidBody {
  public:
   /// `mesh` is welded, closed, oriented outwards (body_mesh.hpp checks that), `wave_number` in 1/m. Throws GivenUp
-  /// (base/parallel.hpp) soon after `give_up` became true.
+  /// (base/parallel.hpp) soon after `give_up` becomes true.
   RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up = nullptr);
 
   const geometry::Mesh& mesh() const { return patches_.mesh; }
   const Patches& patches() const { return patches_; }
   double wave_number() const { return wave_number_; }
 
-  /// Where the incident wave is asked for, with its slope along the outward normals: three samples per face.
+  /// Where the incident wave is needed, with its slope along the outward normals: three samples per face.
   std::span<const Vec3> points() const { return points_; }
   std::span<const Vec3> normals() const { return normals_; }
 
-  /// The unknowns of every wave that `incident` has at points(), one wave after the other: one complex number per
-  /// vertex, of use to what follows only. Throws failure() where they are no numbers.
+  /// The unknowns of every wave in `incident` at points(), one wave after the other: one complex number per vertex,
+  /// only meaningful as input of the functions below. Throws failure() if they are not finite.
   std::vector<std::complex<float>> solve(const Waves& incident) const;
 
-  /// Of one wave's unknowns: total pressure and its surface gradient at the faces' centroids, total pressure at the
+  /// For one wave's unknowns: total pressure and its surface gradient at the faces' centroids, total pressure at the
   /// vertices.
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> unknowns) const;
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> unknowns) const;
 
-  /// The same on the patch of a face, at its (u, v).
+  /// The same at (u, v) on the patch of a face.
   FaceSound at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u, double v) const;
 
-  /// The scattered pressure, total less incident, at points in the air, whatever their distance from the surface. On
-  /// the body and inside of it (body_places.hpp) it is of no use.
+  /// The scattered pressure (total minus incident) at points in the air, at any distance from the surface. On the body
+  /// and inside it (body_places.hpp), the result is meaningless.
   std::vector<std::complex<double>> scattered(std::span<const std::complex<float>> unknowns,
                                               std::span<const Vec3> points) const;
 
-  /// What is heard at a place as a row: one number per vertex, by which the unknowns are multiplied and summed up.
+  /// The pressure at a place as a row: one number per vertex; its dot product with the unknowns is the pressure.
   using Row = std::vector<std::complex<float>>;
-  /// The total pressure at at_skin's place; the scattered pressure at a point in the air.
+  /// The total pressure at the place of at_skin; the scattered pressure at a point in the air.
   Row row_on_skin(std::uint32_t face, double u, double v) const;
   Row row_in_air(const Vec3& at) const;
 
-  /// Sources at points(), with those along normals(), that what an incident wave makes heard there is the sum over:
-  /// entry [place * points + point]. With Incident::received they give what each transducer does there.
+  /// Weights of an incident wave's pressures at points() (`strengths`) and of its slopes along normals() (`slopes`).
+  /// The weighted sum is the pressure at each place: entry [place * points + point]. With Incident::received they give
+  /// the effect of each transducer there.
   struct Sources {
     std::vector<std::complex<double>> strengths, slopes;
   };
   Sources sources_of(std::span<const Row> rows) const;
-  /// Of the total pressure at the faces' centroids.
+  /// For the total pressure at the faces' centroids.
   Sources sources_at_faces(std::span<const std::uint32_t> faces) const;
 
  private:
   Patches patches_;
   double wave_number_;
   std::vector<Vec3> points_, normals_;
-  std::vector<double> areas_;  // by point: area that it stands for
+  std::vector<double> areas_;  // by point: the area that it represents
   SurfaceFit fit_;
   std::unique_ptr<SurfaceOperator> operator_;
 };

@@ -1,4 +1,4 @@
-// What a body sends into the air: the double layer of the pressure on its surface.
+// The sound that a body sends into the air: the double layer of the pressure on its surface.
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
@@ -16,17 +16,17 @@ using Complex = std::complex<double>;
 
 namespace {
 
-/// Nearer than so many times its longest side a patch is cut into four, and these again.
+/// A patch nearer than this many times its longest side is divided into four, recursively.
 constexpr double near_sides = 2;
 constexpr int most_cuts = 12;
 
-/// What a part of a patch gives at a point: the patch's pressure is linear in its u and v.
+/// The sound of a part of a patch at a point: the patch's pressure is linear in its u and v.
 class SubPatch {
  public:
   SubPatch(const Patch& patch, const std::array<Complex, 3>& at_corners, const Vec3& point, double wave_number)
       : patch_(patch), at_corners_(at_corners), point_(point), wave_number_(wave_number) {}
 
-  /// Of the part with these corners in (u, v).
+  /// The sound of the part with these corners in (u, v).
   Complex sum(const Vec2& a, const Vec2& b, const Vec2& c, int cuts) const {
     const Vec2 middle = (a + b + c) / 3.0;
     const Vec3 pa = at(a), pb = at(b), pc = at(c);
@@ -64,7 +64,7 @@ class SubPatch {
 }  // namespace
 
 RigidBody::Row RigidBody::row_in_air(const Vec3& at) const {
-  // What each corner's hat function alone sends there.
+  // The sound there of each corner's hat function alone.
   constexpr std::array<std::array<Complex, 3>, 3> hats{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::vector<Complex> sums(mesh().positions.size());
   for (std::size_t face = 0; face < mesh().triangles.size(); ++face) {
@@ -79,7 +79,7 @@ RigidBody::Row RigidBody::row_in_air(const Vec3& at) const {
 std::vector<Complex> RigidBody::scattered(std::span<const std::complex<float>> unknowns,
                                           std::span<const Vec3> points) const {
   const std::size_t faces = mesh().triangles.size();
-  // By face: the sphere within which it is near, and the pressures of its corners.
+  // For each face: the sphere within which it is near, and the pressures of its corners.
   std::vector<double> reach(faces);
   std::vector<Vec3> centres(faces);
   std::vector<std::array<Complex, 3>> corners(faces);

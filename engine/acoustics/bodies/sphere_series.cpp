@@ -10,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// j_n and h_n of one argument and their slopes, n = 0 .. count - 1, as far as y_n can be written.
+/// j_n and h_n of one argument and their slopes, n = 0 .. count - 1, as long as y_n can be represented.
 struct Bessel {
   std::vector<double> j, j_slope;
   std::vector<Complex> h, h_slope;
@@ -33,7 +33,7 @@ struct Bessel {
   }
 };
 
-/// Terms beyond fall off faster than exponentially.
+/// Further terms decrease faster than exponentially.
 std::size_t terms_for(double ka) {
   return static_cast<std::size_t>(ka + 6 * std::cbrt(ka) + 24);
 }

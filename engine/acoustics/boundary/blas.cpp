@@ -16,13 +16,13 @@ namespace palpa::acoustics {
 namespace {
 
 constexpr const char* library = "libopenblas.so.0";
-// What each calling thread takes of addresses: the library's own buffer, the thread's stack, and what malloc reserves.
+// The address space that each calling thread needs: the library's own buffer, the thread's stack, and malloc's reserve.
 constexpr std::uint64_t thread_bytes = (128u + 8u + 128u) << 20;
-// What the library itself takes of them.
+// The address space of the library itself.
 constexpr std::uint64_t library_bytes = 64u << 20;
 
-/// While it lives, this thread may run on one processor only. When OpenBLAS is loaded, it starts a thread for each
-/// further one. The environment could tell it not to, but other threads may be reading that.
+/// During its lifetime, this thread may run on one processor only. OpenBLAS starts a thread for each further processor
+/// when it is loaded. An environment variable could prevent that, but other threads may be reading the environment.
 class OneProcessor {
  public:
   OneProcessor() {
@@ -52,7 +52,7 @@ void find(void* handle, const char* name, Function& function) {
   if (!function) throw failure(fmt::format("{} has no {}: install libopenblas0-pthread", library, name));
 }
 
-/// Throws where so many bytes cannot be had now. OpenBLAS itself asks again and again, for ever.
+/// Throws if this many bytes are not available now. OpenBLAS itself would retry for ever.
 void expect_memory(std::uint64_t bytes) {
   void* const place = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (place == MAP_FAILED) {
@@ -77,7 +77,7 @@ Blas load() {
   find(handle, "cgetrf_", functions.cgetrf);
   find(handle, "cgetrs_", functions.cgetrs);
   find(handle, "claswp_", functions.claswp);
-  // The threads are palpa's: the library's own would sum in another order for another number of them.
+  // The threads are palpa's: the library's own threads would sum in another order for another number of threads.
   void (*set_num_threads)(int) = nullptr;
   find(handle, "openblas_set_num_threads", set_num_threads);
   set_num_threads(1);

@@ -1,5 +1,5 @@
-// OpenBLAS, loaded when the first matrix is factored. Nothing else needs it, and it is expensive to have: as soon as it
-// is loaded it starts a thread per core, which waits busily at first, and which does not end where memory is short.
+// OpenBLAS, loaded when the first matrix is factored. Nothing else needs it, and loading it is expensive: it
+// immediately starts a thread per core. Each thread busy-waits at first, and does not end if memory is short.
 #pragma once
 
 #include <complex>
@@ -7,7 +7,7 @@
 
 namespace palpa::acoustics {
 
-/// What palpa calls of it. All by columns; LAPACK's functions take pointers and count from 1.
+/// The functions that palpa uses. All are column-major; LAPACK's functions take pointers and count from 1.
 struct Blas {
   using Number = std::complex<float>;
 
@@ -23,9 +23,9 @@ struct Blas {
                  const int* pivots, const int* step);
 };
 
-/// Loads the library on the first call, without threads of its own. From then on up to `threads` threads may call its
-/// functions at a time. Throws failure() where there is no OpenBLAS, or not enough memory for what each of these
-/// threads needs: the library itself would try for ever to get it.
+/// Loads the library on the first call, without its own threads. After that, up to `threads` threads may call its
+/// functions at a time. Throws failure() if there is no OpenBLAS, or not enough memory for each of these threads: the
+/// library itself would retry the allocation for ever.
 const Blas& blas(std::size_t threads);
 
 }  // namespace palpa::acoustics

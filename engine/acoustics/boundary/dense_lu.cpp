@@ -15,10 +15,10 @@ namespace {
 
 using Number = std::complex<float>;
 constexpr std::size_t panel = 128;       // columns factored at a time
-constexpr std::size_t tile = 256;        // columns of the rest that one thread takes
-constexpr std::size_t few_columns = 16;  // right-hand sides that one thread takes
+constexpr std::size_t tile = 256;        // remaining columns per thread
+constexpr std::size_t few_columns = 16;  // right-hand sides per thread
 
-/// For as many threads as work on so many chunks.
+/// blas() for as many threads as work on `chunks` chunks.
 const Blas& blas_for(std::size_t chunks) {
   return blas(std::min<std::size_t>(worker_count(), std::max<std::size_t>(chunks, 1)));
 }

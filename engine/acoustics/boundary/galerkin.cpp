@@ -20,8 +20,8 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Rows of the matrix that one thread fills in one go. Patches around the rim of these vertices are evaluated by their
-/// neighbours, too, which costs less than to share rows would.
+/// Rows of the matrix that one thread fills at once. Patches around the rim of these vertices are also evaluated by
+/// their neighbours, which costs less than sharing rows.
 constexpr std::size_t rows_per_block = 96;
 
 struct FarTables {
@@ -35,7 +35,7 @@ FarTables far_tables(const Patches& body, const Vec3& origin) {
   tables.patches.resize(count);
   tables.groups.resize((count + far_lanes - 1) / far_lanes);
   for (std::size_t t = 0; t < tables.groups.size() * far_lanes; ++t) {
-    // The last group is filled up with patches far away, without area.
+    // The last group is padded with distant patches without area.
     for (std::size_t q = 0; q < 3; ++q) {
       const TriangleSample& s = three_point_rule()[q];
       std::array<Vec3, 4> numbers{Vec3(1e3), Vec3(0), Vec3(0), Vec3(0)};
@@ -78,7 +78,7 @@ Around patches_around(const geometry::Mesh& mesh) {
   return around;
 }
 
-/// Vertices in an order in which neighbours in space are near each other.
+/// The vertices in an order that keeps spatial neighbours close to each other.
 std::vector<std::uint32_t> spatial_order(const geometry::Mesh& mesh) {
   std::vector<std::uint32_t> order;
   order.reserve(mesh.positions.size());
@@ -149,7 +149,7 @@ class RowBlock {
 
   const geometry::Mesh& mesh_;
   std::size_t size_;
-  std::vector<std::complex<float>*> rows_;  // by vertex; none for those of other blocks
+  std::vector<std::complex<float>*> rows_;  // by vertex; null for those of other blocks
   std::vector<std::uint32_t> tests_;
 };
 
@@ -176,7 +176,7 @@ void assemble(const Patches& body, double wave_number, std::span<std::complex<fl
 }
 
 std::uint64_t assembly_bytes(const geometry::Mesh& mesh) {
-  // A pair's number is in memory twice while pairs are found.
+  // While pairs are searched, a pair's number is in memory twice.
   return mesh.triangles.size() * (sizeof(FarPatch) + sizeof(FarGroup) / far_lanes) +
          near_pair_count(mesh) * (sizeof(Block) + 2 * sizeof(std::uint32_t));
 }

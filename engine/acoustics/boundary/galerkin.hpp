@@ -5,16 +5,16 @@
 //   p/2 - K p - (i/k) N p = p_inc + (i/k) dp_inc/dn,
 //   K p(x) = integral over S of dG/dn(y) p(y),   N p = d(K p)/dn(x),
 //
-// which has exactly one solution for every k: K alone has none where a sphere's k a is a zero of j_n, N none at those
-// of j_n' (the body's inside resonates; 5.7635 and 5.9404 are the nearest to a fingertip). p is linear on every patch
-// and continuous: the unknowns are the pressures at the mesh's vertices, the test functions the same hat functions. N
-// is then no more singular than 1/R (Maue 1949):
+// which has exactly one solution for every k. K alone has no unique solution if a sphere's k a is a zero of j_n, nor N
+// at those of j_n' (the body's inside resonates; 5.7635 and 5.9404 are the nearest to a fingertip). p is linear on
+// every patch and continuous: the unknowns are the pressures at the mesh's vertices, and the test functions are the
+// same hat functions. The singularity of N is then no stronger than 1/R (Maue 1949):
 //
 //   -<f, N p> = double integral of G (curl_S f . curl_S p - k^2 n.n' f p),   curl_S f = n x grad f.
 //
-// Pairs of patches that touch are sampled by rules that weigh the singularity away, close ones by six samples each or
-// cut into smaller ones (near_rules.hpp), all others by three (triangle_rules.hpp). Single precision: the matrix is
-// well conditioned, and 4e-6 is far below what linear elements leave (docs/acoustics.md).
+// Pairs of patches that touch are sampled by rules that remove the singularity, close ones by six samples each or after
+// subdivision (near_rules.hpp), all others by three (triangle_rules.hpp). Single precision: the matrix is well
+// conditioned, and its error of 4e-6 is far below that of linear elements (docs/acoustics.md).
 #pragma once
 
 #include <atomic>
@@ -26,13 +26,13 @@
 
 namespace palpa::acoustics {
 
-/// Replaces `matrix`, vertices x vertices by rows, row: test function. The same bytes for any number of threads. Warns
-/// where faces that do not touch are too close to each other to be resolved. Throws GivenUp (base/parallel.hpp) soon
-/// after `give_up` became true.
+/// Replaces `matrix`, vertices x vertices, row-major, one row per test function. The same bytes for any number of
+/// threads. Warns if faces that do not touch are too close to each other to be resolved. Throws GivenUp
+/// (base/parallel.hpp) soon after `give_up` becomes true.
 void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix,
               const std::atomic<bool>* give_up = nullptr);
 
-/// Memory that assemble() takes beside the matrix, about.
+/// Approximate memory that assemble() needs in addition to the matrix.
 std::uint64_t assembly_bytes(const geometry::Mesh& mesh);
 
 }  // namespace palpa::acoustics

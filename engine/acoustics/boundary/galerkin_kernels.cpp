@@ -16,7 +16,7 @@ struct Complex {
   typename L::Float re{}, im{};
 };
 
-/// e^{ikl} / (4 pi R) of a length l and of 1/R, and (ik - 1/R) / R times that.
+/// e^{ikl} / (4 pi R) from a length l and 1/R, and (ik - 1/R) / R times that.
 template <class L>
 [[gnu::always_inline]] inline void green_of(const typename L::Float& length, const typename L::Float& inverse, float k,
                                             Complex<L>& g, Complex<L>& d) {
@@ -30,15 +30,15 @@ template <class L>
   d.im = inverse * (k * g.re - inverse * g.im);
 }
 
-/// G = e^{ikR} / (4 pi R) of a squared distance, and D = (ik - 1/R) G / R: the gradient of G by y is D (y - x).
+/// G = e^{ikR} / (4 pi R) from a squared distance, and D = (ik - 1/R) G / R: the gradient of G by y is D (y - x).
 template <class L>
 [[gnu::always_inline]] inline void green(const typename L::Float& r2, float k, Complex<L>& g, Complex<L>& d) {
   const typename L::Float inverse = inverse_root<L>(r2);
   green_of<L>(r2 * inverse, inverse, k, g, d);
 }
 
-/// From the sums of G times tangents' products, e[a][b] with a, b = u, v: i/k times those of the hat functions' surface
-/// curls, which are t_u - t_v, t_v and -t_u times the area. Added to `block`.
+/// Takes the sums of G times products of tangents, e[a][b] with a, b = u, v. Adds to `block` i/k times those of the hat
+/// functions' surface curls, which are t_u - t_v, t_v and -t_u times the area.
 template <class Value>
 [[gnu::always_inline]] inline void add_curls(const Value (&e)[2][2][2], float k, Value (&block)[9][2]) {
   // i/k (a + ib) = (-b + ia) / k
@@ -68,7 +68,7 @@ template <class L>
   Float e[2][2][2] = {};
   for (int q = 0; q < 3; ++q) {
     const float(&x)[far_numbers] = test.of[q];
-    // Of this test sample: sums over the trial's samples, all of them and one by one.
+    // For this test sample: sums over the trial's samples, all of them and one by one.
     Float total_re{}, total_im{};
     Float own_re[3], own_im[3];
     Float tangent_re[2][3] = {}, tangent_im[2][3] = {};
@@ -96,7 +96,7 @@ template <class L>
         tangent_im[1][i] += tv * g.im;
       }
     }
-    // A hat function is 1/6 in two samples and 2/3 in that of its corner.
+    // A hat function is 1/6 in two samples and 2/3 in the sample of its corner.
     for (int j = 0; j < 3; ++j) {
       const Float re = total_re * (1.0F / 6) + own_re[j] * 0.5F, im = total_im * (1.0F / 6) + own_im[j] * 0.5F;
       for (int i = 0; i < 3; ++i) {
@@ -217,7 +217,7 @@ template <class L>
       const Float dx = ax - point[0], dy = ay - point[1], dz = az - point[2];
       const Float r2 = dx * dx + dy * dy + dz * dz;
       const Float inverse = inverse_root<L>(r2);
-      // r - range, whose difference would have lost its digits: (r^2 - range^2) / (r + range).
+      // r - range would lose its digits as a difference: (r^2 - range^2) / (r + range).
       const Float ahead =
           (ax * (ax - 2 * point[0]) + ay * (ay - 2 * point[1]) + az * (az - 2 * point[2])) / (r2 * inverse + range);
       Complex<L> g, d;

@@ -17,8 +17,8 @@ namespace {
 
 using geometry::Mesh;
 
-/// Patches whose centroids are nearer than so many times the longest side of either are sampled more closely: above
-/// 4/3, so that those that touch are among them.
+/// Patches whose centroids are nearer than this many times the longest side of either are sampled more finely. Above
+/// 4/3, so that patches that touch are included.
 constexpr double reach = 2.2;
 constexpr std::size_t patches_per_job = 64;
 
@@ -27,7 +27,7 @@ struct Ball {
   double size;  // longest side
 };
 
-/// Who is near whom, by a tree of boxes.
+/// Finds near patches with a tree of boxes.
 class Neighbours {
  public:
   explicit Neighbours(const Mesh& mesh) : tree_(mesh), longest_(tree_.nodes().size()) {
@@ -49,7 +49,7 @@ class Neighbours {
 
   const Vec3& centre(std::size_t face) const { return balls_[face].centre; }
 
-  /// Calls `found` with every patch near that one, itself among them.
+  /// Calls `found` with every patch near that one, including itself.
   template <class Found>
   void each(std::size_t face, const Found& found) const {
     const Ball& own = balls_[face];
@@ -77,7 +77,7 @@ class Neighbours {
  private:
   geometry::Bvh tree_;
   std::vector<Ball> balls_;
-  std::vector<double> longest_;  // by node: of the patches below
+  std::vector<double> longest_;  // by node: of the patches below it
 };
 
 void find_pairs(const Neighbours& neighbours, std::size_t count, NearPairs& pairs) {
@@ -150,7 +150,7 @@ NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<
       const NearPatch test = relative(body.patches[t], neighbours.centre(t));
       for (std::uint32_t entry = pairs.first[t]; entry < pairs.first[t + 1]; ++entry) {
         const std::uint32_t other = pairs.trial[entry];
-        if (other < t) continue;  // done with it, from its side
+        if (other < t) continue;  // already handled from its side
         bool resolved = true;
         const PairTable* table = rules.touching(mesh.triangles[t], mesh.triangles[other]);
         if (table == nullptr) table = &rules.apart(body.patches[t], body.patches[other], cut, resolved);

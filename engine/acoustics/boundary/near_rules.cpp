@@ -12,23 +12,23 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Nearer than so many times the longer one's sides two parts are cut.
+/// Two parts nearer than this many times the longer one's sides are divided.
 constexpr double close_reach = 1.3;
 constexpr int most_cuts = 4;
-/// So many times as long as high a part is a needle: halved across until it is none, for quarters would be needles,
-/// too, and be close to each other again.
+/// A part this many times as long as high is a needle. It is halved across until it is not; its quarters would also be
+/// needles, and close to each other again.
 constexpr double needle = 3;
-/// Products of parts of two patches, at most: what patches of one size, right on each other, come to by themselves.
+/// Maximum number of products of parts of two patches: that of two equal-sized patches lying on each other.
 constexpr std::size_t most_products = 1u << 16;
-/// Cuts within each other, those of needles included. Faces of a checked body (body_mesh.hpp) need about forty at most;
-/// parts that rounding has flattened stay needles however often they are cut.
+/// Maximum depth of division, including needles. Faces of a checked body (body_mesh.hpp) need at most about forty;
+/// parts that rounding has flattened stay needles however often they are divided.
 constexpr int most_levels = 64;
 constexpr std::array<Vec2, 3> whole{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
 /// Gauss points per variable for patches that touch.
 constexpr std::size_t touching_points = 3;
 
-/// Barycentric coordinates of (u, v), taken from corners that begin with `first` and run on (or back) to the patch's
-/// own.
+/// Converts (u, v) relative to corners that begin with `first` and run forwards (or back) to the patch's own (u, v),
+/// using barycentric coordinates.
 std::array<double, 2> turned(double u, double v, std::uint32_t first, bool back) {
   std::array<double, 3> own{};
   const std::array<double, 3> from{1 - u - v, u, v};
@@ -65,7 +65,7 @@ struct SubPatch {
   std::array<Vec2, 3> corners;
   Vec3 centre;
   double size;          // longest side,
-  std::size_t longest;  // which begins at that corner
+  std::size_t longest;  // which starts at that corner
   bool slender;
 
   SubPatch(const Patch& patch, const std::array<Vec2, 3>& uv) : corners(uv) {
@@ -83,7 +83,7 @@ struct SubPatch {
   }
 };
 
-/// What a part is cut into: quarters, or halves of a needle.
+/// The pieces of a divided part: quarters, or halves of a needle.
 struct Parts {
   std::array<SubPatch, 4> of;
   std::size_t count;
@@ -120,13 +120,13 @@ void add_product(PairTable& table, const SubPatch& a, const SubPatch& b, double 
   }
 }
 
-/// Cuts two patches until their parts are apart.
+/// Divides two patches until their parts are far enough apart.
 class Cutter {
  public:
   Cutter(const Patch& test, const Patch& trial, PairTable& table) : test_(test), trial_(trial), table_(table) {}
 
-  /// `weight`: by which the parts are smaller than the patches; `cuts` that are left, those of needles not counted;
-  /// `levels` that are left.
+  /// `weight`: the ratio of the parts' size to the patches'; `cuts`: remaining divisions, those of needles not counted;
+  /// `levels`: remaining levels.
   bool cut(const SubPatch& a, const SubPatch& b, double weight, int cuts, int levels = most_levels) {
     const bool close = are_close(a, b);
     if (!close || cuts == 0 || levels == 0 || products_ >= most_products) {
@@ -134,7 +134,7 @@ class Cutter {
       ++products_;
       return !close;
     }
-    // The larger one alone, where the other is less than half its size.
+    // Divides only the larger one if the other is less than half its size.
     bool resolved = true;
     if (a.size > 2 * b.size) {
       const Parts parts = parts_of(a, test_);
@@ -167,7 +167,7 @@ class Cutter {
 NearRules::NearRules() : same_(touching_table(Touch::same, 0, 0)) {
   for (std::uint32_t a = 0; a < 3; ++a) {
     for (std::uint32_t b = 0; b < 3; ++b) {
-      // The neighbour runs along a shared side the other way: its table starts where this side ends.
+      // The neighbour traverses a shared side in the other direction: its table starts where this side ends.
       edge_[a][b] = touching_table(Touch::edge, a, (b + 1) % 3);
       corner_[a][b] = touching_table(Touch::corner, a, b);
     }
@@ -187,7 +187,7 @@ const PairTable* NearRules::touching(const glm::uvec3& a, const glm::uvec3& b) c
   }
   if (count == 3) return &same_;
   if (count == 2) {
-    // Of the two shared corners the side's first is the one whose next is the other.
+    // Of the two shared corners, the side's first is the one that is followed by the other.
     const std::size_t start = (shared[0][0] + 1) % 3 == shared[1][0] ? 0 : 1;
     return &edge_[shared[start][0]][shared[1 - start][1]];
   }

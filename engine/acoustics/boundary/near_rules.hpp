@@ -1,4 +1,4 @@
-// Where two patches next to each other are sampled: by what they have in common, or by how far apart they are.
+// Sampling rules for two neighbouring patches, by shared corners or by distance.
 #pragma once
 
 #include "acoustics/boundary/galerkin_kernels.hpp"
@@ -10,14 +10,15 @@ class NearRules {
  public:
   NearRules();
 
-  /// Samples of patches that touch, their singularity weighed away (triangle_rules.hpp), by their triangles in a welded
-  /// mesh, which may be the same one; null where these have no corner in common.
+  /// Samples of patches that touch, with their singularity removed (triangle_rules.hpp). The patches are given as
+  /// triangles of one welded mesh and may be the same one. Null if they have no corner in common.
   const PairTable* touching(const glm::uvec3& test, const glm::uvec3& trial) const;
 
-  /// Samples of patches that do not touch: six on each, and where the patches are nearer to each other than 1.3 times
-  /// the longer one's sides six on each of their quarters, or halves across of needles, and so on, a few times: `cut`
-  /// is their place then. However patches are shaped that is bounded, at 2.4 million samples.
-  /// `resolved` becomes false where that does not get there: patches less than about a twelfth of their sides apart.
+  /// Samples of patches that do not touch: six on each. If the patches are nearer to each other than 1.3 times the
+  /// longer one's sides, they are divided into quarters (needles into halves across), with six samples on each, and so
+  /// on, a few times; the samples are then stored in `cut`. The number of samples is at most 2.4 million for patches of
+  /// any shape.
+  /// `resolved` becomes false if this does not suffice: the patches are less than about a twelfth of their sides apart.
   const PairTable& apart(const Patch& test, const Patch& trial, PairTable& cut, bool& resolved) const;
 
  private:

@@ -30,8 +30,8 @@ std::vector<std::uint8_t> find_sharp(const Mesh& mesh, const std::vector<std::ui
   return sharp;
 }
 
-/// By corner, numbered as the sides that start there: faces around a vertex share its normal as far as no sharp edge
-/// parts them.
+/// The normal of each corner, numbered as the sides that start there. Faces around a vertex share its normal unless a
+/// sharp edge separates them.
 std::vector<Vec3> corner_normals(const Mesh& mesh, const std::vector<std::uint32_t>& twin,
                                  const std::vector<std::uint8_t>& sharp) {
   geometry::UnionFind fans(twin.size());
@@ -53,11 +53,11 @@ std::vector<Vec3> corner_normals(const Mesh& mesh, const std::vector<std::uint32
   return normals;
 }
 
-/// How far the middle of a side from `a` to `b` lies from its chord's.
+/// The offset of the middle of a side from `a` to `b` from the middle of its chord.
 Vec3 bulge(const Vec3& a, const Vec3& b, const Vec3& normal_a, const Vec3& normal_b) {
   const Vec3 way = b - a;
   const Vec3 out = -0.125 * (glm::dot(way, normal_a) * normal_a - glm::dot(way, normal_b) * normal_b);
-  // An arc of a hundred degrees bulges by a fifth of its chord: more is no estimate of anything.
+  // An arc of a hundred degrees bulges by a fifth of its chord; a larger estimate is meaningless.
   const double most = 0.2 * glm::length(way), length = glm::length(out);
   return length > most ? out * (most / length) : out;
 }
@@ -79,7 +79,8 @@ Patches make_patches(geometry::Mesh mesh) {
       const std::uint32_t j = (i + 1) % 3;
       if (!made.sharp[3 * t + i]) bulges[i] = bulge(corner[i], corner[j], normals[3 * t + i], normals[3 * t + j]);
     }
-    // Sums of the corners' barycentric coordinates and four times their products, which are 1 in the sides' middles.
+    // Sums of the corners' barycentric coordinates and four times their products, which are 1 in the middles of the
+    // sides.
     const Vec3 b01 = 4.0 * bulges[0], b12 = 4.0 * bulges[1], b20 = 4.0 * bulges[2];
     made.patches[t].c = {corner[0], corner[1] - corner[0] + b01, corner[2] - corner[0] + b20, -b01, b12 - b01 - b20,
                          -b20};

@@ -22,11 +22,11 @@ std::uint32_t next(std::uint32_t side) {
   return side % 3 == 2 ? side - 2 : side + 1;
 }
 
-/// The faces that have a corner in common with `face` without a sharp edge between, itself among them; ascending.
+/// The faces that share a corner with `face` without a sharp edge in between, including itself; ascending.
 std::vector<std::uint32_t> faces_around(const Patches& body, std::uint32_t face) {
   std::vector<std::uint32_t> found{face};
   for (std::uint32_t corner = 3 * face; corner < 3 * face + 3; ++corner) {
-    // Both ways around the corner's vertex, until a sharp edge or the start.
+    // In both directions around the corner's vertex, until a sharp edge or the start.
     for (std::uint32_t at = corner; !body.sharp[at];) {
       at = next(body.twin[at]);
       if (at == corner) break;
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> faces_around(const Patches& body, std::uint32_t face)
   return found;
 }
 
-/// Solves the symmetric positive `matrix` x = right in place (Cholesky), for several right-hand sides.
+/// Solves the symmetric positive-definite system `matrix` x = right in place (Cholesky), for several right-hand sides.
 void solve(std::array<Terms, terms>& matrix, std::vector<Terms>& rights) {
   for (std::size_t i = 0; i < terms; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {

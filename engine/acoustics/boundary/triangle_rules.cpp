@@ -28,7 +28,7 @@ std::vector<LineSample> gauss_rule(std::size_t points) {
   std::vector<LineSample> rule(points);
   const auto n = static_cast<double>(points);
   for (std::size_t i = 0; i < points; ++i) {
-    // Newton's way to the root of Legendre's polynomial, from close by.
+    // Newton's method for the root of Legendre's polynomial, with a close initial value.
     double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.75) / (n + 0.5)), slope = 1;
     for (int step = 0; step < 20; ++step) {
       double here = 1, before = 0;
@@ -47,7 +47,7 @@ std::vector<LineSample> gauss_rule(std::size_t points) {
 
 namespace {
 
-/// The book's triangle is 0 <= second <= first <= 1: its corners in our order are (0, 0), (1, 0), (1, 1).
+/// The book's triangle is 0 <= second <= first <= 1; its corners in our order are (0, 0), (1, 0), (1, 1).
 struct InBook {
   double first, second;
 };

@@ -1,4 +1,4 @@
-// Where to sample integrals over triangles, and over pairs of them.
+// Sampling rules for integrals over triangles and pairs of triangles.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,23 @@ struct TriangleSample {
   double u, v, weight;
 };
 
-/// Exact for polynomials of degree 2: the middle sample of three lies near corner i for sample i.
+/// Exact for polynomials of degree 2: three samples, sample i near corner i.
 std::span<const TriangleSample> three_point_rule();
 /// Exact for polynomials of degree 4: six points (Dunavant 1985).
 std::span<const TriangleSample> six_point_rule();
 
-/// A sample of two triangles at once. Weights sum to 1/4.
+/// A sample of two triangles at once. The weights of a rule sum to 1/4.
 struct PairSample {
   double u, v, other_u, other_v, weight;
 };
 
-/// How two patches touch. `corner`: their first corners are the same vertex. `edge`: the first two corners are, in the
-/// same order. `same`: they are the same patch.
+/// How two patches touch. `corner`: their first corners are the same vertex. `edge`: their first two corners are the
+/// same, in the same order. `same`: they are the same patch.
 enum class Touch { corner, edge, same };
 
-/// For integrands as singular as 1/distance: what is left of it after changes of variables that weigh the singularity
-/// away is smooth, and is sampled by products of Gauss rules of `points` each in four variables (Sauter and Schwab
-/// 2011, "Boundary Element Methods", 5.2). 2, 5 or 6 times points^4 samples.
+/// For integrands as singular as 1/distance. Changes of variables remove the singularity, and the smooth remainder is
+/// sampled by products of Gauss rules of `points` each in four variables (Sauter and Schwab 2011, "Boundary Element
+/// Methods", 5.2). 2, 5 or 6 times points^4 samples.
 std::vector<PairSample> touching_rule(Touch touch, std::size_t points);
 
 /// Samples and weights of Gauss' rule on [0, 1]; 1 to 8 points.

@@ -58,7 +58,7 @@ Harmonics::Harmonics(std::span<const double> powers) : foci_(static_cast<std::ui
 void Harmonics::set_variance() {
   for (std::uint32_t n = 1; n < foci_; ++n)
     variance_ += power_[n];
-  // Nothing but rounding: nothing changes.
+  // Only rounding: nothing changes.
   if (!(variance_ > 1e-12 * power_[0])) variance_ = 0;
 }
 
@@ -67,7 +67,7 @@ Felt Harmonics::felt(std::uint32_t stride, double dwell_s, double highest_hz) co
   if (variance_ == 0) return felt;
   const auto count = static_cast<double>(foci_);
   const auto lines = static_cast<std::uint64_t>(std::max(0.0, highest_hz * count * dwell_s * (1 + 1e-12)));
-  // m = stride n: counting n up by the stride's inverse goes through the lines in order.
+  // m = stride n: incrementing n by the stride's inverse visits the lines in order.
   std::uint32_t inverse = 1;
   while (std::uint64_t{inverse} * stride % foci_ != 1 % foci_)
     ++inverse;
@@ -93,7 +93,7 @@ PathField::PathField(const FocusField& field, std::span<const Vec3> foci, const 
   for (std::size_t place = 0; place < places; ++place) {
     if (give_up && *give_up) return;
     const std::size_t side = place / per_side;
-    // The hair as in spectrum_of.
+    // A tiny length as in spectrum_of.
     weights_.push_back(glm::distance(foci[side], foci[(side + 1) % foci.size()]) + 1e-12);
     for (std::size_t b = 0; b < places; ++b) {
       Complex sum = 0;
@@ -102,7 +102,7 @@ PathField::PathField(const FocusField& field, std::span<const Vec3> foci, const 
       terms_.push_back(sum / static_cast<double>(places));
     }
   }
-  places_ = places;  // all of them are known
+  places_ = places;  // all places are valid
 }
 
 Harmonics PathField::harmonics(std::uint32_t foci) const {
@@ -112,7 +112,7 @@ Harmonics PathField::harmonics(std::uint32_t foci) const {
   for (std::size_t place = 0; place < places_; ++place) {
     folded.fill(0);
     for (std::size_t b = 0; b < places_; ++b) {
-      // Of the frequencies that the grid cannot tell apart it is the lowest: b, or b - places.
+      // Of the frequencies that the grid cannot distinguish, the lowest: b, or b - places.
       const std::size_t back = (places_ - b) % foci;
       const std::size_t n = 2 * b <= places_ ? b % foci : (foci - back) % foci;
       folded[n] += terms_[place * places_ + b];

@@ -37,12 +37,12 @@ double spot(double distance_m, double fwhm_m) {
   return std::exp(-4 * std::numbers::ln2 * x * x);
 }
 
-/// Adds up one skin point after the other; the first is the one whose phases are kept.
+/// Adds up skin points one after the other. The phases of the first point are kept.
 class Lines {
  public:
   Lines(std::size_t pieces, double piece_s, const SpectrumOptions& options) : pieces_(pieces) {
     period_s_ = piece_s * static_cast<double>(pieces);
-    // A hair, so that a line at the very limit is not lost to rounding.
+    // A small margin, so that a line exactly at the limit is not lost to rounding.
     const auto count = static_cast<std::size_t>(std::max(0.0, options.highest_hz * period_s_ * (1 + 1e-12)));
     first_.resize(count);
     square_.resize(count);
@@ -50,7 +50,7 @@ class Lines {
       phasors_.push_back(std::conj(at_turn(static_cast<double>(k) / static_cast<double>(pieces))));
   }
 
-  /// The pressures of one skin point, a value per piece; it stands for `weight` of the perimeter.
+  /// The pressures of one skin point, one value per piece. The point represents `weight` of the perimeter.
   void add(std::span<const double> pressures, double weight) {
     const auto n = static_cast<double>(pieces_);
     double mean = 0, square = 0;
@@ -99,8 +99,8 @@ class Lines {
   bool begun_ = false;
 };
 
-/// Foci that stand still: pressure at every skin point goes with the square of the gain, s(t) = sum over h of
-/// a_h e^{2 pi i h f t}, sampled at the slots' midpoints and held. That has the lines h f + n / slot with the
+/// Foci that stand still: the pressure at every skin point is proportional to the square of the gain, s(t) = sum over h
+/// of a_h e^{2 pi i h f t}, sampled at the slots' midpoints and held. That has the lines h f + n / slot with the
 /// coefficients a_h (-1)^n sinc((h f + n / slot) slot).
 Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions& options) {
   Spectrum out;
@@ -124,14 +124,14 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
     if (coefficient == Complex(0)) continue;
     for (int n = -images; n <= images; ++n) {
       const double turns = h * per_slot + n;
-      // Lines of negative frequency are the others' mirror images.
+      // Lines of negative frequency are mirror images of the others.
       if (turns > -1e-9) terms.push_back({std::abs(turns), coefficient * (n % 2 == 0 ? 1.0 : -1.0) * sinc(turns)});
     }
   }
   std::sort(terms.begin(), terms.end(), [](const Term& l, const Term& r) { return l.turns < r.turns; });
   double mean = 0;
   for (std::size_t i = 0; i < terms.size();) {
-    // What falls on one frequency adds up.
+    // Components at the same frequency add up.
     const double turns = terms[i].turns;
     Complex c = 0;
     for (; i < terms.size() && terms[i].turns - turns < 1e-9; ++i)
@@ -149,7 +149,7 @@ Spectrum still_spectrum(const Voice& voice, double slot_s, const SpectrumOptions
     line.amplitude /= mean;
     line.around /= mean;
   }
-  // Variance of the held samples: of whatever frequency each component is taken for among the samples.
+  // Variance of the held samples. Each component counts at its alias among the samples.
   Complex folded[5];
   double folded_turns[5];
   std::size_t count = 0;
@@ -179,13 +179,13 @@ void spot_pressures(std::span<const Vec3> foci, std::span<const Vec3> path, doub
   }
 }
 
-/// What sounds in a slot: a focus of the voice, and its gain's square.
+/// An entry of a slot: a focus of the voice, and its squared gain.
 struct Sounding {
   std::size_t focus;
   double weight;
 };
 
-/// The voice's slots up to the `cycle`-th, as foci_of_slot has them, with the foci's numbers in place of their
+/// The voice's slots before the `cycle`-th, as in foci_of_slot, with the numbers of the foci instead of their
 /// positions.
 std::vector<std::vector<Sounding>> slots_of(const array::Schedule& alone, std::uint64_t cycle) {
   array::Schedule numbered = alone;
@@ -222,7 +222,7 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
   const std::vector<Vec3> path = path_through(voice.foci, per_side);
   std::vector<double> table, pressures(cycle);
   if (options.field) {
-    // A finger's field has the drives of the pressure that is asked for already.
+    // A finger's field already uses the drives for the requested pressure.
     const AskedField asked(*options.field);
     const bool by_pressure = voice.pressure_pa > 0 && options.field->kind() == FocusKind::array;
     const FocusField& field = by_pressure ? asked : *options.field;
@@ -237,7 +237,8 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
       for (const Sounding& sounding : slots[slot])
         pressures[slot] += sounding.weight * table[sounding.focus * path.size() + place];
     }
-    // Where an empty sector plays its neighbour's focus the side has no length; the hair is for foci all in one place.
+    // If an empty sector plays its neighbour's focus, the side has no length. The tiny length is for foci that are all
+    // in one place.
     const std::size_t side = place / per_side;
     lines.add(pressures, glm::distance(voice.foci[side], voice.foci[(side + 1) % voice.foci.size()]) + 1e-12);
   }
@@ -250,7 +251,7 @@ Spectrum spectrum_of(const Ring& ring, const SpectrumOptions& options) {
   if (!(ring.perimeter_m > 0)) return {};
   const std::vector<std::uint32_t> order = array::fill_order(ring.foci, ring.stride);
   const auto count = static_cast<double>(ring.foci);
-  // The curve closes: a focus is met again after every turn.
+  // The curve is closed, so a focus is met again after every turn.
   const int turns = std::min(1000, static_cast<int>(std::ceil(3 * options.fwhm_m / ring.perimeter_m)) + 1);
   Lines lines(ring.foci, ring.dwell_s, options);
   constexpr int per_side = 8;

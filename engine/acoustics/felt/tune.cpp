@@ -18,7 +18,7 @@ struct Best {
   Felt felt;
   bool any = false;
   void offer(const Ring& other, const Felt& other_felt) {
-    // Not by a rounding error: of equals the first stays.
+    // A rounding error is not enough: of equal candidates, the first stays.
     if (any && balance(other_felt) <= balance(felt) + 1e-9) return;
     ring = other;
     felt = other_felt;

@@ -17,11 +17,10 @@ ArrayField::ArrayField(const array::Layout& layout, const array::DriveOptions& d
 
 namespace {
 
-/// Transducers looked at in one go: what is known of them stays in the processor's caches, and whoever gives up is
-/// heard soon.
+/// Transducers processed at once: their data stay in the processor's caches, and cancelling takes effect soon.
 constexpr std::size_t batch = 64;
 
-/// Adds what these transducers give, in the paper's phasors: p = G B.
+/// Adds the pressure of these transducers in the paper's phasors: p = G B.
 void add(const Columns& columns, std::size_t every, std::span<double> re, std::span<double> im) {
   const std::size_t places = columns.foci;
   std::vector<double> give_re(places), give_im(places);

@@ -1,6 +1,6 @@
-// What an array gives around a focus: the radiation pressure of one focus at a time, at places on the path that foci
-// run on. Free field, linear, no absorption, no finger in its way: of the drive q_j that focus j asks for alone
-// (array/drive.hpp) the place y hears
+// The radiation pressure of an array around a focus: one focus at a time, at places on the path of the foci. Free
+// field, linear, no absorption, no finger in the way. With the drive q_j for focus j alone (array/drive.hpp), the
+// pressure at the place y is
 //
 //   p_j(y) = sum over transducers of q_j D(angle) e^{ikr} / r,   felt in proportion to |p_j(y)|^2.
 #pragma once
@@ -20,14 +20,14 @@ namespace palpa::acoustics {
 
 class ArrayField final : public FocusField {
  public:
-  /// Of this layout as posed where the foci are, which outlives it. Of the drive's options medium, directivity,
-  /// weighting and constraint count: what each transducer does for one focus.
+  /// The layout is posed in the frame of the foci and must outlive it. Of the drive's options, medium, directivity,
+  /// weighting and constraint matter: they determine each transducer's drive for one focus.
   ArrayField(const array::Layout& layout, const array::DriveOptions& drive);
 
   FocusKind kind() const override { return FocusKind::array; }
   double step_m() const override { return step_m_; }
 
-  /// It has a term for every entry and transducer. Any number of threads may call it at a time.
+  /// Costs a term for every entry and transducer. Any number of threads may call it at a time.
   bool felt(std::span<const Vec3> path, std::size_t every, std::vector<double>& pressures,
             const std::atomic<bool>* give_up = nullptr) const override;
 

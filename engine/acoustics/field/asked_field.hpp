@@ -1,5 +1,5 @@
-// A field where foci ask for a pressure (array/loudness.hpp): each has as much of it at its own place as all others,
-// however much closer to the array it is.
+// A field for foci that request a pressure (array/loudness.hpp): each focus has the same pressure at its own place,
+// however close to the array it is.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@ namespace palpa::acoustics {
 
 class AskedField final : public FocusField {
  public:
-  /// `field` outlives it.
+  /// `field` must outlive it.
   explicit AskedField(const FocusField& field) : field_(field) {}
 
   FocusKind kind() const override { return field_.kind(); }

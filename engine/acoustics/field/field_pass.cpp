@@ -63,7 +63,7 @@ FieldMemory::FieldMemory(const gpu::Device& device, const Layout& layout, const 
 
 void FieldMemory::set(std::span<const std::complex<double>> strengths) {
   assert(strengths.size() == layout_->transducers.size());
-  // A pressure of 1/wavelength becomes one of 1/m.
+  // Converts a pressure in 1/wavelength to 1/m.
   const double level = layout_->source_level_pa_m * turns_per_metre_;
   for (std::size_t t = 0; t < strengths.size(); ++t) {
     const auto& [position, axis] = layout_->transducers[t];
@@ -83,7 +83,7 @@ void FieldMemory::record(VkCommandBuffer commands, const FieldPass& pass, std::s
     const shader::DrivePoint place = array::drive_point(point, turns_per_metre_);
     return shader::FieldPoint{place.coarse, place.fine};
   });
-  // The submit before wrote and read the same memory; see gpu/barrier.hpp.
+  // The previous submit wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   sources_.record(commands);
   directivity_.record(commands);

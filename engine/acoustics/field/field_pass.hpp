@@ -1,4 +1,4 @@
-// The field of one drive on the GPU: its complex pressure at any number of points of the free air.
+// The field of one drive on the GPU: its complex pressure at any number of points in free air.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@
 
 namespace palpa::acoustics {
 
-/// What one record of the pass binds. Texels are views (gpu/texel_view.hpp).
+/// The bindings of one recording of the pass. Texels are views (gpu/texel_view.hpp).
 struct FieldBindings {
   gpu::BufferRef sources;      ///< in: texels of 16 bytes of shader::FieldSource[]
   gpu::BufferRef points;       ///< in: shader::FieldPoint[]
@@ -28,12 +28,12 @@ struct FieldBindings {
   gpu::BufferRef pressures;    ///< out: shader::FieldPressure[], one per point
 };
 
-/// p(x) = sum over sources of s D(angle) e^{(ik - alpha) r} / max(r, nearest), lengths in wavelengths. The pipeline
-/// only. Twin: Incident (incident.hpp), which it follows within 1e-4 of the field's root mean square where points are
+/// p(x) = sum over sources of s D(angle) e^{(ik - alpha) r} / max(r, nearest), lengths in wavelengths. Holds only the
+/// pipeline. Twin: Incident (incident.hpp); the pass agrees within 1e-4 of the field's root mean square for points
 /// within 2 m of the transducers.
 class FieldPass {
  public:
-  /// `directivity` omni asks no table, and without absorption there is no exponential: they are left out of the kernel.
+  /// The kernel leaves out the table for the `directivity` omni, and the exponential without absorption.
   FieldPass(const gpu::Device& device, array::Directivity directivity, bool absorbing);
 
   /// Barriers: expects the inputs to be visible to compute; the caller makes `pressures` visible afterwards. At most
@@ -45,19 +45,19 @@ class FieldPass {
   gpu::ComputePipeline sum_;
 };
 
-/// What the fields of one layout's drives need, so many points at a time. It is not to be touched between the submit
-/// that recorded it and its completion.
+/// Memory for the fields of one layout's drives, for a limited number of points at a time. It must not be touched
+/// between the submit that recorded it and its completion.
 class FieldMemory {
  public:
-  /// Throws failure where the device cannot address so many transducers or points.
+  /// Throws failure if the device cannot address this many transducers or points.
   FieldMemory(const gpu::Device& device, const array::Layout& layout, const Air& air, array::Directivity directivity,
               std::size_t most_points);
 
-  /// Of the drive: one strength per transducer.
+  /// Sets the drive: one strength per transducer.
   void set(std::span<const std::complex<double>> strengths);
-  /// Records upload, pass and readback for these points, metres; complete with the submit, no barrier needed.
+  /// Records upload, pass and readback for these points (metres). Complete with the submit, without a further barrier.
   void record(VkCommandBuffer commands, const FieldPass& pass, std::span<const Vec3> points);
-  /// The pressures in Pa, once the submit has completed; one per point.
+  /// The pressures in Pa, one per point. Call it after the submit has completed.
   void read(std::span<std::complex<double>> pressures) const;
 
  private:
@@ -69,12 +69,13 @@ class FieldMemory {
   gpu::Readback pressures_;
 };
 
-/// How many points field_on has in one submit: what every device addresses, and a fraction of a second on a software
-/// one.
+/// The number of points per submit of field_on: what every device can address, and a fraction of a second on a software
+/// device.
 std::size_t field_batch(std::size_t transducers);
 
-/// The twin's at() on the device, without slopes and of one drive: `pressures` has one per point. Points go in pieces
-/// of a fraction of a second on a software device. False, and nothing of use, if `give_up` became true meanwhile.
+/// The twin's at() on the device, without slopes and for one drive: `pressures` has one entry per point. Points are
+/// submitted in batches of a fraction of a second on a software device. Returns false, with a meaningless result, if
+/// `give_up` became true meanwhile.
 bool field_on(const gpu::Device& device, const array::Layout& layout, const Air& air, array::Directivity directivity,
               std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
               std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up = nullptr);

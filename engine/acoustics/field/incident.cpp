@@ -27,13 +27,13 @@ Strengths strengths_of(std::span<const array::TransducerDrive> drive) {
 
 namespace {
 
-/// Transducers whose parts are summed in single precision before they go into the double sum.
+/// Transducers that are summed in single precision before the result is added to the double sum.
 constexpr std::size_t batch = 128;
-/// Transducers whose sound is at hand for all drives: what fits into the fastest cache.
+/// Transducers whose sound is kept for all drives: what fits into the fastest cache.
 constexpr std::size_t at_hand = 16;
 static_assert(batch % at_hand == 0);
 
-/// One drive's sum over transducers at a block's points: of a batch in single precision, of all batches in double.
+/// One drive's sum over transducers at a block's points: a batch in single precision, all batches in double.
 struct Sum {
   SumBlock part;
   BlockOf<double> re{}, im{}, slope_re{}, slope_im{};
@@ -123,7 +123,7 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
   std::vector<PointBlock> blocks;
   for (std::size_t first = 0; first < count; first += block_points)
     blocks.emplace_back(points, normals, first);
-  // Each thread has transducers of its own, and adds up the points in their order.
+  // Each thread has its own transducers, and sums the points in their order.
   Activity activity("sums the sound at transducers", transducers);
   parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
     if (give_up && *give_up) return;

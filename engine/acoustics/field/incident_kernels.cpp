@@ -30,7 +30,7 @@ TransferSetting::TransferSetting(const Layout& layout, const Air& air, array::Di
     : turns_per_metre(air.medium.turns_per_metre()),
       wave_number(static_cast<float>(air.wave_number())),
       absorption(static_cast<float>(air.absorption_np_m)),
-      // At the transducer itself there is no direction; nothing is divided by less than this.
+      // At the transducer itself there is no direction; no divisor is smaller than this.
       closest(std::max(static_cast<float>(layout.transducer_radius_m), 1e-9F)) {
   const std::vector<double> values =
       array::directivity_table(directivity, air.wave_number() * layout.transducer_radius_m);
@@ -40,7 +40,7 @@ TransferSetting::TransferSetting(const Layout& layout, const Air& air, array::Di
 
 namespace {
 
-/// Rounds to the nearest whole number, up to 2^51 and 2^22.
+/// Rounds to the nearest whole number, up to 2^51 (double) and 2^22 (float).
 [[gnu::always_inline]] inline double nearest(double x) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   return (x + shift) - shift;
@@ -63,7 +63,7 @@ namespace {
   return y * series;
 }
 
-/// e^{-x} for x in 0..80, within 2e-7 of it; e^{-80} beyond.
+/// e^{-x} for x in 0..80, within 2e-7; e^{-80} beyond.
 [[gnu::always_inline]] inline float fading(float x) {
   const float halvings = std::min(x, 80.0F) * 1.44269504F;
   const float whole = nearest(halvings);
@@ -86,7 +86,7 @@ namespace {
   const TransferSetting::Entry* const table = setting.table.data();
   const float closest = setting.closest, alpha = setting.absorption, k = setting.wave_number;
 
-  // From the transducer to the point: unit vector, distance, and what is left of it beyond whole wavelengths.
+  // From the transducer to the point: unit vector, distance, and the fraction of the distance beyond whole wavelengths.
   BlockOf<float> x, y, z, distance, turns;
   for (std::size_t i = 0; i < block_points; ++i) {
     const double dx = to.x[i] - from.position.x, dy = to.y[i] - from.position.y, dz = to.z[i] - from.position.z;
@@ -102,7 +102,7 @@ namespace {
   for (std::size_t i = 0; i < block_points; ++i) {
     inverse[i] = 1 / std::max(distance[i], 1e-9F);
     slant[i] = (x[i] * ax + y[i] * ay + z[i] * az) * inverse[i];
-    // At the transducer itself as on its axis.
+    // At the transducer itself, as on its axis.
     slant[i] = distance[i] > 0 ? slant[i] : 1.0F;
   }
   for (std::size_t i = 0; i < block_points; ++i) {
@@ -120,7 +120,7 @@ namespace {
   BlockOf<float> cosine, sine;
   for (std::size_t i = 0; i < block_points; ++i) {
     const float size = std::abs(turns[i]);
-    // A quarter of a turn on either side of the steep part of each curve.
+    // Uses the quarter turn on either side of the steep part of each curve.
     cosine[i] = sine_of_turns(0.25F - size);
     sine[i] = std::copysign(sine_of_turns(0.25F - std::abs(0.25F - size)), turns[i]);
     out.re[i] = loud[i] * cosine[i];
@@ -138,7 +138,7 @@ namespace {
   }
 }
 
-/// Sums stay in registers from transducer to transducer: `lanes` points at a time.
+/// Sums stay in registers from transducer to transducer, for `lanes` points at a time.
 template <class L>
 [[gnu::always_inline]] inline void add_lanes(std::span<const std::complex<float>> strengths,
                                              std::span<const TransferBlock> sounds, BlockOf<float> TransferBlock::*g_re,

@@ -1,6 +1,6 @@
-// The inner loops of Incident: one transducer's sound at a block of points. Each is plain arithmetic on arrays of one
-// length, which the compiler makes vector instructions of, and is compiled for several kinds of processor, of which the
-// best that is there is taken. None of them fuses or reorders: all give the same bytes.
+// The inner loops of Incident: one transducer's sound at a block of points. Each is plain arithmetic on arrays of equal
+// length, which the compiler vectorises. Each is compiled for several kinds of processor, and the best available
+// version is used. None of them fuses or reorders operations, so all give the same bytes.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ inline constexpr std::size_t block_points = 64;
 template <typename T>
 using BlockOf = std::array<T, block_points>;
 
-/// Some of the points. Where there are fewer, the last one stands in for the rest.
+/// A block of the points. If fewer remain, the last one is repeated.
 struct PointBlock {
   BlockOf<double> x, y, z;
   BlockOf<float> nx, ny, nz;
   std::size_t count;
 
-  /// The points from `first` on. `normals` may be none.
+  /// The points from `first` on. `normals` may be empty.
   PointBlock(std::span<const Vec3> points, std::span<const Vec3> normals, std::size_t first);
 };
 
@@ -37,7 +37,7 @@ struct TransferBlock {
   BlockOf<float> re, im, slope_re, slope_im;
 };
 
-/// What G depends on beside the places.
+/// The parameters of G other than the places.
 struct TransferSetting {
   /// The directivity between two entries of its table: value + rise * (0..1).
   struct Entry {
@@ -46,21 +46,21 @@ struct TransferSetting {
   std::vector<Entry> table;
   double turns_per_metre;
   float wave_number, absorption;
-  float closest;  ///< 1/r grows no further
+  float closest;  ///< 1/r is constant below this distance
 
   TransferSetting(const array::Layout& layout, const Air& air, array::Directivity directivity);
 };
 
-/// Fills `out`, its slopes only where asked for.
+/// Fills `out`; its slopes only if `slopes`.
 void transfer(const TransferSetting& setting, const array::Transducer& from, const PointBlock& to, bool slopes,
               TransferBlock& out);
 
-/// What a drive comes to at a block's points.
+/// The sound of a drive at a block's points.
 struct SumBlock {
   BlockOf<float> re{}, im{}, slope_re{}, slope_im{};
 };
 
-/// Adds s G of one transducer after the other, each with its strength, slopes only where asked for.
+/// Adds s G of one transducer after the other, each with its strength; slopes only if `slopes`.
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum);
 

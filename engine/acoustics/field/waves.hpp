@@ -1,4 +1,4 @@
-// Incident waves in a formula, where no array makes them.
+// Analytic incident waves, without an array.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@ namespace palpa::acoustics {
 Waves plane_wave(double wave_number, const Vec3& direction, std::span<const Vec3> points,
                  std::span<const Vec3> normals);
 
-/// e^{ikr} / r, r metres from `source`.
+/// e^{ikr} / r, where r is the distance from `source` in metres.
 Waves point_source(double wave_number, const Vec3& source, std::span<const Vec3> points, std::span<const Vec3> normals);
 
 }  // namespace palpa::acoustics

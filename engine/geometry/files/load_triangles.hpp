@@ -1,4 +1,4 @@
-// Triangles from a file, whichever of the formats it has.
+// Triangles from a file of any supported format.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace palpa::geometry {
 
-/// The triangles of a glTF file (.gltf, .glb, in any case: all meshes of its scene) or a PLY (whatever else it is
-/// called), polygons cut into fans, in file order; none where it has none. Throws bad_input as their readers do.
+/// The triangles of a glTF file (.gltf, .glb, in any case: all meshes of its scene) or of a PLY file (any other name),
+/// polygons cut into fans, in file order; empty if the file has none. Throws bad_input as the readers do.
 Mesh load_triangles(const std::string& file);
 
 }  // namespace palpa::geometry

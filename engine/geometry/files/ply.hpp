@@ -1,4 +1,4 @@
-// PLY point clouds and meshes, ascii and binary of either byte order.
+// PLY point clouds and meshes, ascii and binary in either byte order.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ struct Ply {
   std::vector<glm::uvec3> triangles;  ///< polygons are cut into fans; empty for a point cloud
 };
 
-/// Reads the `vertex` element's x, y, z (any numeric type) and, if present, the `face` element's vertex list; other
-/// elements and properties are skipped; what stands behind the last of the two is not read. Throws bad_input, one line
+/// Reads the `vertex` element's x, y, z (any numeric type) and, if present, the `face` element's vertex list. Other
+/// elements and properties are skipped; everything after the last of the two is not read. Throws bad_input, one line
 /// naming file and fault (and line number for ascii): not a PLY, truncated, counts that the file cannot hold,
 /// non-finite coordinates (which vertex), indices out of range, more than 16 million vertices or triangles. Never
 /// blocks.
@@ -24,8 +24,8 @@ Ply read_ply(const std::filesystem::path& file);
 
 enum class PlyFormat { ascii, binary };
 
-/// Coordinates as float in binary (little-endian), as round-tripping decimals of type double in ascii. Throws failure()
-/// when the file cannot be written whole.
+/// Coordinates are float in binary (little-endian), and round-tripping decimals of type double in ascii. Throws
+/// failure() if the file cannot be written completely.
 void write_ply(const std::filesystem::path& file, std::span<const Vec3> positions,
                std::span<const glm::uvec3> triangles = {}, PlyFormat format = PlyFormat::binary);
 

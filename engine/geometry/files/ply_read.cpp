@@ -57,7 +57,7 @@ struct Element {
 struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
-  std::uint64_t bytes = 0;  // up to and with the line's end after end_header
+  std::uint64_t bytes = 0;  // up to and including the line end after end_header
   std::uint64_t lines = 0;
   char line_end = '\n';  // the last byte of every line
 };
@@ -72,10 +72,10 @@ class Reader {
         line_(header.lines + 1),
         line_end_(header.line_end) {}
 
-  // The next value, whatever its type. Throws where the file ends or holds no such number.
+  // The next value of any type. Throws if the file ends or contains no such number.
   double value(Type type) { return format_ == Format::ascii ? ascii_value(type) : binary_value(type); }
 
-  /// Passes over `count` values of a binary file without reading them.
+  /// Skips `count` values of a binary file without reading them.
   void leap(Type type, std::uint64_t count) {
     const std::uint64_t left = file_.size() - position_ - begin_;
     const std::size_t size = type_size[static_cast<std::size_t>(type)];
@@ -129,7 +129,7 @@ class Reader {
     const char* last = token.data() + length;
     const auto [rest, fault] = std::from_chars(first, last, number);
     if (fault == std::errc::result_out_of_range && rest == last) {
-      // from_chars leaves the number alone: too large for a double, or smaller than the smallest.
+      // from_chars does not store such numbers: too large for a double, or smaller than the smallest.
       number = std::strtod(std::string(text).c_str(), nullptr);
     } else if (fault != std::errc{} || rest != last) {
       fail(text::quoted(text) + " is not a number");
@@ -192,7 +192,7 @@ class Reader {
 
   const InputFile& file_;
   Format format_;
-  std::uint64_t position_;  // of the buffer's first byte in the file
+  std::uint64_t position_;  // of the buffer's first byte, in the file
   std::uint64_t line_;
   char line_end_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(1 << 18);
@@ -268,7 +268,7 @@ Header parse_header(const InputFile& file) {
   }
   const std::string text = file.head(longest_header);
   Header header;
-  // Some writers end lines with a carriage return alone. The first line says which: in a binary body any byte may
+  // Some writers end lines with only a carriage return. The first line shows this; in a binary body, any byte may
   // follow.
   if (text.size() > 4 && text[3] == '\r' && text[4] != '\n') header.line_end = '\r';
   bool has_format = false;
@@ -304,11 +304,11 @@ Header parse_header(const InputFile& file) {
   return header;
 }
 
-// The fewest bytes that the element's rows can take.
+// The minimum size of the element's rows in bytes.
 std::uint64_t smallest_row(const Header& header, const Element& element) {
   std::uint64_t bytes = 0;
   for (const Property& p : element.properties) {
-    // In ascii every value takes a digit and what parts it from the next.
+    // In ascii, every value takes at least a digit and a separator.
     bytes += header.format == Format::ascii ? 2 : type_size[static_cast<std::size_t>(p.count.value_or(p.type))];
   }
   return bytes;
@@ -409,7 +409,7 @@ class Body {
     }
   }
 
-  // Faces may stand before vertices.
+  // Needed at the end, because faces may come before vertices.
   void check_indices() const {
     for (std::size_t t = 0; t < ply.triangles.size(); ++t) {
       for (int i = 0; i < 3; ++i) {
@@ -446,7 +446,7 @@ class Body {
     if (ply.triangles.size() + corners - 2 > most_triangles) {
       reader_.fail(fmt::format("more than {} triangles; palpa reads no more", most_triangles));
     }
-    glm::uvec3 t(0);  // one by one: the order in which arguments are evaluated is open
+    glm::uvec3 t(0);  // one by one, because the evaluation order of arguments is unspecified
     t[0] = index(row, p);
     t[1] = index(row, p);
     for (std::uint64_t i = 2; i < corners; ++i) {
@@ -481,7 +481,7 @@ Ply read_ply(const std::filesystem::path& path) {
   if (vertex_elements != 1 || face_elements > 1) {
     throw bad_input(file.name(), vertex_elements == 0 ? "has no element \"vertex\"" : "has an element twice");
   }
-  // What stands behind the last wanted element need not be read.
+  // Data behind the last wanted element need not be read.
   for (std::size_t i = 0; i < wanted; ++i) {
     const Element& element = header.elements[i];
     if (element.name == "vertex") {

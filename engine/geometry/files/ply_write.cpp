@@ -27,7 +27,7 @@ void write_ply(const std::filesystem::path& path, std::span<const Vec3> position
   OutputFile out(path);
   out.write(fmt::format("ply\nformat {} 1.0\ncomment palpa, metres\nelement vertex {}\n",
                         ascii ? "ascii" : "binary_little_endian", positions.size()));
-  // A decimal that is to give the same double again belongs to a double.
+  // Decimals that must give the same double again need the type double.
   for (const char axis : {'x', 'y', 'z'})
     out.write(fmt::format("property {} {}\n", ascii ? "double" : "float", axis));
   if (!triangles.empty()) {

@@ -31,7 +31,7 @@ void put(std::string& bytes, const Vec3& v) {
 }  // namespace
 
 void write_stl(const std::filesystem::path& file, const Mesh& mesh) {
-  std::string bytes = "palpa, millimetres";  // never "solid": that begins a text
+  std::string bytes = "palpa, millimetres";  // must not begin with "solid", which marks a text file
   bytes.resize(heading_bytes, ' ');
   put(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const glm::uvec3& t : mesh.triangles) {

@@ -1,4 +1,4 @@
-// STL: what programs that slice a model for a printer read.
+// STL, the format that slicers for 3-D printers read.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace palpa::geometry {
 
-/// Binary STL in millimetres, which is what such programs take its numbers for; triangles in the mesh's order. Throws
-/// failure() when the file cannot be written whole.
+/// Binary STL in millimetres, the unit that slicers assume; triangles in the mesh's order. Throws failure() if the file
+/// cannot be written completely.
 void write_stl(const std::filesystem::path& file, const Mesh& mesh);
 
 }  // namespace palpa::geometry

@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Base64, a piece at a time: what three bytes leave over waits for the next.
+/// Base64 in pieces: bytes that do not fill a group of three wait for the next piece.
 class Base64 {
  public:
   explicit Base64(OutputFile& file) : file_(file) {}
@@ -54,7 +54,7 @@ class Base64 {
   unsigned waiting_ = 0;
 };
 
-/// The file as it grows.
+/// The file under construction.
 class Document {
  public:
   explicit Document(const std::filesystem::path& file) : file_(file) {}
@@ -63,7 +63,7 @@ class Document {
     file_.write(text);
     file_.write("\n");
   }
-  /// An array of `count` values of `T`, made one by one.
+  /// An array of `count` values of `T`, each made by a call.
   template <typename T, typename Make>
   void values(const char* type, const std::string& name, unsigned components, std::uint64_t count, const Make& make) {
     line(fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="binary">)", type, name,

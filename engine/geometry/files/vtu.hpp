@@ -1,5 +1,5 @@
-// Values at points or on cells as a VTU file, which ParaView opens: VTK's XML of an unstructured grid, its arrays
-// base64 of little-endian numbers.
+// Values at points or on cells as a VTU file for ParaView: VTK's XML of an unstructured grid, whose arrays are base64
+// of little-endian numbers.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace palpa::geometry {
 
-/// All of one shape; `corners` is that many indices into the points for each, in order around it.
+/// Cells of one shape. `corners` holds the point indices of each cell, in order around it.
 struct VtuCells {
   enum class Shape : std::uint8_t { vertex = 1, line = 3, triangle = 5, quad = 9 };  ///< VTK's numbers
   Shape shape = Shape::vertex;
   std::vector<std::uint32_t> corners;
 };
 
-/// One value per point or per cell, by its number.
+/// One value per point or per cell, in index order.
 struct VtuValues {
   std::string name;  ///< letters, digits, spaces and (), such as "amplitude (Pa)"
   std::span<const float> values;
 };
 
-/// Throws failure() naming the file when it cannot be written whole. NaN is written as it is.
+/// Throws failure() naming the file if it cannot be written completely. NaN is written unchanged.
 void write_vtu(const std::filesystem::path& file, std::span<const Vec3> points, const VtuCells& cells,
                std::span<const VtuValues> of_points, std::span<const VtuValues> of_cells = {});
 

@@ -1,5 +1,6 @@
-// draco's headers are included here only. Its decoders check that a stream is sound, but not that it is modest: a few
-// bytes can ask for gigabytes. Hence the classes below, which look at the counts between the steps of decoding.
+// The only file that includes draco's headers. Its decoders check that a stream is valid, but not that its size is
+// reasonable: a few bytes can request gigabytes. The classes below therefore check the counts between the steps of
+// decoding.
 #include "geometry/gltf/draco.hpp"
 
 #include <draco/compression/attributes/sequential_attribute_decoders_controller.h>
@@ -25,7 +26,7 @@ namespace {
 
 using Controller = draco::SequentialAttributeDecodersController;
 
-// draco offers no way to what a controller goes along; an explicit instantiation may name private members.
+// draco gives no access to a controller's sequencer; an explicit instantiation may name private members.
 std::unique_ptr<draco::PointsSequencer>& sequencer_of(Controller& controller);
 template <auto member>
 struct Opener {
@@ -36,13 +37,13 @@ template struct Opener<&Controller::sequencer_>;
 struct Limits {
   std::size_t points, triangles;
   std::uint64_t& spare_bytes;  // of attributes
-  std::string fault;           // what was exceeded
+  std::string fault;           // the exceeded limit
 
-  // Where a stream splits vertices that its file counts once it has more of them, but never more than corners.
+  // A stream may split vertices that the file only counts once, so it has more of them, but never more than corners.
   std::size_t most_points() const { return std::max(points, 3 * triangles); }
 };
 
-// Each attribute that is stored apart from the positions has its own connectivity, some ten bytes per corner.
+// Each attribute that is stored separately from the positions has its own connectivity, about ten bytes per corner.
 constexpr std::uint64_t most_attribute_corners = 32 << 20;
 
 bool modest_triangles(Limits& limits, std::uint64_t triangles, std::uint64_t attribute_groups) {
@@ -65,7 +66,7 @@ bool modest_attributes(Limits& limits, const draco::PointCloud& cloud) {
   if (!modest_points(limits, cloud.num_points())) return false;
   std::uint64_t bytes_per_point = 0;
   for (int i = 0; i < cloud.num_attributes(); ++i)
-    // Once as it is, once more as integers while decoding.
+    // Once as stored, once more as integers while decoding.
     bytes_per_point += static_cast<std::uint64_t>(cloud.attribute(i)->byte_stride()) +
                        4 * static_cast<std::uint64_t>(cloud.attribute(i)->num_components());
   const std::uint64_t bytes = bytes_per_point * cloud.num_points();
@@ -79,8 +80,8 @@ bool modest_attributes(Limits& limits, const draco::PointCloud& cloud) {
   return true;
 }
 
-// Predicts texture coordinates, whose orientations (one per triangle's corner at most) the stream counts in four bytes
-// that draco takes at their word.
+// Predicts texture coordinates. The stream states the number of their orientations (at most one per corner of a
+// triangle) in four bytes that draco does not check.
 class BoundedScheme : public draco::PredictionSchemeTypedDecoderInterface<std::int32_t> {
  public:
   BoundedScheme(std::unique_ptr<draco::PredictionSchemeTypedDecoderInterface<std::int32_t>> scheme, std::size_t most)
@@ -115,7 +116,7 @@ class BoundedScheme : public draco::PredictionSchemeTypedDecoderInterface<std::i
   std::size_t most_;
 };
 
-// One of draco's decoders of whole numbers, its predictions bounded.
+// One of draco's integer decoders with bounded predictions.
 template <typename Base>
 class Bounded : public Base {
  public:
@@ -157,7 +158,7 @@ class Edgebreaker : public draco::MeshEdgebreakerDecoder {
 
  protected:
   bool DecodeConnectivity() override {
-    // The stream's next values, read ahead in a copy: vertices, faces, groups of attributes besides the positions.
+    // Reads the stream's next values ahead from a copy: vertices, faces, groups of attributes besides the positions.
     draco::DecoderBuffer ahead = *buffer();
     std::uint32_t vertices = 0, faces = 0;
     std::uint8_t groups = 0;
@@ -201,7 +202,7 @@ class Sequential : public draco::MeshSequentialDecoder {
   Limits& limits_;
 };
 
-// Empty if all went well.
+// Returns an empty string on success.
 std::string decode(std::span<const unsigned char> stream, Limits& limits, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
@@ -311,7 +312,7 @@ std::optional<DracoMesh> decode_draco(std::span<const unsigned char> stream,
     }
     return result;
   } catch (const std::exception&) {
-    // Lengths within a stream that draco does not look at before it believes them.
+    // Lengths within a stream that draco trusts without checking them.
     fault = "cannot be decoded";
     return std::nullopt;
   }

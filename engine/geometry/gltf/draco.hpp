@@ -11,9 +11,9 @@
 
 namespace palpa::geometry::gltf {
 
-/// One attribute that is wanted of a stream.
+/// One attribute to decode from a stream.
 struct DracoAttribute {
-  std::uint32_t id;   ///< the number that the stream knows it by
+  std::uint32_t id;   ///< the attribute's number in the stream
   std::size_t width;  ///< components: 3 for positions
 };
 
@@ -21,17 +21,17 @@ struct DracoMesh {
   std::size_t points = 0;
   std::vector<glm::uvec3> triangles;  ///< each index below `points`
   std::vector<std::vector<double>>
-      values;  ///< of each wanted attribute, `width` per point; integers as they are stored
+      values;  ///< of each requested attribute, `width` per point; integers are not normalised
 };
 
-/// What the attributes of all of a file's streams may take while they are decoded, bytes.
+/// The maximum size in bytes of the decoded attributes of all streams in a file.
 inline constexpr std::uint64_t most_draco_bytes = 512 << 20;
 
-/// Decodes a stream of bitstream version 2.2 (glTF's), which may come from anybody: truncated, wrong or meant to fill
-/// the memory. The file promises `points` and `triangles`. Streams that claim more triangles, or more points than both
-/// these and those triangles' corners, or whose attributes take more than `spare_bytes` (from which what they take is
-/// subtracted), are refused before anything of that size is allocated or done. nullopt, and `fault` a clause in words,
-/// for a stream that cannot be decoded or lacks a wanted attribute.
+/// Decodes a stream of bitstream version 2.2 (glTF's). The stream is untrusted: it may be truncated, wrong or meant to
+/// fill the memory. The file promises `points` and `triangles`. Before anything of that size is allocated or done,
+/// streams are refused that claim more triangles, more points than both the promised points and the corners of the
+/// promised triangles, or attributes larger than `spare_bytes` (the decoded size is subtracted from it). If a stream
+/// cannot be decoded or lacks a requested attribute, returns nullopt and sets `fault` to a clause in words.
 std::optional<DracoMesh> decode_draco(std::span<const unsigned char> stream,
                                       const std::vector<DracoAttribute>& attributes, std::size_t points,
                                       std::size_t triangles, std::uint64_t& spare_bytes, std::string& fault);

@@ -29,10 +29,10 @@
 namespace palpa::geometry {
 namespace {
 
-// All instances together. A small file can ask for any number of them.
+// Limits for all instances together. A small file can request any number of them.
 constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000, most_displaced = 20'000'000;
 
-// What is decoded once: a stream with the same attributes wanted and the same numbers promised.
+// Identifies a decoded stream: its view, the wanted attributes and the promised counts.
 struct StreamKey {
   std::uint32_t view = 0;
   std::size_t vertices = 0, triangles = 0;
@@ -69,7 +69,7 @@ class SceneReader {
     std::vector<Transform> T_world_bind;
     bool mirrored = false;  // all of them
   };
-  // A mesh in its own coordinates, or on its bones; read once, however many nodes show it.
+  // A mesh in its own coordinates, or on its bones; read once, even if several nodes show it.
   struct Shared {
     Mesh mesh;
     std::uint32_t number;
@@ -90,7 +90,7 @@ class SceneReader {
     return T;
   }
 
-  // Each node's is worked out once, from the first known ancestor down.
+  // Each node's transform is computed once, from the first known ancestor down.
   const Transform& world_transform(std::uint32_t n) {
     std::vector<std::uint32_t> chain;
     for (std::uint32_t i = n; i != gltf::Document::no_parent && !T_world_[i]; i = document_.parents[i])
@@ -113,7 +113,7 @@ class SceneReader {
                              : !mesh_name.empty() ? mesh_name
                                                   : fmt::format("node {}", n);
     if (node.skin >= 0) {
-      // The bones say where a skinned mesh is; its node's own transform does not count (glTF 2.0, 3.7.3.3).
+      // The bones determine the position of a skinned mesh; its node's own transform has no effect (glTF 2.0, 3.7.3.3).
       const Bones& bones = bones_of(node.skin);
       SceneMesh out = begin(name, n, m, node, &bones);
       if (bones.mirrored) flip(out.mesh);
@@ -132,7 +132,7 @@ class SceneReader {
     }
   }
 
-  // What the node says, with its mesh in the mesh's own coordinates, or on its bones in the world's.
+  // The node's data with its mesh, in the mesh's own coordinates, or in the world's if it is on bones.
   SceneMesh begin(std::string name, std::uint32_t n, std::uint32_t m, const tinygltf::Node& node, const Bones* bones) {
     SceneMesh out{std::move(name), {}, document_.haptics[n], document_.parts[n], std::nullopt};
     if (!node.weights.empty()) {
@@ -167,7 +167,7 @@ class SceneReader {
     scene_.meshes.push_back(std::move(out));
   }
 
-  // Adds so many instances of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
+  // Adds `instances` of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
   bool count(std::uint32_t m, std::size_t instances) {
     std::size_t triangles = 0, vertices = 0;
     const std::vector<tinygltf::Primitive>& primitives = model_.meshes[m].primitives;
@@ -191,13 +191,13 @@ class SceneReader {
 
   static bool finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-  // Negative for a mirroring transform. Throws for one that flattens.
+  // Negative for a mirroring transform. Throws for a degenerate one.
   double handedness(const std::string& where, const Transform& T) const {
     const Vec3 x(T[0]), y(T[1]), z(T[2]);
     if (!finite(x) || !finite(y) || !finite(z) || !finite(Vec3(T[3]))) {
       fail(where + ": its transform in the world is not finite");
     }
-    // Of unit columns, so that small scales are not taken for none.
+    // Uses unit columns, so that small scales do not count as zero.
     const double lengths = glm::length(x) * glm::length(y) * glm::length(z);
     const double sine =
         lengths > 0 ? glm::dot(x / glm::length(x), glm::cross(y / glm::length(y), z / glm::length(z))) : 0;
@@ -207,7 +207,7 @@ class SceneReader {
     return sine;
   }
 
-  // Worked out once, however many nodes use the skin.
+  // Computed once, even if several nodes use the skin.
   const Bones& bones_of(int s) {
     const auto known = bones_.find(s);
     if (known != bones_.end()) return known->second;
@@ -227,7 +227,7 @@ class SceneReader {
     return bones_.emplace(s, std::move(bones)).first->second;
   }
 
-  // All primitives together, morphed by the node's weights (else the mesh's), and on its bones, if any.
+  // All primitives together, morphed by the node's weights (else the mesh's), and moved by its bones, if any.
   Mesh build(std::uint32_t m, const std::vector<double>& node_weights, const std::vector<Transform>* T_world_bind) {
     const tinygltf::Mesh& mesh = model_.meshes[m];
     const std::vector<double>& weights = node_weights.empty() ? mesh.weights : node_weights;
@@ -248,13 +248,13 @@ class SceneReader {
     return result;
   }
 
-  // A primitive out of a stream of draco.
+  // A primitive decoded from a draco stream.
   struct Unpacked {
     std::shared_ptr<const gltf::DracoMesh> mesh;
-    std::map<std::string, std::size_t> values;  // the attribute's place in mesh->values
+    std::map<std::string, std::size_t> values;  // the attribute's index in mesh->values
   };
 
-  // nullopt where the primitive is stored in the plain way.
+  // nullopt if the primitive is not compressed.
   std::optional<Unpacked> unpack(std::uint32_t m, std::uint32_t p, const tinygltf::Primitive& primitive,
                                  bool with_bones) {
     const gltf::DracoSource* source = stream_of(m, p);
@@ -281,7 +281,7 @@ class SceneReader {
     if (known->points != vertices || fewer_triangles) {
       const std::string other = fmt::format("{} hold {} vertices and {} triangles where the file promises {} and {}",
                                             where, known->points, known->triangles.size(), vertices, triangles);
-      // What is stored beside the stream goes by the promised number.
+      // Data stored beside the stream must have the promised size.
       if (!primitive.targets.empty() || (with_bones && result.values.size() < primitive.attributes.size())) fail(other);
       if (fresh) log::warning(fmt::format("{}: {}", scene_.file, other));
     }
@@ -302,7 +302,7 @@ class SceneReader {
     return std::make_shared<const gltf::DracoMesh>(*std::move(mesh));
   }
 
-  // nullptr where the primitive is stored in the plain way.
+  // nullptr if the primitive is not compressed.
   const gltf::DracoSource* stream_of(std::uint32_t m, std::uint32_t p) const {
     const auto found = std::lower_bound(
         document_.draco.begin(), document_.draco.end(), std::pair(m, p),
@@ -310,7 +310,7 @@ class SceneReader {
     return found == document_.draco.end() || found->mesh != m || found->primitive != p ? nullptr : &*found;
   }
 
-  // Vertices, and corners of the triangles, as the accessors have it.
+  // The numbers of vertices and of triangle corners, according to the accessors.
   std::pair<std::size_t, std::size_t> promised(const tinygltf::Primitive& p, const gltf::DracoSource* stream) const {
     const std::size_t vertices = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
     if (stream != nullptr) return {vertices, stream->corners};
@@ -354,7 +354,7 @@ class SceneReader {
         fail(fmt::format("{}: {} and {} go together; one is missing", where, joints, weights));
       gltf::Influence influence{{}, attribute(primitive, weights, 4, unpacked)};
       for (const double joint : attribute(primitive, joints, 4, unpacked)) {
-        // A number that is none is a joint that no skin has.
+        // A value that is not a number becomes a joint that no skin has.
         influence.joints.push_back(joint >= 0 && joint <= 65535 ? static_cast<std::uint32_t>(joint) : 0xffffffffU);
       }
       influences.push_back(std::move(influence));
@@ -366,7 +366,7 @@ class SceneReader {
     }
   }
 
-  // Of every vertex `width` numbers, wherever they are stored.
+  // `width` numbers for every vertex, whether compressed or not.
   std::vector<double> attribute(const tinygltf::Primitive& primitive, const std::string& name, std::size_t width,
                                 const std::optional<Unpacked>& unpacked) const {
     const auto accessor = static_cast<std::size_t>(primitive.attributes.at(name));
@@ -391,7 +391,7 @@ class SceneReader {
         fail(fmt::format("accessor {}: vertex {} is not finite: {}", accessor, v, text::point(result[v])));
       box.add(result[v]);
     }
-    // draco rounds, and leaves min and max as they were.
+    // draco rounds positions but leaves min and max unchanged.
     if (!unpacked) check_bounds(accessor, box);
     return result;
   }
@@ -400,7 +400,7 @@ class SceneReader {
     const tinygltf::Accessor& a = model_.accessors[accessor];
     for (std::size_t i = 0; i < 3 && a.minValues.size() == 3 && a.maxValues.size() == 3; ++i) {
       const int axis = static_cast<int>(i);
-      // The file has them as they are stored.
+      // The file states min and max of the stored values.
       const auto bound = [&](double value) {
         return a.normalized ? gltf::normalized_value(value, a.componentType) : value;
       };

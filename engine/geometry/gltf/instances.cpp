@@ -29,7 +29,7 @@ std::vector<Transform> read_instances(const std::string& file, std::uint32_t nod
   read(instancing.rotation, 4, [&](std::size_t i, const double* q) {
     const glm::dquat turn(q[3], q[0], q[1], q[2]);
     const double norm = glm::dot(turn, turn);
-    // Quantized ones are a little off.
+    // Quantized rotations are slightly off.
     if (!(norm > 0.98 && norm < 1.02)) fail(i, "its rotation is not a unit quaternion");
     T_node_instance[i] = glm::mat4_cast(glm::normalize(turn));
   });

@@ -14,7 +14,7 @@
 namespace palpa::geometry::gltf {
 
 /// Translation, rotation and scale of each instance, in the node's coordinates. Throws bad_input naming `file`, the
-/// node, and an instance whose values are not finite or whose rotation is no unit quaternion (within 2 %).
+/// node, and an instance whose values are not finite or whose rotation is not a unit quaternion (within 2 %).
 std::vector<Transform> read_instances(const std::string& file, std::uint32_t node, const Instancing& instancing,
                                       const Values& values);
 

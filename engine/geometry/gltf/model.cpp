@@ -19,7 +19,7 @@ struct Source {
   std::optional<Error> fault;  // exceptions must not pass through tinygltf
 };
 
-// `path` is "buffer N" as gltf_check wrote it, or its stand-in "unused".
+// `path` is "buffer N" as written by gltf_check, or its placeholder "unused".
 bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user) {
   Source& source = *static_cast<Source*>(user);
   out->assign(1, 0);
@@ -36,8 +36,8 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
   }
 }
 
-// tinygltf calls back for every file that the document names; none of them is opened here. Versions differ in the
-// callbacks that they have, and demand that all of them are set.
+// tinygltf calls back for every file that the document names; no file is opened here. Versions differ in their
+// callbacks, and all callbacks must be set.
 template <typename Callbacks>
 Callbacks callbacks_of(Source& source) {
   Callbacks callbacks{};
@@ -47,7 +47,7 @@ Callbacks callbacks_of(Source& source) {
   callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
     return false;
   };
-  // Since tinygltf 2.9, which asks for a file's size before it reads the file. BufferLoader checks sizes itself.
+  // Since 2.9, tinygltf asks for a file's size before it reads the file. BufferLoader checks sizes itself.
   if constexpr (requires { callbacks.GetFileSizeInBytes; })
     callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string&, void*) {
       *size = 1;

@@ -1,8 +1,8 @@
-// A reduced glTF document as tinygltf reads it. For the few files that turn it into meshes.
+// A reduced glTF document as read by tinygltf. Only for the few files that turn it into meshes.
 #pragma once
 
-// Under a name of our own, not from its library: draco's library exports another build of tinygltf, with other layouts
-// under the same names, and which of the two a program gets would depend on the order in which it links.
+// tinygltf is compiled under its own namespace name here. draco's library exports another build of tinygltf, with other
+// layouts under the same names, so the link order would decide which of the two a program gets.
 #define tinygltf palpa_tinygltf
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -16,8 +16,8 @@
 
 namespace palpa::geometry::gltf {
 
-/// The document with the bytes of its buffers. tinygltf meets no faults, no images, and no files but the buffers: all
-/// has been reduced and proved by check_document(). Throws bad_input where a buffer cannot be read.
+/// The document with the bytes of its buffers. check_document() has reduced and checked everything before, so tinygltf
+/// sees no faults, no images, and no files except the buffers. Throws bad_input if a buffer cannot be read.
 tinygltf::Model parse_model(const InputFile& file, const Container& container, const Document& document);
 
 }  // namespace palpa::geometry::gltf

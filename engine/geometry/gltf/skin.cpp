@@ -10,7 +10,7 @@ std::optional<std::size_t> apply_skin(std::vector<Vec3>& positions, const std::v
     for (const Influence& influence : influences) {
       for (std::size_t i = 4 * v; i < 4 * v + 4; ++i) {
         const double weight = influence.weights[i];
-        // Joints without weight may name anything.
+        // Joints with weight 0 may have any index.
         if (weight == 0) continue;
         if (!(weight > 0) || influence.joints[i] >= T_world_bind.size()) return v;
         sum += weight * transform_point(T_world_bind[influence.joints[i]], positions[v]);

@@ -1,4 +1,4 @@
-// What the accessors of a document hold.
+// The contents of a document's accessors.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,15 @@
 
 namespace palpa::geometry::gltf {
 
-/// Reads accessors by their index. `file` and `model` outlive it. All throw bad_input naming the accessor.
+/// Reads accessors by their index. `file` and `model` must outlive it. All functions throw bad_input naming the
+/// accessor.
 class Values {
  public:
   Values(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model) {}
 
-  /// `width` numbers per element; bad_input where a sparse index is out of range or not ascending.
+  /// `width` numbers per element; bad_input if a sparse index is out of range or not ascending.
   std::vector<double> numbers(std::size_t accessor, std::size_t width) const;
-  /// An index list of a primitive with so many vertices.
+  /// The index list of a primitive with `vertices` vertices.
   std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const;
 
  private:

@@ -23,7 +23,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little endian");
 
-// Values of the glTF specification's enumerations.
+// Values from the enumerations of the glTF specification.
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
@@ -48,7 +48,7 @@ struct BufferView {
 struct Accessor {
   int component_type;
   std::size_t count;
-  bool triples;                        ///< else single values
+  bool triples;                        ///< otherwise single values
   std::array<float, 3> least, most{};  ///< of triples
 };
 
@@ -67,7 +67,7 @@ struct Node {
   const PartOf* part = nullptr;
 };
 
-/// A file under construction: what its JSON will say, and its binary chunk.
+/// A file under construction: the contents of its JSON, and its binary chunk.
 struct Document {
   std::vector<Item> items;
   std::vector<Node> nodes;
@@ -79,7 +79,7 @@ std::string told(const std::filesystem::path& file, const SceneMesh& item) {
   return file.string() + ": mesh " + text::quoted(item.name);
 }
 
-/// From `begin` to the end of the binary chunk.
+/// The view from `begin` to the end of the binary chunk.
 BufferView end_view(Document& document, std::size_t begin, int target) {
   const BufferView view{begin, document.binary.size() - begin, target};
   pad(document.binary, '\0');
@@ -126,7 +126,7 @@ void add_indices(Document& document, Item& item, const std::string& what) {
   item.accessors[1] = {is_short ? kUnsignedShort : kUnsignedInt, 3 * mesh.triangles.size(), false, {}, {}};
 }
 
-/// Returns its index.
+/// Returns the index of the node.
 std::size_t add_node(Document& document, Node node) {
   document.nodes.push_back(std::move(node));
   return document.nodes.size() - 1;
@@ -144,7 +144,7 @@ std::size_t add_mesh(Document& document, const SceneMesh& mesh, const std::files
   return add_node(document, {mesh.name, document.items.size() - 1, {}, part ? nullptr : &mesh.haptics, part});
 }
 
-/// The parts of one solid, under a node of the solid's name that says how the solid is to be felt.
+/// Adds the parts of one solid as children of a node that has the solid's name and haptics.
 void add_parts(Document& document, std::span<const SceneMesh> parts, const std::filesystem::path& file) {
   std::vector<std::size_t> children;
   for (const SceneMesh& part : parts)
@@ -153,7 +153,7 @@ void add_parts(Document& document, std::span<const SceneMesh> parts, const std::
   document.roots.push_back(add_node(document, {first.part->solid, {}, std::move(children), &first.haptics, nullptr}));
 }
 
-/// What a node's `extras` say, as load_gltf() reads it; nothing where that is nothing.
+/// Writes a node's `extras` as load_gltf() reads them; nothing if there are none.
 void write_extras(JsonWriter& json, const Node& node) {
   if (node.haptics && *node.haptics == Haptics{}) return;
   json.key("extras").begin_object().key("palpa").begin_object();
@@ -183,7 +183,7 @@ void write_node(JsonWriter& json, const Node& node) {
   json.end_object();
 }
 
-/// Neighbours in the list get colours far apart: hues step by the golden ratio.
+/// Neighbours in the list get very different colours: hues step by the golden ratio.
 void write_material(JsonWriter& json, std::size_t index) {
   const double hue = std::fmod(static_cast<double>(index) * 0.618033988749895, 1.0) * 6;
   json.begin_object().key("pbrMetallicRoughness").begin_object().key("baseColorFactor").begin_array();
@@ -208,7 +208,7 @@ void write_view(JsonWriter& json, const BufferView& view) {
   json.member("target", view.target).end_object();
 }
 
-/// Returns how many materials are used.
+/// Returns the number of materials used.
 std::size_t write_meshes(JsonWriter& json, const std::vector<Item>& items) {
   std::size_t materials = 0;
   json.key("meshes").begin_array();

@@ -71,7 +71,7 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
     beside.read_at(0, bytes);
   } catch (const Error& e) {
     if (e.code() != Exit::bad_input) throw;
-    // The model is what the user named; the part's fault follows.
+    // Names the model, which is what the user gave, followed by the fault of the part.
     const std::string_view line = e.what();
     if (line.starts_with(file.name() + ": buffer")) throw;
     fail(fmt::format("its file {}", line));

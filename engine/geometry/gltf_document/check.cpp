@@ -20,7 +20,7 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-// Of nodes, meshes, primitives, accessors and the like: tinygltf spends up to a kilobyte on each.
+// Maximum number of nodes, meshes, primitives, accessors and the like: tinygltf needs up to a kilobyte for each.
 constexpr std::size_t most_items = 50'000;
 
 class Checker {
@@ -50,7 +50,7 @@ class Checker {
     std::sort(document.draco.begin(), document.draco.end(), [](const DracoSource& a, const DracoSource& b) {
       return std::pair(a.mesh, a.primitive) < std::pair(b.mesh, b.primitive);
     });
-    // From here on the reduced document is done; what follows may spoil clean_.
+    // The reduced document is complete here; the following check may spoil clean_.
     if (const std::string fault = fault_elsewhere(); !fault.empty()) {
       if (meshes == 0) throw bad_input(file_, fault);
       log::warning(file_ + ": " + fault + " (the scene does not need it)");
@@ -99,13 +99,13 @@ class Checker {
     for (const char* key : {"meshes", "nodes"}) {
       if (size(key) > 0) clean_[key] = Json::array_t(size(key), Json::object());
     }
-    // tinygltf gives up on a skin without joints.
+    // tinygltf rejects a skin without joints.
     if (size("skins") > 0) clean_["skins"] = Json::array_t(size("skins"), {{"joints", {0}}});
     mesh_checked_.assign(size("meshes"), 0);
     skin_checked_.assign(size("skins"), 0);
   }
 
-  // One parent at most, no loops: a forest.
+  // Each node has at most one parent, and there are no loops: a forest.
   void check_nodes() {
     constexpr std::uint32_t none = Document::no_parent;
     parent_.assign(node_count_, none);
@@ -171,7 +171,7 @@ class Checker {
     return roots;
   }
 
-  // Checks and copies all that the roots lead to; the number of nodes with a mesh.
+  // Checks and copies everything that the roots refer to; returns the number of nodes with a mesh.
   std::size_t walk(const std::vector<std::uint32_t>& roots) {
     std::size_t meshes = 0;
     std::vector<std::uint32_t> stack(roots.rbegin(), roots.rend());
@@ -184,7 +184,7 @@ class Checker {
     return meshes;
   }
 
-  // True if it shows a mesh.
+  // Returns true if the node shows a mesh.
   bool check_node(std::uint32_t n) {
     const Item node = at("nodes", "node", n);
     check_transform(n);
@@ -234,7 +234,7 @@ class Checker {
     instancing_.emplace(n, found);
   }
 
-  // KHR_node_visibility: of the node itself.
+  // KHR_node_visibility of the node itself.
   bool is_hidden(const Item& node) const {
     if (!node.has_extension(visibility_extension)) return false;
     const Item item = node.needed_item("extensions").needed_item(visibility_extension);
@@ -305,7 +305,7 @@ class Checker {
     }
   }
 
-  // The number of its morph targets.
+  // Returns the number of its morph targets.
   std::size_t check_mesh(std::uint32_t m) {
     Json& clean = clean_["meshes"][m];
     const Item mesh = at("meshes", "mesh", m);
@@ -337,7 +337,7 @@ class Checker {
     return targets;
   }
 
-  // Null for points, lines and what has no positions.
+  // Null for points, lines and primitives without positions.
   Json check_primitive(const Item& primitive, std::size_t target_count, std::uint32_t m, std::uint32_t place) {
     const std::uint64_t mode = primitive.whole("mode", 0, 6).value_or(4);
     const Item attributes = primitive.needed_item("attributes");
@@ -348,7 +348,7 @@ class Checker {
       return {};
     }
     const auto indices = primitive.index("indices", "accessor", data_.accessor_count());
-    // A copy in the plain way, if there is one, is the more exact of the two.
+    // An uncompressed copy, if there is one, is more exact.
     const bool packed = primitive.has_extension("KHR_draco_mesh_compression") &&
                         !(data_.has_data(*position) && (!indices || data_.has_data(*indices)));
     std::optional<DracoSource> stream;
@@ -403,7 +403,7 @@ class Checker {
     return clean;
   }
 
-  // The extension's object; which primitive it belongs to is still to be said.
+  // The extension's object; the caller fills in which primitive it belongs to.
   DracoSource check_stream(const Item& primitive) {
     const Item draco = primitive.needed_item("extensions").needed_item("KHR_draco_mesh_compression");
     DracoSource stream;
@@ -416,7 +416,7 @@ class Checker {
     return stream;
   }
 
-  // The first fault of what the scene has not led to; empty if there is none.
+  // The first fault in parts that the scene does not refer to; empty if there is none.
   std::string fault_elsewhere() {
     try {
       for (const char* key :
@@ -460,13 +460,13 @@ class Checker {
   std::vector<DracoSource> draco_;
   std::map<std::uint32_t, Instancing> instancing_;
   UnknownKeys unknown_keys_;
-  std::vector<char> hidden_;  // by itself or by an ancestor
+  std::vector<char> hidden_;  // itself or through an ancestor
   std::size_t hidden_count_ = 0;
   std::string first_hidden_;
   std::vector<char> is_root_, transform_checked_, mesh_checked_, skin_checked_;
 };
 
-/// What a model refers to belongs to it, whether palpa reads it or not.
+/// The files that a model refers to belong to it, whether palpa reads them or not.
 void refuse_outputs_in(const std::filesystem::path& file, const Json& document) {
   for (const char* key : {"buffers", "images"}) {
     if (!document.is_object() || !document.contains(key) || !document[key].is_array()) continue;

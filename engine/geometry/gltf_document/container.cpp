@@ -10,7 +10,7 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-// A model of two million triangles as a data URI still fits; parsing such a text takes some five times its size in
+// A model of two million triangles as a data URI still fits. Parsing such a text takes about five times its size in
 // memory.
 constexpr std::uint64_t longest_json = 64 << 20;
 constexpr std::uint32_t json_chunk = 0x4e4f534a, bin_chunk = 0x004e4942;
@@ -51,7 +51,8 @@ Container read_glb(const InputFile& file) {
   }
   Container container;
   std::uint64_t offset = header_size;
-  // Only the first two chunks mean something; later ones are extensions to be ignored, and no need to walk them all.
+  // Only the first two chunks have a meaning. Later ones are extensions that are ignored, so they need not all be
+  // visited.
   for (int chunk = 0; chunk < 3 && offset < length; ++chunk) {
     if (length - offset < chunk_header_size) throw bad_input(file.name(), fmt::format("chunk {} is cut off", chunk));
     const std::uint64_t size = word_at(file, offset);

@@ -1,4 +1,4 @@
-// The outer hull of a glTF file: JSON text, and the BIN chunk of a .glb.
+// The container of a glTF file: the JSON text, and the BIN chunk of a .glb.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ struct BinChunk {
 
 struct Container {
   std::string json;             ///< without a byte order mark
-  std::optional<BinChunk> bin;  ///< in a .glb only
+  std::optional<BinChunk> bin;  ///< only in a .glb
 };
 
-/// Told apart by their first bytes, not by their names. Throws bad_input: neither kind; glTF 1.0; lengths that do not
-/// fit the file; JSON of more than 64 MiB.
+/// The first bytes determine the kind, not the name. Throws bad_input: neither kind; glTF 1.0; lengths that do not fit
+/// the file; JSON of more than 64 MiB.
 Container read_container(const InputFile& file);
 
 }  // namespace palpa::geometry::gltf

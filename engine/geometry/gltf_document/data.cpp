@@ -146,7 +146,7 @@ DataChecker::Elements DataChecker::check_elements(const Item& accessor, Role rol
 
 std::uint64_t DataChecker::check_compressed(std::uint32_t a, Role role) {
   Elements elements = check_elements(at("accessors", "accessor", a), role);
-  // Some other primitive may have its data in the plain way.
+  // Another primitive may have its data uncompressed.
   if (role_[a] == Role::unused) (*clean_)["accessors"][a] = std::move(elements.clean);
   return elements.count;
 }
@@ -170,7 +170,7 @@ std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
     clean["byteOffset"] = offset;
   } else if (role != Role::displacement && role != Role::joints && role != Role::unused &&
              (role != Role::position || !accessor.has("sparse"))) {
-    // All zeros, says the specification; nothing but displacements and joints means anything by that.
+    // The specification says that such an accessor is all zeros, which is only useful for displacements and joints.
     accessor.fail("has no data: \"bufferView\" is missing");
   }
   if (const auto sparse = accessor.item("sparse")) clean["sparse"] = check_sparse(*sparse, count, element);
@@ -223,7 +223,7 @@ DataChecker::BufferView DataChecker::check_view(std::uint32_t v) {
   view_checked_[v] = 1;
   Json& clean = (*clean_)["bufferViews"][v];
   if (const auto packed = meshopt_of(view)) {
-    // Its own buffer is for readers that do not know the extension, and need not be there.
+    // Its own buffer is a fallback for readers that do not know the extension, and need not exist.
     fallback_[buffer] = 1;
     check_packed(*packed, v, length, stride.value_or(0));
   } else {
@@ -242,7 +242,7 @@ void DataChecker::check_stream(std::uint32_t view) {
   claim(at("bufferViews", "buffer view", view), check_view(view).length);
 }
 
-// A buffer of its own for what is unpacked.
+// Adds a new buffer for the unpacked data.
 void DataChecker::check_packed(const Item& item, std::uint32_t v, std::uint64_t length, std::uint64_t stride) {
   MeshoptBufferView packed;
   packed.buffer = item.needed_index("buffer", "buffer", buffer_count_);
@@ -321,7 +321,7 @@ void DataChecker::check_rest() {
   }
   for (std::uint32_t i = 0; i < role_.size(); ++i) {
     if (role_[i] == Role::unused) {
-      role_[i] = Role::position;  // any role but the one asked for
+      role_[i] = Role::position;  // any role other than the requested one
       check(i, Role::unused);
     }
   }

@@ -11,36 +11,36 @@
 
 namespace palpa::geometry::gltf {
 
-/// What an accessor is used for; each use allows certain types.
+/// The use of an accessor; each use allows certain types.
 enum class Role : char { unused, position, displacement, indices, joints, weights, bind_matrices, place, rotation };
 
-/// Checks accessors on demand and copies what they need into the reduced document. All throw bad_input.
+/// Checks accessors on demand and copies what they need into the reduced document. All functions throw bad_input.
 class DataChecker {
  public:
   DataChecker(const Item& root, const Parsed& parsed, const Container& container);
 
-  /// Puts stand-ins for everything into `clean`, which is also where check() writes.
+  /// Fills `clean` with placeholders for everything. check() writes into `clean`, too.
   void start(Json& clean);
-  /// The accessor with all it rests on; the number of its elements.
+  /// Checks the accessor and everything it refers to; returns the number of its elements.
   std::uint64_t check(std::uint32_t accessor, Role role);
-  /// The accessor without its data, which are in a stream of draco.
+  /// Checks an accessor whose data are in a draco stream.
   std::uint64_t check_compressed(std::uint32_t accessor, Role role);
-  /// A buffer view with bytes of a stream of draco, with the buffer it lies in.
+  /// Checks a buffer view that holds a draco stream, and its buffer.
   void check_stream(std::uint32_t view);
   bool has_data(std::uint32_t accessor) const;
   std::size_t accessor_count() const { return role_.size(); }
   std::size_t view_count() const { return view_checked_.size(); }
-  /// The file's, then those that come from packed views.
+  /// The file's buffers, then those unpacked from packed views.
   const std::vector<BufferSource>& buffers() const { return buffers_; }
 
-  /// Checks what check() has not met, as far as it can be without a use.
+  /// Checks accessors that check() has not seen, as far as possible without a known use.
   void check_rest();
 
  private:
   struct BufferView {
     std::uint64_t length, stride;
   };
-  // What an accessor is made of.
+  // The properties of an accessor's elements.
   struct Elements {
     std::uint64_t count, component, size;  // size in bytes
     Json clean;

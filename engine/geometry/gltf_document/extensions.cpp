@@ -6,7 +6,7 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-// These do move triangles, or say which are there; palpa reads them.
+// These extensions move triangles, or determine which exist; palpa reads them.
 constexpr std::array<std::string_view, 6> read{"KHR_mesh_quantization",   "KHR_draco_mesh_compression",
                                                "EXT_meshopt_compression", "KHR_meshopt_compression",
                                                instancing_extension,      visibility_extension};

@@ -19,10 +19,10 @@ constexpr std::array<std::string_view, 10> keys{"touchable", "delta_m",     "foc
 
 struct Range {
   double low, high;
-  bool open;  // without its low end
+  bool open;  // excludes its low end
 };
 
-// One value with the name its author wrote it under.
+// One value with the name under which its author wrote it.
 struct Entry {
   const Item& node;
   const std::string& name;
@@ -43,7 +43,7 @@ struct Entry {
     return x;
   }
 
-  // Blender writes 10.0 where a property was made a float.
+  // Blender writes 10.0 if a property was created as a float.
   std::uint32_t whole(std::uint32_t low, std::uint32_t high) const {
     const double x = value.is_number() ? value.get<double>() : -1;
     if (!(x >= low && x <= high) || x != std::floor(x))
@@ -65,7 +65,7 @@ struct Entry {
   }
 };
 
-// False if the key is unknown.
+// Returns false if the key is unknown.
 bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
   Haptics& h = into.values;
   if (key == "touchable") {
@@ -94,7 +94,7 @@ bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
   return true;
 }
 
-// Letters to insert, remove or replace to come from one to the other.
+// The number of letters to insert, remove or replace to turn one into the other.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -114,10 +114,10 @@ std::size_t distance(std::string_view a, std::string_view b) {
 NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
   NodeHaptics result;
   const auto found = node.json().find("extras");
-  // Extras may be anything; palpa's are in an object.
+  // Extras may be any value; palpa's are in an object.
   if (found == node.json().end() || !found->is_object()) return result;
   const auto remember = [&](const std::string& key) {
-    // A file can have any number of them; one line each is enough, and not for ever.
+    // A file can have any number of unknown keys; one line each is enough, up to a limit.
     if (unknown.size() < 8) unknown.emplace(key, node.where());
   };
   const Json* group = nullptr;
@@ -171,7 +171,7 @@ bool has_palpa_extras(const Item& item) {
 
 std::string explain_unknown(const std::string& key) {
   const std::string_view bare = std::string_view(key).substr(key.starts_with("palpa_") ? 6 : 0);
-  // Typing errors, and units left out.
+  // Typing errors, and missing units.
   for (const std::string_view known : keys) {
     if (distance(bare, known) <= 2 || (bare.size() >= 4 && known.starts_with(bare)))
       return fmt::format("did you mean \"{}\"?", known);

@@ -1,4 +1,4 @@
-// What palpa reads from a node's `extras`.
+// The `extras` of a node that palpa reads.
 #pragma once
 
 #include <map>
@@ -9,32 +9,32 @@
 
 namespace palpa::geometry::gltf {
 
-/// What one node says itself; `touchable` is optional here so that a child can take it over.
+/// The values of one node itself. `touchable` is optional here so that a child can inherit it.
 struct NodeHaptics {
   std::optional<bool> touchable;
   Haptics values;
-  /// What palpa decompose writes: the node's mesh is a convex part of the solid of this name; neither is inherited.
+  /// Written by palpa decompose: the node's mesh is a convex part of the solid of this name. Not inherited; nor is
+  /// seam_m.
   std::optional<std::string> part_of;
   std::optional<double> seam_m;  ///< 0 to 1 m, see Parts::seam_m
 };
 
-/// Keys beginning with "palpa" that mean nothing, each with the name of the first node that has it.
+/// Keys that begin with "palpa" but have no meaning, each with the name of the first node that has it.
 using UnknownKeys = std::map<std::string, std::string>;
 
 /// Reads {"palpa": {"delta_m": 0.0015, ...}} and the flat form {"palpa_delta_m": 0.0015, ...} of the node's `extras`;
-/// all else in there is somebody else's. Throws bad_input naming the node and the key: a wrong type, a number out of
-/// range, one key given in both forms. `touchable` may be 0 or 1, for want of
-/// booleans in some modelling programs.
+/// other keys are ignored. Throws bad_input naming the node and the key: a wrong type, a number out of range, a key
+/// given in both forms. `touchable` may be 0 or 1, because some modelling programs have no booleans.
 NodeHaptics read_extras(const Item& node, UnknownKeys& unknown);
 
-/// A child's haptics: each value is the child's own, else what its parent has (which may be inherited itself).
-/// `parent` is Haptics{} for a root. Throws bad_input naming the node where foci and stride then have a common divisor.
+/// A child's haptics: each value is the child's own, else its parent's (which may be inherited itself). `parent` is
+/// Haptics{} for a root. Throws bad_input naming the node if foci and stride then have a common divisor.
 Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent);
 
-/// Whether an object carries what read_extras() would read or remark on.
+/// Whether an object has keys that read_extras() would read or warn about.
 bool has_palpa_extras(const Item& item);
 
-/// "palpa_delta": what it might have been meant to be, for the warning; all known keys if nothing is near.
+/// For "palpa_delta": the key that was probably meant, for the warning; all known keys if none is similar.
 std::string explain_unknown(const std::string& key);
 
 }  // namespace palpa::geometry::gltf

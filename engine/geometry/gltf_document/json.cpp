@@ -16,9 +16,9 @@ namespace {
 constexpr int deepest = 128;
 constexpr std::size_t longest_string = 4096;
 constexpr std::string_view long_string_mark = "data:long string ";
-constexpr std::size_t most_values = 2'000'000;  // some 80 bytes each, and twice: here and in tinygltf
+constexpr std::size_t most_values = 2'000'000;  // about 80 bytes each, and twice: here and in tinygltf
 
-// The value as a whole number: JSON writers may say 28 or 28.0.
+// The value as a whole number: JSON writers may write 28 or 28.0.
 std::optional<std::uint64_t> as_whole(const Json& value) {
   if (value.is_number_unsigned()) return value.get<std::uint64_t>();
   if (value.is_number_float()) {
@@ -29,7 +29,7 @@ std::optional<std::uint64_t> as_whole(const Json& value) {
   return std::nullopt;
 }
 
-// The place of the quote that ends the string whose text begins at `from`; text.size() if none does.
+// The position of the quote that ends the string whose text begins at `from`; text.size() if there is none.
 std::size_t end_of_string(const std::string& text, std::size_t from) {
   for (std::size_t quote = text.find('"', from); quote != std::string::npos; quote = text.find('"', quote + 1)) {
     std::size_t escapes = 0;
@@ -40,8 +40,8 @@ std::size_t end_of_string(const std::string& text, std::size_t from) {
   return text.size();
 }
 
-// One pass over the raw text, before anything is built from it: counts, and takes long strings out. (The parser's own
-// callback could count, but its cost grows with the square of an array's length.)
+// One pass over the raw text, before anything is built from it: counts values and takes out long strings. (The parser's
+// own callback could count, but its cost grows with the square of an array's length.)
 std::string shortened(const std::string& file, const std::string& text, std::vector<std::string_view>& long_strings) {
   std::string out;
   int depth = 0;
@@ -76,7 +76,7 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
   try {
     json_ = Json::parse(brief);
   } catch (const Json::parse_error& e) {
-    // Its own text quotes the input, which may be endless and hold anything.
+    // The exception's own text quotes the input, which may be endless and contain anything.
     const std::size_t end = std::min(e.byte, brief.size());
     const auto line = std::count(brief.begin(), brief.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
     throw bad_input(file, fmt::format("its JSON has a syntax error at line {}", line));
@@ -105,7 +105,7 @@ std::string Parsed::whole_name(const std::string& value) const {
 std::string Parsed::whole(const std::string& value) const {
   const auto long_one = long_string(value);
   if (!long_one) return value;
-  // "\/" is the one escape that some writers put into base64.
+  // Some writers put "\/" into base64; it is the only escape that they use there.
   const std::string_view raw = *long_one;
   std::string text;
   text.reserve(raw.size());

@@ -1,4 +1,4 @@
-// JSON of a file that nobody vouches for: bounded parsing, and members read with their types checked.
+// JSON of an untrusted file: bounded parsing, and type-checked access to members.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@ namespace palpa::geometry::gltf {
 
 using Json = nlohmann::json;
 
-/// A parsed document. Strings of more than 4 KiB (buffers as data URIs, mostly) are replaced by short ones that stand
-/// for them: the parser would spend a tenth of a microsecond on each of their bytes.
+/// A parsed document. Strings of more than 4 KiB (mostly buffers as data URIs) are replaced by short placeholders,
+/// because the parser would spend a tenth of a microsecond on each of their bytes.
 class Parsed {
  public:
-  /// `text` must outlive it. Throws bad_input: a syntax error (its line), nesting beyond 128 levels, more than two
+  /// `text` must outlive it. Throws bad_input: a syntax error (with its line), nesting beyond 128 levels, more than two
   /// million values.
   Parsed(const std::string& file, const std::string& text);
   Parsed(const Parsed&) = delete;
   Parsed& operator=(const Parsed&) = delete;
 
   const Json& json() const { return json_; }
-  /// The string itself, if `value` stands for a long one.
+  /// The original string, if `value` is a placeholder for a long one.
   std::string whole(const std::string& value) const;
-  /// The same for a name, whose escapes are resolved.
+  /// The same for a name, with its escapes resolved.
   std::string whole_name(const std::string& value) const;
 
  private:
@@ -45,27 +45,27 @@ class Item {
   const std::string& where() const { return where_; }
   const std::string& file() const { return *file_; }
 
-  /// bad_input "<where>: <fault>".
+  /// Throws bad_input "<where>: <fault>".
   [[noreturn]] void fail(const std::string& fault) const;
 
   bool has(const char* key) const { return value_->contains(key); }
-  /// A whole number in [least, most]; nullopt where absent.
+  /// A whole number in [least, most]; nullopt if absent.
   std::optional<std::uint64_t> whole(const char* key, std::uint64_t least, std::uint64_t most) const;
   std::uint64_t needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const;
-  /// An index into a collection of `count`.
+  /// An index into a collection of `count` elements.
   std::optional<std::uint32_t> index(const char* key, const char* collection, std::size_t count) const;
   std::uint32_t needed_index(const char* key, const char* collection, std::size_t count) const;
-  /// Distinct indices; empty where absent.
+  /// Distinct indices; empty if absent.
   std::vector<std::uint32_t> indices(const char* key, const char* collection, std::size_t count) const;
-  /// Exactly `count` finite numbers; nullopt where absent.
+  /// Exactly `count` finite numbers; nullopt if absent.
   std::optional<std::vector<double>> numbers(const char* key, std::size_t count) const;
   std::optional<std::string> string(const char* key) const;
   /// A member that is an object.
   std::optional<Item> item(const char* key) const;
   Item needed_item(const char* key) const;
-  /// A member that is an array; nullptr where absent.
+  /// A member that is an array; nullptr if absent.
   const Json* array(const char* key) const;
-  /// Whether the object carries the extension.
+  /// Whether the object has the extension.
   bool has_extension(const char* name) const;
 
  private:

@@ -7,7 +7,7 @@ namespace palpa::geometry::gltf {
 
 std::optional<std::string> meshopt_fault(const MeshoptBufferView& view) {
   const bool attributes = view.mode == MeshoptMode::attributes;
-  // The decoders take these for granted.
+  // The decoders assume these conditions.
   if (attributes && (view.stride == 0 || view.stride % 4 != 0 || view.stride > 256))
     return fmt::format("\"byteStride\" is {}; that of attributes is a multiple of 4, at most 256", view.stride);
   if (!attributes && view.stride != 2 && view.stride != 4)

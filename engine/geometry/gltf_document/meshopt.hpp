@@ -1,4 +1,4 @@
-// Buffer views stored by the extension EXT_meshopt_compression (and, as far as it is the same,
+// Buffer views compressed with the extension EXT_meshopt_compression (and, as far as it is the same,
 // KHR_meshopt_compression).
 #pragma once
 
@@ -13,7 +13,7 @@ namespace palpa::geometry::gltf {
 enum class MeshoptMode : char { attributes, triangles, indices };
 enum class MeshoptFilter : char { none, octahedral, quaternion, exponential };
 
-/// What the extension says about one buffer view.
+/// The extension's data for one buffer view.
 struct MeshoptBufferView {
   std::uint32_t buffer = 0;              ///< the buffer with the packed bytes
   std::uint64_t offset = 0, length = 0;  ///< their place in it
@@ -22,11 +22,11 @@ struct MeshoptBufferView {
   MeshoptFilter filter = MeshoptFilter::none;
 };
 
-/// What keeps stride, count, mode and filter from going together; nullopt where nothing does.
+/// Why stride, count, mode and filter do not fit together; nullopt if they do.
 std::optional<std::string> meshopt_fault(const MeshoptBufferView& view);
 
-/// The view's stride * count bytes out of its packed ones; `view` must be without fault. nullopt for packed bytes that
-/// are not what the view says, whoever made them. Unpacked indices may be any numbers.
+/// Unpacks the view's stride * count bytes; meshopt_fault(view) must be nullopt. `packed` is untrusted; the result is
+/// nullopt if it does not match the view. Unpacked indices may be any numbers.
 std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
                                                          std::span<const unsigned char> packed);
 

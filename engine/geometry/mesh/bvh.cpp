@@ -14,7 +14,7 @@ struct Item {
   std::uint32_t triangle;
 };
 
-// How the leaves are shared out follows from their number alone, so every node's place is known before it is built.
+// The distribution of leaves depends only on their number, so every node's place is known before it is built.
 class Builder {
  public:
   Builder(const Mesh& mesh, std::vector<Item>& items, std::vector<Bvh::Node>& nodes)

@@ -11,22 +11,22 @@ namespace palpa::geometry {
 
 class Bvh {
  public:
-  /// Leaves have at most that many triangles.
+  /// The maximum number of triangles in a leaf.
   static constexpr std::uint32_t leaf_size = 4;
 
   struct Node {
     Box box;
-    std::uint32_t begin, end;  ///< the triangles below: a range of order()
+    std::uint32_t begin, end;  ///< the node's triangles: a range of order()
     std::uint32_t second;      ///< the first child follows its parent; 0 in leaves
   };
 
   /// Splits at the median of the triangles' centres along the longest axis, on all cores; the result is the same for
-  /// any number of them. `mesh` has at least one triangle.
+  /// any number of cores. `mesh` has at least one triangle.
   explicit Bvh(const Mesh& mesh);
 
-  /// Depth first; the first is the root.
+  /// Depth first; the first node is the root.
   std::span<const Node> nodes() const { return nodes_; }
-  /// The mesh's triangles, leaf after leaf: neighbours in space are neighbours here.
+  /// The mesh's triangles, leaf after leaf: triangles near each other in space are near each other here.
   std::span<const std::uint32_t> order() const { return order_; }
 
  private:
@@ -34,7 +34,7 @@ class Bvh {
   std::vector<std::uint32_t> order_;
 };
 
-/// Whether boxes have a point in common.
+/// Whether the boxes have a point in common.
 inline bool overlap(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
          a.low.z <= b.high.z && b.low.z <= a.high.z;

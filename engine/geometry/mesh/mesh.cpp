@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffU;
 
-// Open addressing from a hash to chains of vertices; the caller compares. Sized once, never grows.
+// A hash table with open addressing that maps a hash to chains of vertices; the caller compares. Its size is fixed.
 class VertexTable {
  public:
   explicit VertexTable(std::size_t vertices)
       : mask_(std::bit_ceil(vertices * 2 + 2) - 1), head_(mask_ + 1, none), next_(vertices, none) {}
 
-  // The first vertex of the bucket that `same` accepts, or none.
+  // The first vertex of the bucket for which `same` returns true, or none.
   template <typename Same>
   std::uint32_t find(std::uint64_t hash, const Same& same) const {
     std::uint32_t v = head_[hash & mask_];
@@ -50,7 +50,7 @@ std::uint64_t hash_of(const Vec3& signed_zeros) {
                   std::bit_cast<std::uint64_t>(p.z));
 }
 
-// The same triangles over only those vertices that they use, in order of first use.
+// The same triangles with only the vertices that they use, in order of first use.
 Mesh compact(const std::vector<Vec3>& positions, std::vector<glm::uvec3> triangles) {
   std::vector<std::uint32_t> index(positions.size(), none);
   Mesh out;
@@ -80,7 +80,8 @@ std::vector<std::uint32_t> first_equal(const std::vector<Vec3>& positions) {
   return first;
 }
 
-// Where the first vertex within the tolerance may lie: cells twice as wide as it, so at most two per axis.
+// Uses a grid to find the first vertex within the tolerance: cells are twice as wide as the tolerance, so at most two
+// per axis.
 std::vector<std::uint32_t> first_near(const std::vector<Vec3>& positions, double tolerance) {
   VertexTable table(positions.size());
   std::vector<std::uint32_t> first(positions.size());
@@ -92,7 +93,7 @@ std::vector<std::uint32_t> first_near(const std::vector<Vec3>& positions, double
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 at((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
                     (corner & 4) != 0 ? high.z : low.z);
-      // Chains run from the newest to the oldest: the oldest match of all cells is wanted.
+      // Chains run from newest to oldest; the oldest match of all cells is needed.
       table.find(hash_of(at), [&](std::uint32_t w) {
         if (glm::distance(positions[w], p) <= tolerance && w < found) found = w;
         return false;
@@ -124,7 +125,7 @@ std::vector<std::uint32_t> weld_indices(const std::vector<Vec3>& positions, doub
   double reach = 0;
   for (const Vec3& p : positions)
     reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  // Below the spacing of doubles a tolerance means nothing, and cells could not be told apart.
+  // A tolerance below the spacing of doubles is meaningless, and cells could not be distinguished.
   if (!(tolerance > reach * 1e-14) || !std::isfinite(reach)) return first_equal(positions);
   return first_near(positions, tolerance);
 }
@@ -138,7 +139,7 @@ Mesh weld(const Mesh& mesh, double tolerance) {
 
 void append(Mesh& mesh, const Mesh& more) {
   const auto shift = static_cast<std::uint32_t>(mesh.positions.size());
-  // No reserve(): of exactly what is needed it would copy all that is there for every piece that is added.
+  // No reserve(): with the exact size, it would copy the whole mesh for every piece that is added.
   mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
   for (const glm::uvec3& t : more.triangles)
     mesh.triangles.push_back(t + shift);
@@ -165,7 +166,7 @@ double area(const Mesh& mesh) {
 
 double signed_volume(const Mesh& mesh) {
   if (mesh.triangles.empty()) return 0;
-  // Measured from a point of the mesh: far from the origin the terms would cancel badly.
+  // Relative to a point of the mesh, because the terms would cancel badly far from the origin.
   const Vec3 origin = mesh.positions[mesh.triangles[0][0]];
   double six_times = 0;
   for (const glm::uvec3& t : mesh.triangles) {

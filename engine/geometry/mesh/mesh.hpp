@@ -16,22 +16,22 @@ struct Mesh {
   std::vector<glm::uvec3> triangles;
 };
 
-/// Merges vertices with bit-equal positions (-0 equals 0), drops triangles that lose a corner to it and vertices that
-/// no triangle uses. Order of first use is kept, so the result does not depend on how the input was indexed.
+/// Merges vertices with bit-equal positions (-0 equals 0). Drops triangles that lose a corner by this, and vertices
+/// that no triangle uses. Keeps the order of first use, so the result does not depend on the input's indexing.
 Mesh weld(const Mesh& mesh);
 
-/// As weld(mesh), but a vertex joins the first earlier one that lies within `tolerance` metres of it: for seams whose
-/// two sides were rounded differently. Positions keep the first one's value.
+/// As weld(mesh), but a vertex is merged into the first earlier one within `tolerance` metres: for seams whose two
+/// sides were rounded differently. The position of the first vertex is kept.
 Mesh weld(const Mesh& mesh, double tolerance);
 
-/// For each position the index of the first one (in this order) that it joins: bit-equal, or within `tolerance` metres
-/// of it.
+/// For each position, the index of the first position (in this order) that it is merged into: bit-equal, or within
+/// `tolerance` metres.
 std::vector<std::uint32_t> weld_indices(const std::vector<Vec3>& positions, double tolerance = 0);
 
 /// Appends `more` to `mesh`, indices shifted.
 void append(Mesh& mesh, const Mesh& more);
 
-/// Turns every triangle over.
+/// Reverses the orientation of every triangle.
 void flip(Mesh& mesh);
 
 Box bounds(const Mesh& mesh);
@@ -39,11 +39,11 @@ Box bounds(const Mesh& mesh);
 /// Square metres, all triangles.
 double area(const Mesh& mesh);
 
-/// Volume by the divergence theorem, cubic metres: positive when triangles face outwards.
+/// Volume by the divergence theorem, cubic metres: positive if triangles face outwards.
 double signed_volume(const Mesh& mesh);
 
-/// What keeps a welded mesh from enclosing a volume. Edges are pairs of vertex indices of the mesh, "first" in their
-/// ascending order (for an open edge in the direction of its triangle).
+/// Defects that keep a welded mesh from enclosing a volume. Edges are pairs of vertex indices of the mesh; "first"
+/// refers to their ascending order (an open edge is given in the direction of its triangle).
 struct Defects {
   std::uint64_t open = 0;          ///< edges with a triangle on one side only
   std::uint64_t non_manifold = 0;  ///< edges with more than two triangles

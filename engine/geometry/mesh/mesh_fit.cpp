@@ -15,8 +15,8 @@ namespace palpa::geometry {
 namespace {
 
 constexpr double crease_cosine = 0.985;  // ten degrees
-constexpr double least_slant = 0.2;      // of a ray on a face: below it nobody knows how much a point errs
-constexpr double still = 1e-8;           // metres: steps that are no steps
+constexpr double least_slant = 0.2;      // of a ray on a face: below it, a point's error is unknown
+constexpr double still = 1e-8;           // metres: smaller steps count as no movement
 
 std::vector<Vec3> normals_of(const Mesh& mesh) {
   std::vector<Vec3> normals;
@@ -49,7 +49,7 @@ Mesh creases_of(const Mesh& mesh, const std::vector<Vec3>& normals) {
   return creases;
 }
 
-/// A shift, a turn and, of seven, a change of scale.
+/// A shift, a rotation and, with seven unknowns, a change of scale.
 template <std::size_t n>
 Transform small_motion(const std::array<double, n>& step, const Vec3& centre, double lever_m) {
   const Vec3 shift(step[0], step[1], step[2]);
@@ -76,7 +76,7 @@ double largest(const EigenPairs<6>& eigen, std::size_t first) {
 
 }  // namespace
 
-/// A point and where it belongs.
+/// A point and the place on the mesh that it belongs to.
 struct MeshFit::Hit {
   Vec3 at;      ///< of the point, in the mesh's frame
   Vec3 normal;  ///< of the face
@@ -86,7 +86,7 @@ struct MeshFit::Hit {
 
 namespace {
 
-/// How many of their own errors the points' residuals are, typically.
+/// The typical ratio of the points' residuals to their own errors.
 double scatter(const auto& hits, std::vector<double>& work) {
   work.clear();
   for (const auto& hit : hits)
@@ -114,18 +114,18 @@ void MeshFit::find_hits(std::span<const MeasuredPoint> points, const Transform& 
     if (!found) continue;
     const Vec3& normal = normals_[found->triangle];
     const double along = glm::dot(normal, transform_direction(T_mesh_points, point.error));
-    if (along >= 0) continue;  // it looks away
+    if (along >= 0) continue;  // it faces away
     if (nearest_crease_.distance(found->point, options.crease_m) < options.crease_m) continue;
     const double error = std::max(-along, least_slant * glm::length(point.error));
     hits.push_back({at, normal, glm::dot(normal, at - found->point), error});
   }
 }
 
-/// The points' equations, summed: of shifts, of turns about `centre` times the lever and, of seven, of the scale times
-/// the lever.
+/// The summed equations of the points: for shifts, for rotations about `centre` times the lever and, with seven
+/// unknowns, for the scale times the lever.
 template <std::size_t n>
 struct MeshFit::Sums {
-  Matrix<n> weighted{};  ///< each over its error squared
+  Matrix<n> weighted{};  ///< each divided by its error squared
   Matrix<n> bare{};
   std::array<double, n> right{};
   double weights = 0;
@@ -154,14 +154,14 @@ MeshFit::Sums<n> MeshFit::sum_up(std::span<const Hit> hits, const Vec3& centre, 
 
 template <std::size_t n>
 struct MeshFit::Solution {
-  Transform T_mesh_points{1.0};  ///< first the guess
+  Transform T_mesh_points{1.0};  ///< initially the guess
   std::vector<Hit> hits{};
   std::vector<double> work{};
   Sums<n> sums{};
   double typical = 0;
 };
 
-/// False where too few points are near.
+/// False if too few points are near.
 template <std::size_t n>
 bool MeshFit::solve(std::span<const MeasuredPoint> points, const FitOptions& options, Solution<n>& s) const {
   for (int step = 0;; ++step) {
@@ -180,7 +180,7 @@ bool MeshFit::solve(std::span<const MeasuredPoint> points, const FitOptions& opt
     const double most = *std::max_element(eigen.values.begin(), eigen.values.end());
     std::array<double, n> move{};
     for (std::size_t k = 0; k < n; ++k) {
-      if (eigen.values[k] < 1e-6 * most) continue;  // free to slide: it stays
+      if (eigen.values[k] < 1e-6 * most) continue;  // unconstrained direction: do not move
       double along = 0;
       for (std::size_t i = 0; i < n; ++i)
         along += eigen.vectors[k][i] * s.sums.right[i];
@@ -210,7 +210,7 @@ ScaleFitted MeshFit::fit_scale(std::span<const MeasuredPoint> points, const Tran
     if (precise.values[k] > 1e-6 * most) {
       variance += part / precise.values[k];
     } else if (part > 1e-6) {
-      return out;  // nothing holds it
+      return out;  // unconstrained
     }
   }
   out.deviation = solution.typical * std::sqrt(options.alike * variance) / options.lever_m;

@@ -53,7 +53,7 @@ class Turner {
       if (!(width_of(mesh_, t) > width_)) narrow.push_back(t);
     }
     std::size_t turned = 0, steps = 0;
-    const std::size_t most = 8 * narrow.size();  // a turn may leave another needle behind
+    const std::size_t most = 8 * narrow.size();  // a flip may leave another needle
     while (!narrow.empty() && steps++ < most) {
       const std::uint32_t t = narrow.back();
       narrow.pop_back();
@@ -81,7 +81,7 @@ class Turner {
     return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
   }
 
-  // By a table: going round a vertex that all needles share would cost the square of their number.
+  // Uses a table, because going round a vertex that all needles share would cost the square of their number.
   bool are_neighbours(std::uint32_t c, std::uint32_t d) {
     if (edges_.empty()) {
       edges_.reserve(twin_.size() / 2);
@@ -117,7 +117,7 @@ class Turner {
       twin_[x] = y;
       twin_[y] = x;
     };
-    // Sides whose twins were each other's stay so only through the new numbers.
+    // Sides whose twins were each other's stay so only with the new numbers.
     const auto moved = [&](std::uint32_t side) {
       return side == ad ? 3 * t : side == db ? 3 * u : side == bc ? 3 * u + 1 : side == ca ? 3 * t + 2 : side;
     };

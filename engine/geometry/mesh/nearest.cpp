@@ -24,7 +24,7 @@ Vec3 closest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const Vec3 normal = glm::cross(b - a, c - a);
   if (const double twice = square(normal); twice > 0) {
-    // Inside all three sides: straight above the triangle.
+    // On the inner side of all three edges: directly above the triangle.
     const double wa = glm::dot(glm::cross(c - b, p - b), normal), wb = glm::dot(glm::cross(a - c, p - c), normal),
                  wc = glm::dot(glm::cross(b - a, p - a), normal);
     if (wa >= 0 && wb >= 0 && wc >= 0) return p - normal * (glm::dot(p - a, normal) / twice);

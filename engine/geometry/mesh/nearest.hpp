@@ -1,4 +1,4 @@
-// How far a point is from a soup of triangles.
+// Distance of a point from an unordered set of triangles.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace palpa::geometry {
 
-/// The point of triangle a, b, c that is nearest to p; right also for triangles without area.
+/// The point of triangle a, b, c that is nearest to p; correct also for triangles with zero area.
 Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
 
 /// A tree of boxes over a mesh's triangles. The mesh must outlive it.
@@ -19,16 +19,16 @@ class NearestTriangle {
   /// `mesh` has at least one triangle.
   explicit NearestTriangle(const Mesh& mesh) : mesh_(&mesh), tree_(mesh) {}
 
-  /// Metres to the nearest triangle, or `most` where that is less.
+  /// Metres to the nearest triangle, or `most` if that is smaller.
   double distance(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
 
-  /// The nearest triangle, of several one of them, its nearest point, and how far that is in metres.
+  /// The nearest triangle (one of them if several are equally near), its nearest point, and the distance in metres.
   struct Found {
     std::uint32_t triangle = 0;
     Vec3 point{0};
     double distance = 0;
   };
-  /// Nothing where none is nearer than `most`.
+  /// nullopt if no triangle is nearer than `most`.
   std::optional<Found> find(const Vec3& point, double most = std::numeric_limits<double>::infinity()) const;
 
  private:

@@ -7,8 +7,8 @@
 namespace palpa::geometry {
 namespace {
 
-/// A sum of doubles that do not overlap, the smallest first: a number of any length (Shewchuk's expansions). Zeros are
-/// left out.
+/// A sum of non-overlapping doubles, the smallest first: a number of any length (Shewchuk's expansions). Zeros are left
+/// out.
 template <std::size_t Most>
 struct Expansion {
   std::array<double, Most> term;
@@ -94,7 +94,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
                       (std::abs(zx) + std::abs(xz)) * std::abs(w.y);
   // (7 + 56 epsilon) epsilon of Shewchuk's paper, rounded up.
   if (std::abs(det) > 8e-16 * size) return det > 0 ? 1 : -1;
-  if (size == 0) return 0;  // a plane along the axes
+  if (size == 0) return 0;  // a plane parallel to the axes
   return exact_orient3d(a, b, c, d);
 }
 

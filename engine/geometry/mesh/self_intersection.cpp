@@ -32,7 +32,7 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int axis) {
   return geometry::orient2d(dropped(a, axis), dropped(b, axis), dropped(c, axis));
 }
 
-// The axis along which a triangle may be flattened without becoming a line; -1 where it has no area.
+// The axis along which a triangle may be projected without becoming a line; -1 if it has no area.
 int flattening_axis(const Triangle& t) {
   const Vec3 n = glm::abs(glm::cross(t[1] - t[0], t[2] - t[0]));
   const int best = n.x >= n.y && n.x >= n.z ? 0 : (n.y >= n.z ? 1 : 2);
@@ -56,7 +56,7 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
          (cdb == 0 && between(c, d, b));
 }
 
-// In the triangle's plane.
+// For a segment in the triangle's plane.
 bool flat_meet(const Vec3& p, const Vec3& q, const Triangle& t) {
   const int axis = flattening_axis(t);
   if (axis < 0) return false;
@@ -107,7 +107,8 @@ bool apart_meet(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-// a[0] and b[0] are the same vertex. They meet elsewhere only if a side opposite to it does.
+// a[0] and b[0] are the same vertex. The triangles meet elsewhere only if a side opposite to it meets the other
+// triangle.
 bool at_vertex_meet(const Triangle& a, const Triangle& b) {
   const int b1 = orient3d(a[0], a[1], a[2], b[1]), b2 = orient3d(a[0], a[1], a[2], b[2]);
   if (b1 * b2 > 0) return false;
@@ -157,7 +158,7 @@ bool triangles_meet(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
   if (shared == 0) return apart_meet(ta, tb);
   if (shared == 1) return at_vertex_meet(turned(ta, same_a), turned(tb, same_b));
   if (shared == 3) return true;
-  // The shared edge first, in the same direction in both.
+  // Puts the shared edge first, in the same direction in both.
   Triangle first = turned(ta, (other_a + 1) % 3), second = turned(tb, (other_b + 1) % 3);
   if (second[0] != first[0]) std::swap(second[0], second[1]);
   return at_edge_meet(first, second);
@@ -175,13 +176,13 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
       skipped[i] = has_area(mesh, order[i]) ? 0 : 1;
     }
   });
-  constexpr std::size_t chunk = 64;  // small: one that is begun is looked at to its end, whatever that costs
+  constexpr std::size_t chunk = 64;  // small, because a chunk that was begun is processed to its end at any cost
   std::vector<std::optional<Crossing>> found(chunk_count(order.size(), chunk));
   std::vector<std::uint64_t> pairs(found.size(), 0);
   std::atomic<std::uint64_t> all_pairs{0};
   std::atomic<std::size_t> first_found{found.size()};
   Activity work("looks for crossings", found.size());
-  // Each triangle against the later ones. Chunks before one with a crossing are under way or done by then.
+  // Tests each triangle against the later ones. Chunks before one with a crossing are in progress or done by then.
   parallel_chunks(order.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
     if (number > first_found.load() || all_pairs > most) return;
     std::array<std::uint32_t, 64> stack;
@@ -214,8 +215,8 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
     all_pairs += pairs[number];
     work.advance();
   });
-  // In order, so that the outcome is that of one thread. Chunks are begun in ascending order: those that were not come
-  // after the one that made it too much.
+  // In order, so that the result is that of one thread. Chunks begin in ascending order, so those that were not begun
+  // come after the one that exceeded the limit.
   std::uint64_t looked_at = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     looked_at += pairs[i];

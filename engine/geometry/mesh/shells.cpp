@@ -15,7 +15,8 @@
 namespace palpa::geometry {
 namespace {
 
-/// Does the segment pass through the triangle's inside? Empty where it only touches or lies in its plane.
+/// Whether the segment passes through the triangle's inside. Empty if it only touches the triangle or lies in its
+/// plane.
 std::optional<bool> passes(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const int above = orient3d(a, b, c, p), below = orient3d(a, b, c, q);
   if (above * below > 0) return false;
@@ -29,7 +30,7 @@ std::optional<bool> passes(const Vec3& p, const Vec3& q, const Vec3& a, const Ve
 bool crosses(const Box& box, const Vec3& from, const Vec3& along, double end) {
   double enter = 0, leave = std::min(end, 1.0);
   for (int i = 0; i < 3; ++i) {
-    // Grown by what rounding can do to the quotients.
+    // Enlarged by the possible rounding error of the quotients.
     const double slack = 1e-9 * (1 + std::abs(along[i]));
     double a = (box.low[i] - slack - from[i]) / along[i], b = (box.high[i] + slack - from[i]) / along[i];
     if (a > b) std::swap(a, b);
@@ -41,13 +42,13 @@ bool crosses(const Box& box, const Vec3& from, const Vec3& along, double end) {
 
 /// Where the ray from `from` first meets another shell than `self`.
 struct Meeting {
-  double at = 2;    ///< as a part of the ray's length; beyond 1 where it meets none
-  double next = 2;  ///< likewise the second time
+  double at = 2;    ///< as a fraction of the ray's length; above 1 if it meets none
+  double next = 2;  ///< the same for the second time
   std::uint32_t shell = 0;
-  bool inside = false;  ///< it begins inside of that one
+  bool inside = false;  ///< the ray begins inside that shell
 };
 
-/// nullopt where the ray grazes a triangle nearer than what it meets.
+/// nullopt if the ray grazes a triangle nearer than the shell that it meets.
 std::optional<Meeting> cast(const Mesh& mesh, const Bvh& bvh, const Shells& shells, std::uint32_t self,
                             const Vec3& from, const Vec3& along) {
   Meeting met;
@@ -60,7 +61,7 @@ std::optional<Meeting> cast(const Mesh& mesh, const Bvh& bvh, const Shells& shel
     const Bvh::Node& node = bvh.nodes()[index];
     if (!crosses(node.box, from, along, met.next)) continue;
     if (node.second != 0) {
-      // The nearer half first: what it holds may rule out the other.
+      // Visits the nearer half first, because its contents may rule out the other.
       const auto ahead = [&](std::uint32_t child) { return glm::dot(bvh.nodes()[child].box.centre(), along); };
       const bool first_nearer = ahead(index + 1) <= ahead(node.second);
       stack[depth++] = first_nearer ? node.second : index + 1;
@@ -83,14 +84,14 @@ std::optional<Meeting> cast(const Mesh& mesh, const Bvh& bvh, const Shells& shel
         met.next = met.at;
         met.at = at;
         met.shell = shells.of_triangle[t];
-        // Below the triangle is inside, but of a shell that faces inwards.
+        // Below the triangle is inside, except for a shell that faces inwards.
         met.inside = (orient3d(a, b, c, from) < 0) == (shells.list[met.shell].volume > 0);
       } else {
         met.next = std::min(met.next, at);
       }
     }
   }
-  // Two that rounding may have put in the wrong order say nothing, unless one shell is met twice.
+  // Two crossings that rounding may have put in the wrong order are inconclusive, unless one shell is met twice.
   constexpr double rounding = 1e-9;
   if ((grazed <= 1 && grazed <= met.at + rounding) || (met.at <= 1 && met.next - met.at <= rounding))
     return std::nullopt;
@@ -113,7 +114,7 @@ std::vector<Vec3> farthest(const Mesh& mesh, const Shells& shells, const Vec3& a
   return best;
 }
 
-/// A direction without a pattern, the same one for the same attempt.
+/// A pseudo-random direction, always the same for the same attempt.
 Vec3 direction(int attempt) {
   std::uint32_t seed = 12'345 + static_cast<std::uint32_t>(attempt) * 7919;
   const auto next = [&seed] {
@@ -159,7 +160,7 @@ void find_nesting(const Mesh& mesh, const Bvh& bvh, Shells& shells) {
   const Box& all = bvh.nodes()[0].box;
   const double reach = 4 * glm::distance(all.low, all.high);
   for (int attempt = 0; attempt < 64; ++attempt) {
-    // One direction for all: who meets another then lies less far along it, which makes an order.
+    // One direction for all: a shell that another one meets then lies farther along it, which gives an order.
     const Vec3 along = direction(attempt) * reach;
     const std::vector<Vec3> from = farthest(mesh, shells, along);
     std::vector<Meeting> met(count);
@@ -179,7 +180,7 @@ void find_nesting(const Mesh& mesh, const Bvh& bvh, Shells& shells) {
     for (const std::uint32_t s : order) {
       if (met[s].at > 1) continue;
       const Shell& other = shells.list[met[s].shell];
-      // Who is met from outside has the same parent, or like it none.
+      // A shell that meets another from outside has the same parent as that shell, or none if it has none.
       if (!met[s].inside && other.depth == 0) continue;
       Shell& shell = shells.list[s];
       shell.parent = met[s].inside ? met[s].shell : other.parent;

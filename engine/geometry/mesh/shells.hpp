@@ -1,4 +1,4 @@
-// The pieces of a closed mesh, and which of them lies inside which.
+// The connected pieces of a closed mesh, and how they are nested.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace palpa::geometry {
 
-/// Triangles that hang together by edges.
+/// Triangles that are connected by edges.
 struct Shell {
   std::uint32_t first = 0;      ///< its first triangle
-  double volume = 0, area = 0;  ///< m^3, negative where it faces inwards; m^2
-  std::uint32_t depth = 0;      ///< how many shells it lies inside of
-  /// The innermost of those, and the outermost; its own number where there is none.
+  double volume = 0, area = 0;  ///< m^3, negative if it faces inwards; m^2
+  std::uint32_t depth = 0;      ///< number of shells that contain it
+  /// The innermost and the outermost shell that contain it; its own number if there is none.
   std::uint32_t parent = 0, outermost = 0;
 };
 
@@ -27,13 +27,13 @@ struct Shells {
 /// `mesh` is closed and oriented, `twin` its twins.
 Shells find_shells(const Mesh& mesh, std::span<const std::uint32_t> twin);
 
-/// Fills depth, parent and outermost. The shells must not meet. Method: a ray from each shell's farthest vertex along
-/// some direction, where it never meets its own shell again. The first other shell that the ray meets is its parent if
-/// the ray leaves that one there; if it enters it, the two have the same parent. Crossings are exact (predicates.hpp);
-/// where rounding could change which is the first, or the ray grazes an edge, another direction is taken.
+/// Fills depth, parent and outermost. The shells must not meet. Method: cast a ray from each shell's farthest vertex in
+/// some direction, where it cannot meet its own shell again. If the ray leaves the first other shell that it meets,
+/// that shell is the parent; if it enters it, the two have the same parent. Crossings are exact (predicates.hpp). If
+/// rounding could change which crossing is first, or the ray grazes an edge, another direction is used.
 void find_nesting(const Mesh& mesh, const Bvh& bvh, Shells& shells);
 
-/// Turns the triangles of the shells that are marked.
+/// Reverses the triangles of the marked shells.
 void flip(Mesh& mesh, const Shells& shells, const std::vector<char>& marked);
 
 }  // namespace palpa::geometry

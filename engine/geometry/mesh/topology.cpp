@@ -7,7 +7,7 @@
 namespace palpa::geometry {
 
 std::vector<Side> sorted_sides(const Mesh& mesh) {
-  // Counting by the lower vertex first leaves only a handful of sides per bucket to sort: linear in practice.
+  // Bucketing by the lower vertex first leaves only a handful of sides per bucket to sort: linear in practice.
   std::vector<std::uint32_t> start(mesh.positions.size() + 1, 0);
   const auto each_side = [&](const auto& visit) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -1,4 +1,4 @@
-// Who is whose neighbour in a mesh: the tables behind closedness, shells and convexity.
+// Adjacency tables of a mesh, the basis of closedness, shells and convexity.
 #pragma once
 
 #include <array>
@@ -9,21 +9,21 @@
 
 namespace palpa::geometry {
 
-/// Side `corner` (0..2) of triangle `triangle`: from its corner to the next one. Sides are numbered 3 * triangle +
+/// Side `corner` (0..2) of triangle `triangle` goes from its corner to the next one. Sides are numbered 3 * triangle +
 /// corner.
 struct Side {
   std::uint32_t low, high;  ///< the edge's vertices in ascending order
   std::uint32_t side;       ///< 3 * triangle + corner
-  bool ascending;           ///< the triangle runs along it from low to high
+  bool ascending;           ///< the triangle traverses it from low to high
 };
 
-/// All sides, sorted by edge, then by number: the sides of one edge stand together.
+/// All sides, sorted by edge, then by number, so that the sides of one edge are adjacent.
 std::vector<Side> sorted_sides(const Mesh& mesh);
 
-/// For every side the side of the neighbouring triangle on the same edge. The mesh must be closed and oriented.
+/// For every side, the neighbouring triangle's side on the same edge. The mesh must be closed and oriented.
 std::vector<std::uint32_t> twins(const Mesh& mesh);
 
-/// Number of pieces that hang together by edges, given the twins.
+/// Number of pieces that are connected by edges, given the twins.
 std::uint32_t count_shells(const std::vector<std::uint32_t>& twin);
 
 /// Start and end vertex of a side.
@@ -44,7 +44,7 @@ Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle);
 /// The triangle's height over its longest side, metres, given twice its area.
 double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area);
 
-/// Groups of indices that are merged step by step; the smallest index stands for its group.
+/// Groups of indices that are merged step by step; the smallest index represents its group.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t count);

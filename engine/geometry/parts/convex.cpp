@@ -1,15 +1,14 @@
 // Two tests decide convexity.
 //
 // 1. Every edge. A surface that is closed, in one piece, and convex around each of its points bounds a convex body
-// (Tietze
-//    and Nakajima; for surfaces that might pass through themselves, van Heijenoort, "On locally convex manifolds",
-//    1952). "Around each point" is: at every edge the surface does not bend inwards, and around every vertex the faces
-//    go round once. So exact edges would be enough. But edges that are flat within the rounding of single precision
-//    must pass, and a finely tessellated dent can consist of such edges only.
-// 2. Therefore every facet that has an edge too flat to call is also tested as a whole: no vertex may lie beyond its
-// plane.
-//    Facets whose edges all are clearly convex need no such test as long as the vertices go round once. For small
-//    meshes all facets are tested: vertices x facets is cheap there. Large ones look vertices up in a tree of boxes.
+//    (Tietze and Nakajima; for surfaces that might pass through themselves, van Heijenoort, "On locally convex
+//    manifolds", 1952). "Around each point" means: the surface does not bend inwards at any edge, and the faces go
+//    round every vertex once. With exact edges, this test would suffice. But edges that are flat within the rounding
+//    of single precision must pass, and a finely tessellated dent can consist of such edges only.
+// 2. Therefore every facet that has an edge too flat to decide is also tested as a whole: no vertex may lie beyond its
+//    plane. Facets whose edges are all clearly convex need no such test as long as the faces go round each vertex
+//    once. For small meshes all facets are tested: vertices x facets is cheap there. For large meshes, vertices are
+//    looked up in a tree of boxes.
 #include "geometry/parts/convex.hpp"
 
 #include <algorithm>
@@ -22,12 +21,12 @@
 namespace palpa::geometry {
 namespace {
 
-// Vertices times facets up to which every facet is tested against every vertex: a tenth of a second.
+// Up to this product of vertices and facets, every facet is tested against every vertex: a tenth of a second.
 constexpr double small_product = 1e8;
 
 struct Bend {
   double height;  // how far the nearer of the two opposite corners stands out, metres; positive: reflex
-  double noise;   // how much of the height rounding may have made, metres
+  double noise;   // possible rounding error of the height, metres
   double angle;   // radians beyond flat; positive: reflex
 };
 
@@ -41,21 +40,21 @@ Bend bend_at(const Mesh& mesh, std::uint32_t side, std::uint32_t twin, const std
   const Vec3& n1 = area_vectors[twin / 3];
   const double twice0 = glm::length(n0), twice1 = glm::length(n1);
   if (!(length > 0) || !(twice0 > 0) || !(twice1 > 0)) return {0, tolerance, 0};
-  // The triangles' heights over the edge are twice their area over its length. Both opposite corners stand over the
-  // other triangle's plane by their height times the sine; the smaller value is the one that rounding disturbs least.
+  // The triangles' heights over the edge are twice their area divided by its length. Each opposite corner stands over
+  // the other triangle's plane by its height times the sine; the smaller value is the least affected by rounding.
   const double sine = -glm::dot(glm::cross(n0, n1), edge) / (twice0 * twice1 * length);
   const double cosine = glm::dot(n0, n1) / (twice0 * twice1);
   const double angle = std::atan2(sine, cosine);
-  // Beyond a right angle the sine falls again, the corner does not come nearer.
+  // Beyond a right angle, the sine decreases again although the corner comes no nearer.
   const double steepness = cosine < 0 ? std::copysign(1.0, sine) : sine;
   const double height = std::min(twice0, twice1) / length;
-  // A narrow triangle's normal is uncertain by a coordinate's error over its width.
+  // A narrow triangle's normal is uncertain by a coordinate's error divided by its width.
   const double uncertain =
       tolerance / 4 * (1 / triangle_width(mesh, side / 3, twice0) + 1 / triangle_width(mesh, twin / 3, twice1));
   return {height * steepness, std::max(tolerance, height * uncertain), angle};
 }
 
-// Vertices in a binary tree of boxes: finds one beyond a plane without looking at all of them.
+// Vertices in a binary tree of boxes: finds one beyond a plane without testing all of them.
 class VertexTree {
  public:
   explicit VertexTree(const std::vector<Vec3>& positions) : points_(positions) { build(0, points_.size()); }
@@ -115,7 +114,7 @@ class VertexTree {
   std::vector<Node> nodes_;
 };
 
-// True when the faces around every vertex go round it exactly once, seen along the mean of their normals.
+// True if the faces around every vertex go round it exactly once, seen along the mean of their normals.
 bool vertices_go_round_once(const Mesh& mesh, std::span<const std::uint32_t> twin,
                             const std::vector<Vec3>& area_vectors) {
   std::vector<Vec3> normal(mesh.positions.size(), Vec3(0));
@@ -177,7 +176,7 @@ std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::
   std::vector<Vec3> area_vectors(mesh.triangles.size());
   for (std::uint32_t t = 0; t < area_vectors.size(); ++t)
     area_vectors[t] = area_vector(mesh, t);
-  // Of each facet: its most inward edge, and whether an edge to another facet is too flat to call.
+  // For each facet: its most inward edge, and whether an edge to another facet is too flat to decide.
   struct Worst {
     double angle = -4;
     std::uint32_t side = 0;
@@ -208,7 +207,7 @@ std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::
   for (std::uint32_t f = 0; f < facets.planes.size(); ++f) {
     if (!all && !doubtful[f]) continue;
     const Plane& plane = facets.planes[f];
-    // The direction of a narrow facet is known less well: what it allows grows with the distance from it.
+    // The direction of a narrow facet is less certain, so its tolerance grows with the distance from it.
     const auto beyond = [&](const Vec3& p, double height) {
       return height > tolerance * (2 + glm::distance(p, facets.centres[f]) / facets.widths[f]);
     };

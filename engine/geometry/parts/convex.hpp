@@ -1,4 +1,4 @@
-// Is a closed mesh convex, and which planes bound it?
+// Tests whether a closed mesh is convex, and finds its bounding planes.
 #pragma once
 
 #include <array>
@@ -17,18 +17,18 @@ struct Plane {
   double offset;
 };
 
-/// How far from a plane a vertex may lie and still count as on it, metres: what single-precision coordinates make of a
-/// true plane, 1e-6 of the mesh's diagonal, or of its distance from the origin where that costs more digits.
+/// How far from a plane a vertex may lie and still count as on it, metres. This is the error of single-precision
+/// coordinates: 1e-6 of the mesh's diagonal, or of its distance from the origin if that costs more digits.
 double flatness_tolerance(const Mesh& mesh);
 
-/// One plane per facet: triangles that hang together and lie in one plane within `tolerance` are one facet; slivers too
-/// thin to have a direction join a neighbour. `mesh` is closed and oriented, `twin` its twins. Order of each facet's
-/// first triangle.
+/// One plane per facet. Connected triangles that lie in one plane within `tolerance` form one facet; slivers too thin
+/// to have a direction join a neighbour. `mesh` is closed and oriented, `twin` its twins. Ordered by each facet's first
+/// triangle.
 struct Facets {
   std::vector<Plane> planes;
   std::vector<Vec3> centres;               ///< of the facets, metres
-  std::vector<double> widths;              ///< of the facets across their longest extent, roughly, metres
-  std::vector<std::uint32_t> of_triangle;  ///< each triangle's facet, or `no_facet` for slivers that found none
+  std::vector<double> widths;              ///< of the facets across their longest extent, approximately, metres
+  std::vector<std::uint32_t> of_triangle;  ///< each triangle's facet, or `no_facet` for slivers without one
   static constexpr std::uint32_t no_facet = 0xffffffffU;
 };
 Facets find_facets(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance);
@@ -39,11 +39,12 @@ struct ReflexEdge {
   double angle;  ///< radians beyond flat, (0, pi]
 };
 
-/// Whether the surface bends inwards at an edge by more than rounding: then it is concave, and quickly found to be.
+/// Whether the surface bends inwards at an edge by more than rounding. A fast test that proves a mesh concave.
 bool has_reflex_edge(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance);
 
-/// nullopt when the mesh is convex within `tolerance`; else its worst reflex edge. The mesh must be closed, oriented
-/// outwards and in one piece. Linear for strictly convex meshes, vertices x facets for small ones (see convex.cpp).
+/// nullopt if the mesh is convex within `tolerance`, else its worst reflex edge. The mesh must be closed, oriented
+/// outwards and in one piece. Takes linear time for strictly convex meshes, vertices x facets for small ones (see
+/// convex.cpp).
 std::optional<ReflexEdge> find_concavity(const Mesh& mesh, std::span<const std::uint32_t> twin, const Facets& facets,
                                          double tolerance);
 

@@ -24,7 +24,7 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// qhull's state; freed whatever happens. qhull keeps pointers into it, so it never moves.
+/// qhull's state, freed in every case. qhull keeps pointers into it, so it never moves.
 class Qhull {
  public:
   Qhull() { qh_zero(&state, nullptr); }
@@ -44,7 +44,7 @@ bool finite(const Vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-/// A facet as qhull leaves it: three point numbers, and the plane that it shares with the facet it was cut from.
+/// A facet in qhull's output: three point numbers, and the plane that it shares with the facet it was cut from.
 struct Facet {
   std::array<std::uint32_t, 3> corners;
   Vec3 normal;
@@ -64,14 +64,14 @@ std::vector<Facet> facets_of(Qhull& hull) {
       ++corner;
     }
     if (corner != 3) return {};
-    // The order is topological, not geometric: right even for triangles without area.
+    // The order is topological, not geometric, so it is correct even for triangles without area.
     if (facet->toporient) std::swap(f.corners[1], f.corners[2]);
     facets.push_back(f);
   }
   return facets;
 }
 
-/// Vertices in the order of the input, triangles in an order that depends on their vertices alone.
+/// Vertices in the order of the input, triangles in an order that depends only on their vertices.
 Hull in_order(std::span<const Vec3> points, std::vector<Facet> facets) {
   for (Facet& f : facets)
     std::rotate(f.corners.begin(), std::min_element(f.corners.begin(), f.corners.end()), f.corners.end());
@@ -114,7 +114,7 @@ std::optional<Hull> convex_hull(std::span<const Vec3> points) {
     box.add(p);
   }
   if (points.size() < 4) return std::nullopt;
-  // Around the origin, so that rounding is that of the cloud's own size.
+  // Relative to the centre, so that rounding depends on the cloud's own size.
   const Vec3 centre = box.centre();
   std::vector<coordT> coordinates;
   coordinates.reserve(3 * points.size());
@@ -127,7 +127,7 @@ std::optional<Hull> convex_hull(std::span<const Vec3> points) {
   std::string command = "qhull Qt";  // merged facets, cut into triangles that share their plane
   const int fault = qh_new_qhull(&hull.state, 3, static_cast<int>(points.size()), coordinates.data(), False,
                                  command.data(), nullptr, nowhere ? nowhere.get() : stderr);
-  if (fault != 0) return std::nullopt;  // flat, or flat but for rounding
+  if (fault != 0) return std::nullopt;  // flat, possibly up to rounding
   std::vector<Facet> facets = facets_of(hull);
   if (facets.size() < 4) return std::nullopt;
   Hull result = in_order(points, std::move(facets));

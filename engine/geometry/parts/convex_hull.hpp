@@ -1,4 +1,4 @@
-// The convex hull of a cloud of points: what makes a part out of whatever a decomposition leaves.
+// The convex hull of a set of points. Turns the pieces of a decomposition into parts.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ struct Hull {
   std::vector<std::uint32_t> plane_of_triangle;
 };
 
-/// The hull of `points` (metres), nullopt where they are flat: fewer than four, or within rounding of a plane. Inner
-/// points, and those that stick out by rounding alone, are no vertices. The same points give the same bytes. Throws
-/// failure() when a coordinate is not finite.
+/// The hull of `points` (metres); nullopt if they are flat: fewer than four, or within rounding of a plane. Inner
+/// points, and points that stick out only by rounding, are not vertices. The same points give the same bytes. Throws
+/// failure() if a coordinate is not finite.
 std::optional<Hull> convex_hull(std::span<const Vec3> points);
 
 }  // namespace palpa::geometry

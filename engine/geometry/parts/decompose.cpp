@@ -19,9 +19,9 @@ namespace {
 
 constexpr double largest_size = 1e3, smallest_size = 1e-6;  // metres
 constexpr std::uint32_t vertices_per_part = 64;             // V-HACD's own default
-// Cuts run along voxels; their rims are then drawn to the surface, which moves neighbours apart by about a voxel. Of
-// the bunny in 32 parts, 6.6 % of the union's surface is a slit more than 3 mm inside when slits stay open, 0.07 % when
-// those up to 1.5 voxels are closed, and no less with more.
+// Cuts run along voxels; their rims are then drawn to the surface, which moves neighbours apart by about a voxel. For
+// the bunny in 32 parts, 6.6 % of the union's surface is a slit more than 3 mm inside if slits stay open, and 0.07 % if
+// slits up to 1.5 voxels are closed; closing wider slits brings no further gain.
 constexpr double seam_voxels = 1.5;
 constexpr std::uint32_t error_samples = 40'000;
 
@@ -36,7 +36,7 @@ bool is_convex(const Mesh& mesh) {
 /// The mesh with each of its holes closed by a fan around the middle of its rim, so that flooding does not leak in.
 Mesh without_holes(const Mesh& mesh) {
   const std::vector<Side> sides = sorted_sides(mesh);
-  // Along a rim: from where an open side begins to where it ends, against the triangle's direction.
+  // Along a rim: maps the start of an open side to its end, against the triangle's direction.
   std::map<std::uint32_t, std::uint32_t> rim;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
@@ -66,7 +66,8 @@ Mesh without_holes(const Mesh& mesh) {
   return closed;
 }
 
-/// The side of V-HACD's voxels, metres: its longest axis has 1.5 times the resolution's cube root of them, or so.
+/// The side of V-HACD's voxels, metres: its longest axis has roughly 1.5 times the cube root of the resolution in
+/// voxels.
 double voxel_side(const Mesh& mesh, std::uint32_t resolution) {
   const Box box = bounds(mesh);
   const Vec3 extent = box.high - box.low;
@@ -74,7 +75,7 @@ double voxel_side(const Mesh& mesh, std::uint32_t resolution) {
   return std::max({extent.x, extent.y, extent.z}) / (along - 1);
 }
 
-/// splitmix64: small, and the same everywhere.
+/// splitmix64: small, and the same on every platform.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -90,7 +91,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// One point in each of `count` stretches of equal area.
+/// One point in each of `count` sections of equal area.
 std::vector<Vec3> spread_over(const UnionSurface& surface, std::uint32_t count, std::uint64_t seed) {
   Random random(seed);
   const double whole = area(surface);

@@ -1,6 +1,6 @@
-// Facets grow from their widest triangle over its neighbours. One triangle knows its plane only to a coordinate's error
-// over its width, too little to reach across a finely divided face: so the plane is fitted anew as the facet grows. On
-// a curved surface this ends where the surface has sunk by about two tolerances.
+// Facets grow from their widest triangle over its neighbours. One triangle determines its plane only to a coordinate's
+// error divided by its width, which is too inaccurate to reach across a finely divided face. The plane is therefore
+// fitted again as the facet grows. On a curved surface, growth ends where the surface has sunk by about two tolerances.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -61,7 +61,7 @@ class Grower {
         for (std::uint32_t side = 3 * member_[done]; side < 3 * member_[done] + 3; ++side)
           try_neighbour(side);
       }
-      // A fit is worth it when the facet has grown by a quarter; so there are few.
+      // A new fit is only worth it when the facet has grown by a quarter, so there are few.
       if (member_.size() < fitted + fitted / 4 + 1) break;
       fitted = member_.size();
       normal_ = glm::normalize(total_);
@@ -88,7 +88,7 @@ class Grower {
     const std::uint32_t neighbour = twin_[side] / 3;
     if (facet_of_[neighbour] != Facets::no_facet) return;
     const double above = glm::dot(normal_, mesh_.positions[opposite_vertex(mesh_, twin_[side])]) - offset_;
-    // A triangle folded back onto the facet lies in its plane, too, but faces the other way.
+    // A triangle folded back onto the facet also lies in its plane, but faces the other way.
     const bool folded = width_[neighbour] > tolerance_ && glm::dot(area_vectors_[neighbour], normal_) < 0;
     if (std::abs(above) > tolerance_ || folded) {
       rejected_.push_back(side);
@@ -141,7 +141,7 @@ class Grower {
   std::vector<double> width_;
   std::vector<std::uint32_t> facet_of_;
   std::vector<Grown> grown_;
-  // The facet that grows.
+  // The growing facet.
   std::vector<std::uint32_t> member_, rejected_;
   Vec3 total_{0}, moment_{0}, normal_{0};
   double weight_ = 0, offset_ = 0;

@@ -1,6 +1,6 @@
-// Each face is a convex polygon; taking a convex region out of it leaves convex polygons. Two regions are taken out for
-// every other part: the part itself, and the part moved back by the seam against the face's normal, which is where
-// a step of a seam's width off the face ends inside the part.
+// Each face is a convex polygon; removing a convex region from it leaves convex polygons. For every other part, two
+// regions are removed: the part itself, and the part moved back by the seam against the face's normal. In the second
+// region, a step of a seam's width off the face ends inside the part.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace {
 
 using Polygon = std::vector<Vec3>;
 
-/// The part of `polygon` where dot(normal, x) < offset goes to `inside`, the rest to `outside`. Corners within `snap`
-/// of the plane count as on it, so that no slivers are cut off.
+/// Puts the part of `polygon` where dot(normal, x) < offset into `inside`, the rest into `outside`. Corners within
+/// `snap` of the plane count as on it, so that no slivers are cut off.
 void split(const Polygon& polygon, const Vec3& normal, double offset, double snap, Polygon& inside, Polygon& outside) {
   inside.clear();
   outside.clear();
@@ -47,7 +47,7 @@ void split(const Polygon& polygon, const Vec3& normal, double offset, double sna
   }
   if (!(lowest < 0)) inside.clear();
   if (!(highest > 0)) outside.clear();
-  if (inside.empty() && outside.empty()) outside = polygon;  // in the plane: not below it
+  if (inside.empty() && outside.empty()) outside = polygon;  // in the plane, so not below it
 }
 
 /// A convex region as half-spaces dot(normal, x) < offset.
@@ -147,7 +147,7 @@ class Builder {
     }
     left_.clear();
     for (Polygon& piece : pieces_) {
-      // Whole where nothing is to be taken out, so that faces are not cut up along planes that matter elsewhere.
+      // Kept whole if nothing is removed, so that faces are not cut along planes that only matter elsewhere.
       if (!meets(region, piece, snap_, rest_, inside_, outside_, cuts_)) {
         left_.push_back(std::move(piece));
         continue;
@@ -197,7 +197,8 @@ double area(const UnionSurface& surface) {
 
 double volume(const UnionSurface& surface) {
   if (surface.triangles.empty()) return 0;
-  const Vec3 origin = surface.triangles[0].a;  // a soup closed but for slivers: the nearer, the less they matter
+  const Vec3 origin = surface.triangles[0].a;  // the surface is closed except for slivers; the nearer the origin, the
+                                               // less they matter
   double six = 0;
   for (const UnionSurface::Triangle& t : surface.triangles)
     six += glm::dot(t.a - origin, area_vector(t));

@@ -22,20 +22,20 @@
 namespace palpa::geometry {
 namespace {
 
-/// What the thread that computes and the one that waits for it share; the last of them frees it.
+/// State shared by the computing thread and the waiting thread; the last of them frees it.
 struct Job : VHACD::IVHACD::IUserCallback {
   std::vector<double> points;
   std::vector<std::uint32_t> triangles;
   VHACD::IVHACD::Parameters parameters;
   std::atomic<double> fraction{0};
   std::atomic<bool> cancelled{false}, done{false};
-  std::mutex mutex;  ///< of the next two
+  std::mutex mutex;  ///< guards the next two
   VHACD::IVHACD* worker = nullptr;
   std::exception_ptr fault;
-  std::vector<std::vector<Vec3>> hulls;  ///< once `done`
+  std::vector<std::vector<Vec3>> hulls;  ///< valid once `done`
 
   void Update(double overall, double stage, const char*, const char*) override {
-    // Ten stages, of which `overall` counts those that are over, in percent.
+    // There are ten stages; `overall` is the percentage of finished stages.
     const double now = (overall + std::min(stage, 100.0) / 10) / 100;
     if (now > fraction) fraction = std::min(now, 1.0);
   }
@@ -46,7 +46,7 @@ struct Release {
 };
 
 void compute(Job& job) {
-  // V-HACD counts its hulls in a variable of the whole process.
+  // V-HACD counts its hulls in a global variable.
   static std::mutex one_at_a_time;
   const std::lock_guard turn(one_at_a_time);
   const std::unique_ptr<VHACD::IVHACD, Release> worker(VHACD::CreateVHACD());
@@ -82,8 +82,8 @@ void run(const std::shared_ptr<Job>& job) {
   job->done = true;
 }
 
-/// V-HACD looks vertices up in a tree that it does not balance, and goes down into it by recursion: at worst one level,
-/// of a bit more than 100 bytes, for each vertex. Its other recursions halve what they are given.
+/// V-HACD stores vertices in an unbalanced tree and descends by recursion: in the worst case one level, of slightly
+/// more than 100 bytes, for each vertex. Its other recursions halve their input.
 constexpr std::size_t stack_per_vertex = 256, stack_besides = std::size_t{8} << 20;
 
 void* run_job(void* argument) {
@@ -92,7 +92,7 @@ void* run_job(void* argument) {
   return nullptr;
 }
 
-/// As std::thread, with a stack as deep as the job may need. Of it, the system gives only what is touched.
+/// Like std::thread, with a stack as deep as the job may need. The system only allocates the pages that are touched.
 pthread_t start(const std::shared_ptr<Job>& job) {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);

@@ -1,4 +1,4 @@
-// V-HACD 4.1, the paper's reference [13], behind a few lines: its header is compiled in vhacd.cpp alone, and palpa
+// V-HACD 4.1, the paper's reference [13], behind a small interface: only vhacd.cpp compiles its header, and palpa also
 // builds without it.
 #pragma once
 
@@ -12,23 +12,23 @@ namespace palpa::geometry {
 
 /// Whether palpa was built with V-HACD.
 bool has_vhacd();
-/// What to do where it was not, for an error's line.
+/// Advice for an error's line if palpa was built without it.
 const char* how_to_get_vhacd();
 
 struct VhacdOptions {
-  std::uint32_t parts = 64;            ///< at most so many hulls
+  std::uint32_t parts = 64;            ///< maximum number of hulls
   std::uint32_t resolution = 400'000;  ///< voxels
-  double error_percent = 1;            ///< a hull this near to its voxels' volume is not cut further
-  std::uint32_t vertices = 64;         ///< at most so many per hull
+  double error_percent = 1;            ///< a hull this close to its voxels' volume is not cut further
+  std::uint32_t vertices = 64;         ///< maximum number per hull
 };
 
-/// Called some times a second with what is done, 0 to 1 and never less than before; false cancels.
+/// Called a few times per second with the progress, 0 to 1 and never decreasing; returning false cancels.
 using Progress = std::function<bool(double)>;
 
-/// The corners of each hull, metres. Empty when cancelled. A cancel returns at once; V-HACD itself looks up only
-/// between its stages, so a thread may go on for some seconds before it frees what it holds. `mesh` must have an
-/// extent along each axis; what is inside is found by flooding from outside, which leaks through holes. Throws
-/// failure() when palpa was built without V-HACD.
+/// The corners of each hull, metres. Empty if cancelled. A cancel returns at once, but V-HACD only notices it between
+/// its stages, so a thread may continue for some seconds before it frees its memory. `mesh` must have an extent along
+/// each axis. The inside is found by flooding from outside, which leaks through holes. Throws failure() if palpa was
+/// built without V-HACD.
 std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions& options, const Progress& progress);
 
 }  // namespace palpa::geometry

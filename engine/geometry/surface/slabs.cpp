@@ -24,7 +24,7 @@ TriangleCorners corners_of(const shader::SurfaceTriangle& t) {
 
 std::vector<Slab> make_slabs(std::span<const Bvh::Node> nodes, std::span<const shader::SurfaceTriangle> triangles,
                              double spare) {
-  // Area times normal of all triangles before each.
+  // For each triangle, the sum of area times normal of all triangles before it.
   std::vector<Vec3> before{Vec3(0)};
   before.reserve(triangles.size() + 1);
   for (const shader::SurfaceTriangle& t : triangles) {

@@ -1,6 +1,6 @@
-// The slab in which all triangles below a node of a tree of boxes lie, across their mean normal. Seen from afar a
-// smooth piece of surface is hardly thicker than its slab, where its box is as thick as it is wide: what asks for the
-// nearest triangle looks at a fraction of the nodes.
+// Slabs for the nodes of a tree of boxes: the slab of a node contains all triangles below it, perpendicular to their
+// mean normal. A smooth piece of surface is hardly thicker than its slab, whereas its box is as thick as it is wide. A
+// search for the nearest triangle therefore visits only a fraction of the nodes.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -17,12 +17,12 @@ struct Slab {
   float low, high;   ///< along the normal, metres
 };
 
-/// One for each node, relative to the centre that `triangles`, in the tree's order, are relative to; `spare` metres
-/// wider than they are, for rounding.
+/// One slab for each node, relative to the same centre as `triangles`, which are in the tree's order. Each slab is
+/// `spare` metres wider than its triangles, to allow for rounding.
 std::vector<Slab> make_slabs(std::span<const Bvh::Node> nodes, std::span<const shader::SurfaceTriangle> triangles,
                              double spare);
 
-/// Of a point from a slab; 0 inside.
+/// Distance of a point from a slab; 0 inside.
 inline float distance(const Slab& slab, const glm::vec3& p) {
   const float at = slab.normal.x * p.x + slab.normal.y * p.y + slab.normal.z * p.z;
   const float below = slab.low - at, above = at - slab.high;

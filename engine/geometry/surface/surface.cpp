@@ -25,12 +25,12 @@ struct Memory {
   SurfaceCells cells;
 };
 
-/// Meshes with fewer triangles are prepared sooner than a file is found.
+/// Meshes with fewer triangles are prepared faster than a cache file is found.
 constexpr std::size_t worth_caching = 5000;
-/// Changes whenever the same mesh gives other cells or triangles.
+/// Must change whenever the same mesh gives other cells or triangles.
 constexpr std::uint32_t surface_version = 3;
 
-/// Everything of a Surface but the spans, as it lies in the cache.
+/// All members of a Surface except the spans, as stored in the cache.
 struct Frame {
   Vec3 centre, low, high;
   double cell_m;

@@ -23,25 +23,25 @@
 namespace palpa::geometry {
 namespace {
 
-/// A list this short is not worth dividing; nor is a cell smaller than that, metres.
+/// A list this short is not worth dividing, nor is a cell smaller than smallest_cell, in metres.
 constexpr std::uint32_t short_list = 8, short_deep_list = 24;
 constexpr double smallest_cell = 1e-5;
-/// What a list's length is multiplied by, all children together, when its cell is divided: a guess from measurements,
-/// rather too large, since what is spent too early is missing where lists are longest.
+/// Factor for the total length of all children's lists when a cell is divided. An estimate from measurements, rather
+/// too large, because room that is spent too early is missing where lists are longest.
 constexpr double growth = 3;
-/// Cells of the grid.
+/// Maximum number of cells of the grid.
 constexpr std::uint32_t most_cells = 262'144;
-/// How much deeper a deep point may be said to lie than it does.
+/// By how much the reported depth of a deep point may exceed the true one.
 constexpr double deep_tolerance = 0.02;
-/// Single precision's relative error with a few operations to spare.
+/// Single precision's relative error with a margin for a few operations.
 constexpr double rounding = 1e-6;
 
 struct Item {
-  std::uint32_t cell;  // its place in the result
+  std::uint32_t cell;  // its index in the result
   glm::uvec3 at;
   std::uint32_t first, count;  // in the level's lists
   bool deep;
-  std::uint8_t stuck;  // how many divisions in a row have not helped
+  std::uint8_t stuck;  // how many divisions in a row did not help
 };
 
 struct Child {
@@ -56,12 +56,12 @@ struct ChunkResult {
   std::vector<std::uint32_t> lists;
 };
 
-/// What is known on the way along the rows of the grid.
+/// State carried along the rows of the grid.
 struct Walk {
-  std::uint32_t guess = 0;  // nearest to the last cell's middle
+  std::uint32_t guess = 0;  // nearest to the middle of the last cell
   std::uint64_t steps = 0;
-  std::optional<glm::uvec3> last;           // cell whose corners were looked at
-  std::array<std::uint32_t, 4> right = {};  // nearest to those that it shares with the next cell
+  std::optional<glm::uvec3> last;           // cell whose corners were evaluated
+  std::array<std::uint32_t, 4> right = {};  // nearest to the corners shared with the next cell
 };
 
 class Builder {
@@ -75,7 +75,7 @@ class Builder {
                                      static_cast<double>(std::min(options.least_cells, most_cells)), most_cells * 1.0);
     const double longest = std::max({extent.x, extent.y, extent.z});
     double side = std::max(std::cbrt(extent.x * extent.y * extent.z / wanted), longest / 1000);
-    // The shader multiplies by this float; the cells are what it makes them.
+    // The shader multiplies by this float, so it defines the cells.
     const auto density = static_cast<float>(1 / side);
     side = 1 / static_cast<double>(density);
     out_.cell_m = side;
@@ -89,7 +89,7 @@ class Builder {
 
   SurfaceCells run() {
     build_grid();
-    search_.reset();  // lists are about to grow
+    search_.reset();  // frees memory before lists grow
     double side = out_.cell_m;
     for (std::uint32_t level = 0; level < shader::surface_most_levels && !items_.empty(); ++level) {
       divide_level(side, level + 1 < shader::surface_most_levels && side / 2 > std::max(smallest_cell, 400 * epsilon_));
@@ -103,8 +103,7 @@ class Builder {
  private:
   // ---- the grid: lists from the tree ----
 
-  /// All lists, of which there is never a second copy of more than a result. A result keeps no room that it does not
-  /// need.
+  /// Collects all lists. At most one result exists twice at a time, and results keep no unused memory.
   void collect_lists(std::vector<ChunkResult>& results) {
     std::size_t listed = 0;
     for (const ChunkResult& result : results)
@@ -131,7 +130,8 @@ class Builder {
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       ChunkResult& result = results[number];
       Walk walk;
-      // The distance changes by no more than a step's length: a cell far from the surface speaks for some that follow.
+      // The distance changes by at most the length of a step, so a cell far from the surface has the same result as
+      // some that follow.
       std::size_t same = 0;
       for (std::size_t i = begin; i < end && all_steps <= most_steps; ++i) {
         if (same > 0 && position(i).x != 0) {
@@ -165,8 +165,8 @@ class Builder {
                     most_steps, cells));
   }
 
-  /// About how many steps the whole grid takes, from one cell in many: what is out of the question is refused soon.
-  /// Somewhat too many, since cells here have no neighbours to start from.
+  /// Estimates the steps for the whole grid from one cell in many, so that impossible grids are refused early. Slightly
+  /// too high, because these cells have no neighbours to start from.
   std::uint64_t sampled_steps(std::size_t count, double side) const {
     constexpr std::size_t stride = 127;
     std::uint64_t steps = 0;
@@ -177,7 +177,7 @@ class Builder {
       lists.clear();
       const Child child = grid_cell(position(i), side, walk, lists, spare);
       const std::uint64_t took = std::exchange(walk.steps, 0);
-      if (child.count != 0) steps += took;  // a cell without a list speaks for some that follow
+      if (child.count != 0) steps += took;  // a cell without a list also covers some that follow
     }
     return steps * stride;
   }
@@ -186,7 +186,7 @@ class Builder {
     return {i % out_.grid.x, i / out_.grid.x % out_.grid.y, i / out_.grid.x / out_.grid.y};
   }
 
-  /// `spare`: how far from the cell the answer is the same.
+  /// `spare`: the distance from the cell within which the result is the same.
   Child grid_cell(const glm::uvec3& at, double side, Walk& walk, std::vector<std::uint32_t>& lists,
                   double& spare) const {
     const CellSamples samples(out_.low + Vec3(at) * side, side);
@@ -234,13 +234,14 @@ class Builder {
             false};
   }
 
-  /// How much farther away, squared, than the nearest triangle one may be that is taken for it, where all are at least
-  /// `apart` away.
+  /// How much farther away than the nearest triangle, squared, another triangle may be to replace it, if all are at
+  /// least `apart` away.
   static double slack_of(double apart) { return ((1 + deep_tolerance) * (1 + deep_tolerance) - 1) * apart * apart; }
 
-  /// A triangle that is nowhere in a deep cell farther away than the nearest there by more than the tolerance. d^2 -
-  /// |p|^2 of the distance to a point is linear in p, of that to a surface concave: between the corners one is what
-  /// they say, the other at least that. So what one rival is farther away, squared, is most at a corner.
+  /// A triangle whose distance nowhere in a deep cell exceeds the nearest one by more than the tolerance. d^2 - |p|^2
+  /// is linear in p for the distance to a point and concave for the distance to a surface. Between the corners, the
+  /// former is the interpolation of the corners' values, and the latter at least that. The amount by which one rival is
+  /// farther away, squared, is therefore largest at a corner.
   static std::optional<std::uint32_t> one_for_all(const Contest& contest, const std::array<float, 8>& corner2,
                                                   double apart) {
     const double slack = slack_of(apart);
@@ -287,7 +288,7 @@ class Builder {
     finish_level();
   }
 
-  /// So that all lists together stay within their room.
+  /// Keeps the total size of all lists within its limit.
   std::uint32_t longest_list_to_keep() const {
     std::vector<std::uint32_t> lengths;
     double total = static_cast<double>(out_.runs.size());
@@ -336,7 +337,7 @@ class Builder {
         nearest_corner2 = std::min(nearest_corner2, least[at[k]]);
       }
       const double radius = std::sqrt(3.0) / 4 * side;
-      // d^2 - |p - middle|^2 is concave, too.
+      // d^2 - |p - middle|^2 is also concave.
       const double apart =
           std::max(std::sqrt(least[middle]) - radius, std::sqrt(std::max(nearest_corner2 - radius * radius, 0.0)));
       const std::uint32_t nearest_of_middle = list[which[middle]];
@@ -365,7 +366,7 @@ class Builder {
           for (std::size_t i = 0; i < 8; ++i)
             d[i] = d2[k * n + at[i]];
           const auto end = contest.triangle.begin() + static_cast<std::ptrdiff_t>(contest.count);
-          // With slack two could rule each other out: the rivals themselves stay.
+          // With slack, two triangles could exclude each other, so the rivals themselves stay.
           const bool stays = slack > 0 && std::find(contest.triangle.begin(), end, list[k]) != end;
           if (stays || !contest.beats(d)) result.lists.push_back(list[k]);
         }

@@ -16,17 +16,16 @@ struct SurfaceCells {
   Vec3 low{0};
   double cell_m = 0;
   glm::uvec3 grid{0};
-  std::uint32_t longest = 0;  ///< triangles of a cell at most
+  std::uint32_t longest = 0;  ///< maximum number of triangles in a cell
   std::vector<shader::SurfaceCell> cells;
   std::vector<std::uint32_t> runs;
 };
 
-/// `bvh` of the mesh whose triangles, in the tree's order, are `triangles`; `box` around them, both relative to
-/// `centre`.
+/// `triangles` are in the order of `bvh`, the mesh's tree; `box` surrounds them. Both are relative to `centre`.
 SurfaceCells make_surface_cells(const Bvh& bvh, const SurfaceTriangles& triangles, const Vec3& centre, const Box& box,
                                 const SurfaceOptions& options);
 
-/// Whether a point nearest to that triangle is inside.
+/// Whether a point whose nearest triangle is this one is inside.
 bool is_inside(const shader::SurfaceTriangle& triangle, const shader::SurfaceSigns& signs,
                std::span<const shader::vec4> corners, const glm::vec3& p);
 

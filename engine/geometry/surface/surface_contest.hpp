@@ -1,4 +1,4 @@
-// Which triangles can be the nearest somewhere in a cell: those that no rival beats at all of its corners.
+// Which triangles can be the nearest somewhere in a cell: those that no rival beats at all corners of the cell.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace palpa::geometry {
 
 using Corners = std::array<glm::vec3, 8>;
 
-/// A surface point that every triangle of a cell is measured against.
+/// A surface point that every triangle of a cell is compared with.
 struct Rival {
   Vec3 point;
   std::uint32_t triangle;
@@ -28,7 +28,7 @@ struct Contest {
   std::array<std::uint32_t, most_rivals> triangle;
   std::size_t count = 0;
 
-  /// `slack` is what a nearer rival is allowed to be farther away, squared.
+  /// `slack` is a squared distance by which a nearer rival may be farther away.
   void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
     for (std::size_t i = 0; i < count; ++i) {
       if (triangle[i] == rival.triangle && to_corner[i] == distances(rival.point, corners)) return;
@@ -40,7 +40,7 @@ struct Contest {
     ++count;
   }
 
-  /// Whether something at these squared distances from the corners is nowhere in the cell the nearest.
+  /// Whether an object at these squared distances from the corners is nearest nowhere in the cell.
   template <typename Distance2>
   bool beats(const Distance2& distance2) const {
     for (std::size_t r = 0; r < count; ++r) {

@@ -25,7 +25,7 @@ CellSamples::CellSamples(const Vec3& low, double side) {
 
 namespace {
 
-// Four points at a time. Compilers do not turn comparisons of floats into masks by themselves where these might trap.
+// Four points at a time. Compilers do not turn float comparisons into masks by themselves if these might trap.
 using Four [[gnu::vector_size(16)]] = float;
 
 Four load(const float* from) {

@@ -1,4 +1,4 @@
-// Distances of a cell's sample points from triangles, many at a time.
+// Distances between a cell's sample points and triangles, many at a time.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace palpa::geometry {
 
-/// Points of a cell that is about to be divided: the 27 corners of its children (x fastest), then the children's
+/// Sample points of a cell that is about to be divided: the 27 corners of its children (x fastest), then the children's
 /// centres.
 struct CellSamples {
-  static constexpr std::size_t corners = 27, count = 36;  // 35 and one to fill up
+  static constexpr std::size_t corners = 27, count = 36;  // 35 and one for padding
   alignas(16) std::array<float, count> x, y, z;
 
   CellSamples(const Vec3& low, double side);
@@ -24,7 +24,7 @@ struct CellSamples {
 void distances2(const shader::SurfaceTriangle& triangle, const float* x, const float* y, const float* z,
                 std::size_t count, float* out);
 
-/// The triangle's point nearest to p. All relative to the solid's centre.
+/// The triangle's point nearest to p. All positions are relative to the solid's centre.
 Vec3 nearest_point(const shader::SurfaceTriangle& triangle, const Vec3& p);
 
 inline shader::Float3 float3(const glm::vec3& p) {

@@ -11,14 +11,14 @@ namespace palpa::geometry {
 namespace {
 
 constexpr std::size_t chunk = 16'384;
-/// Cosine below which a bend decides by itself on which side a point lies.
+/// Cosine below which a bend alone decides on which side a point lies.
 constexpr double sharp_edge = 0, sharp_corner = 0.3;
-/// Sine up to which a bend may be called either way.
+/// Sine up to which a bend may count as convex or reflex.
 constexpr double flat_bend = 1e-7;
 constexpr std::uint32_t none = 0xffffffffU;
 
 struct Face {
-  Vec3 normal{0};  // unit; of a needle: its neighbour's
+  Vec3 normal{0};  // unit; for a needle: its neighbour's
   bool needle = false;
   std::uint8_t longest = 0;  // side
 };
@@ -77,7 +77,7 @@ class Preparer {
     });
   }
 
-  // Over the longest sides from needle to needle, until a triangle is wide enough to know.
+  // Goes over the longest sides from needle to needle, until a triangle is wide enough to have a direction.
   void borrow_normals() {
     std::vector<std::pair<std::uint32_t, Vec3>> borrowed;
     for (std::uint32_t t = 0; t < faces_.size(); ++t) {
@@ -103,14 +103,14 @@ class Preparer {
     return best;
   }
 
-  // Out of the triangle, across the side, in the triangle's plane.
+  // Points out of the triangle, across the side, in the triangle's plane.
   Vec3 outwards(std::uint32_t side) const {
     const Vec3 m = glm::cross(along(side), faces_[side / 3].normal);
     const double length = glm::length(m);
     return length > 0 ? m / length : Vec3(0);
   }
 
-  // Sine of the bend at a side: positive where the edge is convex.
+  // Sine of the bend at a side: positive if the edge is convex.
   double bend(std::uint32_t side) const { return glm::dot(faces_[twin_[side] / 3].normal, outwards(side)); }
 
   void find_fans(std::vector<shader::vec4>& corners) {
@@ -129,7 +129,7 @@ class Preparer {
       const auto fan = static_cast<std::uint32_t>(corners.size());
       Vec3 sum(0);
       std::uint32_t side = first;
-      do {  // sides leave the vertex; bounded: each gets its fan once
+      do {  // sides leave the vertex; terminates: each gets its fan once
         fan_[side] = fan;
         sum += angle[side] * faces_[side / 3].normal;
         side = twin_[previous_side(side)];
@@ -177,7 +177,7 @@ class Preparer {
     const Vec3 first = along(side0);
     const double length0 = glm::length(first);
     Vec3 x = length0 > 0 ? first / length0 : Vec3(1, 0, 0);
-    // A needle's own plane may lie anyhow; the borrowed normal is made perpendicular to its longest side.
+    // A needle's own plane is arbitrary; the borrowed normal is made perpendicular to its longest side.
     Vec3 n = face.normal - x * glm::dot(face.normal, x);
     double n_length = glm::length(n);
     if (!(n_length > 1e-3)) {
@@ -205,7 +205,7 @@ class Preparer {
   std::span<const std::uint32_t> twin_;
   double needle_;
   std::vector<Face> faces_;
-  std::vector<std::uint32_t> fan_;  // per side: of the vertex that it leaves
+  std::vector<std::uint32_t> fan_;  // per side: fan of the vertex that it leaves
 };
 
 }  // namespace
