@@ -17,6 +17,7 @@
 #include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
+#include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
 
 namespace palpa::array {
@@ -261,7 +262,8 @@ TEST(DriveMemory, RefuseWhatTheDeviceCannotBind) {
   EXPECT_GE(fitting, 4000u);
   EXPECT_LE(std::uint64_t{fitting} * layout.transducers.size() * sizeof(TransducerDrive),
             device.limits().maxStorageBufferRange);
-  EXPECT_THROW(DriveMemory(device, layout, {}, fitting + 1, 1), Error);
+  EXPECT_ERROR(DriveMemory(device, layout, {}, fitting + 1, 1), Exit::usage,
+               std::to_string(fitting + 1) + " slots of " + std::to_string(layout.transducers.size()));
   EXPECT_EQ(DriveMemory::fitting_slots(device, 0), 65535u);
 }
 
