@@ -12,6 +12,7 @@
 #include "geometry/parts_solid.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"
@@ -264,6 +265,7 @@ TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
 }
 
 TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
+  PALPA_TERMINAL_OR_SKIP();
   // Long enough to be caught in the act: many bumps, many voxels.
   geometry::Mesh mesh;
   for (int i = 0; i < 40; ++i) {

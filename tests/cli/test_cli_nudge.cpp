@@ -22,6 +22,7 @@
 #include "session/links/record_link.hpp"
 #include "setup/keys.hpp"
 #include "support/files.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "terminal.hpp"
@@ -179,6 +180,7 @@ std::string shell_line(const std::string& rest) {
 }
 
 TEST_F(Nudge, ATerminalIsAsItWasBeforeOnEveryWayOut) {
+  PALPA_TERMINAL_OR_SKIP();
   const std::string out = " --out " + file("nudged.toml");
   const auto restored = [](Terminal& terminal) {
     EXPECT_TRUE(terminal.shows("all said")) << terminal.text();
@@ -213,6 +215,7 @@ TEST_F(Nudge, ATerminalIsAsItWasBeforeOnEveryWayOut) {
 }
 
 TEST_F(Nudge, KeysAreReadWhileNoFrameComes) {
+  PALPA_TERMINAL_OR_SKIP();
   Terminal terminal("sh", {"-c", shell_line(" --out " + file("nudged.toml") + " --source recording:" + file("stuck"))});
   ASSERT_TRUE(terminal.shows("x +0.0")) << terminal.text();
   terminal.type("\x1b[C");

@@ -15,6 +15,7 @@
 #include "driver/autd3/listen.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -90,6 +91,7 @@ Result palpa_on_free_line(const std::vector<std::string>& arguments) {
 }
 
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
+  PALPA_TERMINAL_OR_SKIP();
   driver::sonicsurface::EmulatedBoards boards(1, false);
   const driver::sonicsurface::Pty pty;
   std::atomic<bool> stop{false};

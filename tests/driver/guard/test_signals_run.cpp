@@ -15,6 +15,7 @@
 #include "cli/process.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/instrumented.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -142,12 +143,14 @@ std::vector<std::string> sweep(const LiveBoard& board) {
 }
 
 TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
+  PALPA_TERMINAL_OR_SKIP();
   LiveBoard board;
   for (int signal = 1; signal < NSIG; ++signal)
     expect_silence(board, sweep(board), signal);
 }
 
 TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
+  PALPA_TERMINAL_OR_SKIP();
   LiveBoard board;
   for (const int signal : {SIGXFSZ, SIGPIPE, SIGTERM}) {
     expect_silence(board,
@@ -159,6 +162,7 @@ TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
 }
 
 TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
+  PALPA_TERMINAL_OR_SKIP();
   LiveBoard board;
   for (const int signal : {SIGXFSZ, SIGPIPE, SIGHUP}) {
     SCOPED_TRACE(strsignal(signal));
