@@ -1,7 +1,6 @@
 // The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promises about sines and
 // layout.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -273,32 +272,6 @@ TEST(DriveMemory, AnEmptyBatchIsFine) {
   DriveMemory buffers(device, load_layout("openmpd"), {}, 0, 0);
   test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
   EXPECT_EQ(buffers.slots(), 0u);
-}
-
-TEST(DriveMemory, SpeedIsPrintedNotJudged) {
-  gpu::Device& device = test::test_device();
-  const DrivePasses passes(device, Solver::naive);
-  const Layout layout = load_layout("paper");
-  const gpu::Recorder recorder(device, "drive speed");
-  gpu::Timeline timeline(device);
-  for (const auto& [slots, foci] : {std::pair{10U, 1U}, {1000U, 1U}, {10U, 2U}, {200U, 5U}}) {
-    DriveMemory buffers(device, layout, {}, slots, slots * foci);
-    std::vector<double> times;
-    for (int round = 0; round < 6; ++round) {
-      const auto begin = std::chrono::steady_clock::now();
-      buffers.clear();
-      auto batch = random_slots(1, 0, 1);
-      batch[0].resize(foci, {{0.01, 0.02, 0.03}});
-      for (std::uint32_t s = 0; s < slots; ++s)
-        ASSERT_TRUE(buffers.add_slot(batch[0]));
-      buffers.record(recorder.begin(), passes);
-      timeline.wait(timeline.submit(recorder.end()));
-      times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    }
-    std::ranges::sort(times);
-    std::printf("  %4u slots of %u foci x %zu transducers: %.2f ms, %.0f foci/s\n", slots, foci,
-                layout.transducers.size(), times[2] * 1e3, slots * foci / times[2]);
-  }
 }
 
 }  // namespace
