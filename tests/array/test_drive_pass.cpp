@@ -15,6 +15,7 @@
 #include "spirv/drive_sum_checked.comp.hpp"
 #include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
+#include "support/digest.hpp"
 #include "support/spirv.hpp"
 #include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
@@ -156,15 +157,12 @@ TEST(DrivePass, TheSameBytesOnEveryRun) {
     const auto again = run_guarded(inputs, inputs.batch());
     ASSERT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(first[0])), 0);
   }
-  // Printed for the test matrix, which compares it between thread counts and vector widths.
-  std::uint64_t hash = 14695981039346656037ull;
+  test::Digest digest;
   for (const shader::DriveOut& out : first) {
-    std::uint32_t words[2];
-    std::memcpy(words, &out, sizeof(words));
-    for (const std::uint32_t word : words)
-      hash = (hash ^ word) * 1099511628211ull;
+    digest.add(out.amplitude);
+    digest.add(out.phase);
   }
-  std::printf("  bytes of 70 drives: %016llx\n", static_cast<unsigned long long>(hash));
+  test::tell_digest("drives", digest.value());
 }
 
 TEST(DrivePass, LayoutIsWhatTheShadersHave) {
