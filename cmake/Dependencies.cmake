@@ -1,4 +1,5 @@
-# Everything palpa links, all of it Debian packages (see ./dev deps) but V-HACD, and librealsense2 where somebody installed it.
+# All libraries that palpa links. They are Debian packages (see ./dev deps), except V-HACD and, if it is installed,
+# librealsense2.
 find_package(PkgConfig REQUIRED)
 find_package(Vulkan REQUIRED)
 find_package(Threads REQUIRED)
@@ -17,7 +18,7 @@ pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(OPENBLAS REQUIRED openblas)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
 include(cmake/Vhacd.cmake)
-# The first that can be asked whether a camera is still plugged in.
+# The first version that can report whether a camera is still plugged in.
 if(PALPA_REALSENSE STREQUAL "AUTO")
   find_package(realsense2 2.55 QUIET)
 elseif(PALPA_REALSENSE)

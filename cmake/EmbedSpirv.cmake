@@ -1,5 +1,5 @@
-# Writes HEADER: the words of the SPIR-V module SPV as a constexpr array; and of a compute shader its gpu::Kernel, with the names of
-# the buffers that it binds (engine/gpu/kernel.hpp). Run by palpa_shaders.
+# Writes HEADER: the words of the SPIR-V module SPV as a constexpr array and, for a compute shader, its gpu::Kernel with
+# the names of the buffers that it binds (engine/gpu/kernel.hpp). Run by palpa_shaders.
 file(READ ${SPV} hex HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
 string(REGEX REPLACE "((0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,))"
@@ -7,8 +7,9 @@ string(REGEX REPLACE "((0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(
 cmake_path(GET SHADER FILENAME file)
 string(MAKE_C_IDENTIFIER ${file} name)
 
-# kernel_buffers(names texels): what the compute shader binds, in the order of the numbers. A storage buffer has the name of its
-# block, in small letters: DeepMasks is deep_masks. A texel buffer has the name of its variable.
+# kernel_buffers(names texels): the buffers that the compute shader binds, in the order of their binding numbers. A
+# storage buffer has the name of its block in lower case: DeepMasks is deep_masks. A texel buffer has the name of its
+# variable.
 function(kernel_buffers NAMES TEXELS)
   execute_process(COMMAND ${SPIRV_DIS} --raw-id --no-color ${SPV} OUTPUT_VARIABLE module COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "OpDecorate %[0-9]+ Binding [0-9]+" decorations "${module}")
@@ -33,7 +34,8 @@ function(kernel_buffers NAMES TEXELS)
     endif()
     string(REGEX REPLACE "([a-z0-9])([A-Z])" "\\1_\\2" buffer "${CMAKE_MATCH_1}")
     string(TOLOWER ${buffer} buffer)
-    # Two blocks may show one buffer in two ways; the name of one begins with the name of the other, which counts.
+    # Two blocks may be two views of one buffer. The name of one then begins with the name of the other; the shorter
+    # name is used.
     if(DEFINED name_${number})
       string(LENGTH ${buffer} length)
       string(LENGTH ${name_${number}} known)
@@ -97,7 +99,7 @@ else()
     "namespace palpa::spirv {\ninline constexpr std::uint32_t ${name}[] = {\n${words}};\n}  // namespace palpa::spirv\n")
 endif()
 file(WRITE ${HEADER} "${text}")
-# glslang names the .spv as the rule's target; the build system knows the header.
+# glslang writes the .spv as the target of the rule, but the build system needs the header.
 file(READ ${DEPFILE} rule)
 string(REPLACE "${SPV}" "${HEADER}" rule "${rule}")
 file(WRITE ${DEPFILE} "${rule}")

@@ -1,4 +1,4 @@
-# `cmake --install`: every room with its headers, the programs, and a package that find_package(palpa) finds:
+# `cmake --install` installs every room with its headers, the programs, and a package for find_package(palpa):
 #   find_package(palpa REQUIRED)
 #   target_link_libraries(mine PRIVATE palpa::touch palpa::array)   # or palpa::palpa, the whole engine
 include(CMakePackageConfigHelpers)
@@ -14,7 +14,8 @@ install(TARGETS ${rooms} palpa_everything EXPORT palpaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
-# Rooms include each other as "touch/types.hpp" and the structs they share with shaders as "shaders/touch/contacts/contacts.h".
+# Rooms include each other as "touch/types.hpp", and the structs that they share with shaders as
+# "shaders/touch/contacts/contacts.h".
 install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
@@ -26,6 +27,6 @@ configure_package_config_file(cmake/palpaConfig.cmake.in ${PROJECT_BINARY_DIR}/p
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/palpaConfig.cmake ${PROJECT_BINARY_DIR}/palpaConfigVersion.cmake
   DESTINATION ${package_dir})
-# The README's links lead into docs/. The pages' own links to headers and tests are for readers of the sources.
+# The README's links lead into docs/. The links of these pages to headers and tests are for readers of the sources.
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -2,42 +2,45 @@
 add_library(palpa_options INTERFACE)
 target_compile_options(palpa_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
-  # Vulkan structs are begun with sType alone; the rest is zero by the language.
+  # Vulkan structs are initialised with sType only; the language sets the rest to zero.
   -Wno-missing-field-initializers
-  # The twins must give the same bytes whatever instruction set a later flag turns on.
+  # The twins must give the same bytes with any instruction set that a later flag enables.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # GCC 12 loses the rounding of double(float(x)) when it vectorises neighbouring components: double, float, double is then no
-  # conversion at all, and the twins that round as the device does would not.
+  # GCC 12 loses the rounding of double(float(x)) when it vectorises neighbouring components: it removes the conversion
+  # from double to float and back. The twins would then not round as the device does.
   target_compile_options(palpa_options INTERFACE -fno-tree-slp-vectorize)
-  # The compiler collects its garbage from 1 GB on: the largest source stays below that, and a test of many templates is compiled a
-  # fifth sooner.
+  # The compiler collects garbage only above 1 GB. The largest source stays below that, and a test with many templates
+  # compiles a fifth sooner.
   target_compile_options(palpa_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=1000000>)
 endif()
-# Everywhere, since one library's flags may ask for it, and headers that were parsed without it do not serve a source that has it.
+# Set everywhere, because the flags of a library may require it, and headers parsed without it cannot be used for a
+# source with it.
 target_compile_options(palpa_options INTERFACE -pthread)
 if(PALPA_WERROR)
   target_compile_options(palpa_options INTERFACE -Werror)
 endif()
-# Tests are built with other flags here and there.
+# Some flags differ for tests.
 define_property(DIRECTORY PROPERTY PALPA_OF_TESTS INHERITED)
 define_property(TARGET PROPERTY PALPA_OF_TESTS INHERITED)
 set(of_tests $<BOOL:$<TARGET_PROPERTY:PALPA_OF_TESTS>>)
 if(PALPA_UNITS)
-  # Of tests, one source's constants may stand above another's local names; local names above each other are seen all the same.
+  # In tests, local names in one source may shadow constants of another. Local names that shadow each other are still
+  # reported.
   target_compile_options(palpa_options INTERFACE $<${of_tests}:-Wno-shadow>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(palpa_options INTERFACE $<$<AND:${of_tests},$<COMPILE_LANGUAGE:CXX>>:-Wshadow=local>)
   endif()
 endif()
-# What makes a fault in memory end a program instead of serving whoever caused it: palpa reads files of strangers, and its guard has a
-# board open. None of it asks anything of those who link the installed libraries, beside the C library that they have. Sanitizers
-# look closer by themselves.
+# Hardening: a memory error must end the program so that an attacker cannot use it. palpa reads untrusted files, and its
+# guard has a board open. These flags require nothing from users of the installed libraries except the C library that
+# they have. Sanitizers do their own, stricter checks.
 if(NOT PALPA_SANITIZE)
   target_compile_options(palpa_options INTERFACE -fstack-protector-strong -fstack-clash-protection)
   target_compile_definitions(palpa_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(palpa_options INTERFACE LINKER:-z,relro,-z,now)
-  # The C library's checks of buffers need an optimiser, which Debug builds and tests do without. Distributions define it in other ways.
+  # The C library's buffer checks need optimisation, which Debug builds and tests do not have. Some distributions define
+  # it differently.
   set(fortify 2)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
     set(fortify 3)
@@ -46,19 +49,19 @@ if(NOT PALPA_SANITIZE)
     "$<$<AND:$<NOT:${of_tests}>,$<NOT:$<CONFIG:Debug>>>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=${fortify}>")
 endif()
 if(PALPA_SANITIZE)
-  # What the last three look for in the tests' own code, AddressSanitizer meets when it happens, or nobody would write there; to be
-  # built with them costs a quarter more.
+  # In the tests' own code, AddressSanitizer finds the errors of the last three checks when they happen, or nobody would
+  # write such code there. Building with these checks takes a quarter longer.
   target_compile_options(palpa_options INTERFACE
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<${of_tests}:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
-  # What the sanitizers note of every check and global is full of addresses: a program that may lie anywhere has over a million to
-  # mend whenever it starts, and tests start thousands.
+  # The sanitizers' data on every check and global is full of addresses. A position-independent program has to relocate
+  # over a million of them at every start, and tests start thousands of programs.
   if(NOT PALPA_SANITIZE STREQUAL "thread")
     target_compile_options(palpa_options INTERFACE -fno-pie)
     target_link_options(palpa_options INTERFACE -no-pie)
   endif()
-  # Programs of some 100 MB each: LLVM's linker, where it is, takes less than half the time.
+  # The programs have about 100 MB each. LLVM's linker, if installed, takes less than half the time.
   find_program(PALPA_LLD ld.lld)
   if(PALPA_LLD)
     target_link_options(palpa_options INTERFACE -fuse-ld=lld)

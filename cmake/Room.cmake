@@ -1,11 +1,12 @@
-# Other people's headers that many sources include, parsed once for all sources built with the same flags; none of palpa's
-# own. Since the compiler cannot miss them in a source that forgets them, tests/house/includes.py does (./dev check).
+# Third-party headers that many sources include are parsed once for all sources built with the same flags. None of
+# palpa's own headers are among them. The compiler does not report a source that forgets to include them;
+# tests/house/includes.py does (./dev check).
 set(PALPA_COMMON_HEADERS <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional>
   <limits> <map> <memory> <numbers> <numeric> <optional> <random> <span> <string> <string_view> <thread> <utility> <vector>
   <glm/glm.hpp>)
 
-# palpa_common_headers(TARGET LINKS ... HEADERS ...): a target that only parses the common headers, and these. GCC takes them for a
-# source that defines more than they saw, never for one that defines less.
+# palpa_common_headers(TARGET LINKS ... HEADERS ...): a target that only parses the common headers and the given ones.
+# GCC uses them for a source with additional definitions, but never for a source with fewer definitions.
 function(palpa_common_headers TARGET)
   cmake_parse_arguments(COMMON "" "" "LINKS;HEADERS" ${ARGN})
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}.cpp CONTENT "")
@@ -15,8 +16,9 @@ function(palpa_common_headers TARGET)
   target_precompile_headers(${TARGET} PRIVATE ${PALPA_COMMON_HEADERS} ${COMMON_HEADERS})
 endfunction()
 
-# palpa_room(NAME SOURCES ... [SHADERS ...] [PUBLIC ...] [PRIVATE ...] [HEADERS ...]): one room of the engine as a static library
-# palpa::NAME. PUBLIC and PRIVATE are the rooms and libraries it may use, beside fmt; arrows point downward only.
+# palpa_room(NAME SOURCES ... [SHADERS ...] [PUBLIC ...] [PRIVATE ...] [HEADERS ...]): one room of the engine as a
+# static library palpa::NAME. PUBLIC and PRIVATE are the rooms and libraries that it may use, besides fmt. Dependencies
+# point downward only.
 function(palpa_room NAME)
   cmake_parse_arguments(ROOM "" "" "SOURCES;SHADERS;PUBLIC;PRIVATE" ${ARGN})
   set(target palpa_${NAME})
@@ -36,13 +38,13 @@ function(palpa_room NAME)
   set_property(GLOBAL APPEND PROPERTY PALPA_ROOMS ${target})
 endfunction()
 
-# palpa_test_headers(TARGET): the tests' common headers. PALPA_TEST_HEADERS names those of the flags that a folder's tests are built
-# with.
+# palpa_test_headers(TARGET): the tests' common headers. PALPA_TEST_HEADERS names the target that matches the flags of a
+# folder's tests.
 function(palpa_test_headers TARGET)
   palpa_common_headers(${TARGET} LINKS GTest::gtest HEADERS <gtest/gtest.h> <nlohmann/json.hpp>)
 endfunction()
 
-# palpa_test_library(NAME SOURCES ... [LINKS ...]): what several tests use, compiled once for them.
+# palpa_test_library(NAME SOURCES ... [LINKS ...]): code that several tests use, compiled once.
 function(palpa_test_library NAME)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${NAME} STATIC ${TEST_SOURCES})
@@ -50,20 +52,22 @@ function(palpa_test_library NAME)
   target_precompile_headers(${NAME} REUSE_FROM ${PALPA_TEST_HEADERS})
 endfunction()
 
-# palpa_test_computes(SOURCE...): these compute for long what tests compare with, and are optimised in every build.
+# palpa_test_computes(SOURCE...): these sources compute reference values for a long time, so they are optimised in every
+# build.
 function(palpa_test_computes)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS] [ALONE]): a topic of
-# tests, one ctest entry. The topics of a folder are one GoogleTest program, tests_FOLDER; ctest runs it once for each topic, with
-# the tests of those sources alone (tests/support/main.cpp), and to build NAME is to build that program. ALONE: the topic has one of
-# its own. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of any room that it links. COST is for the long ones, by
-# about how many seconds: ctest, which learns it from a first run, starts them first. WAITS: most of its time it waits, for clocks
-# and for programs that wait; two such run in the place of one that computes. NEEDS: targets that must be there, too.
+# palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS]
+# [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER. ctest
+# runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME builds
+# that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of
+# any room that it links. COST is the approximate time of long tests in seconds. ctest starts these first; after a first
+# run, it knows the times itself. WAITS: the test mostly waits for clocks and for programs that wait; two such tests run
+# in the place of one that computes. NEEDS: additional targets that must be built.
 function(palpa_test NAME)
   cmake_parse_arguments(TEST "ALONE;WAITS" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
-  # Who looks for races between threads builds nothing else.
+  # A build that looks for data races builds nothing else.
   if(PALPA_SANITIZE STREQUAL "thread" AND NOT "threads" IN_LIST TEST_LABELS)
     return()
   endif()
@@ -94,7 +98,7 @@ function(palpa_test NAME)
   list(JOIN of "," of)
   add_test(NAME ${NAME} COMMAND ${program} --of=${of})
   set_tests_properties(${NAME} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
-  # Of the two places of each core that tests/house/suite.sh gives.
+  # A test that computes takes both places of a core; tests/house/suite.sh gives two per core.
   if(NOT TEST_WAITS)
     set_tests_properties(${NAME} PROPERTIES PROCESSORS 2)
   endif()

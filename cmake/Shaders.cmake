@@ -1,6 +1,7 @@
-# palpa_shaders(TARGET folder/name.comp ...): compiles shaders/folder/name.comp to SPIR-V at build time, validates it and embeds it as
-# `palpa::spirv::name_comp` in the header "spirv/name.comp.hpp" of the build directory: of a compute shader a gpu::Kernel, of others
-# the words alone. A shader error fails the build; the depfile makes an edited shared header rebuild every shader that includes it.
+# palpa_shaders(TARGET folder/name.comp ...): compiles shaders/folder/name.comp to SPIR-V at build time, validates it
+# and embeds it as `palpa::spirv::name_comp` in the header "spirv/name.comp.hpp" of the build directory: for a compute
+# shader a gpu::Kernel, for others only the words. A shader error fails the build. Because of the depfile, an edited
+# shared header rebuilds every shader that includes it.
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_program(SPIRV_VAL spirv-val REQUIRED)
 find_program(SPIRV_DIS spirv-dis REQUIRED)

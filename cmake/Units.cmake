@@ -1,6 +1,6 @@
-# palpa_units(FOLDER): has the compiler look at several sources of a target in that folder or below as one text, where
-# tests/house/units.py says that they can stand beside each other: much of the time goes into headers and templates that they share.
-# What a source forgets to include is seen by tests/house/includes.py, and by a build without.
+# palpa_units(FOLDER): compiles several sources of a target in that folder or below as one unit, if tests/house/units.py
+# says that they can be combined. Much of the compile time goes into headers and templates that they share. Missing
+# includes in a source are found by tests/house/includes.py, and by a build without units.
 function(palpa_units FOLDER)
   palpa_targets_of(targets ${FOLDER})
   set(lines "")
@@ -31,7 +31,7 @@ function(palpa_units FOLDER)
   endforeach()
 endfunction()
 
-# All libraries and programs with sources of their own in this folder and below.
+# All libraries and programs with their own sources in this folder and below.
 function(palpa_targets_of RESULT FOLDER)
   get_property(candidates DIRECTORY ${FOLDER} PROPERTY BUILDSYSTEM_TARGETS)
   set(found "")

@@ -1,6 +1,6 @@
-# V-HACD 4.1 makes convex parts of a model (palpa decompose, --surface parts). It is no Debian package; the npm package
-# vhacd-js carries its header, fetched once into the build directory and checked. Without it everything else is built.
-# Sets PALPA_VHACD_DIR to the folder of VHACD.h, or to nothing.
+# V-HACD 4.1 decomposes a model into convex parts (palpa decompose, --surface parts). It is not a Debian package. The
+# npm package vhacd-js contains its header, which is fetched once into the build directory and verified. Without it,
+# everything else is built. Sets PALPA_VHACD_DIR to the folder of VHACD.h, or to nothing.
 set(PALPA_VHACD_HEADER "" CACHE FILEPATH "V-HACD 4.1's VHACD.h, for machines without npm or network")
 option(PALPA_FETCH_VHACD "Fetch V-HACD with npm where PALPA_VHACD_HEADER is not given" ON)
 
@@ -16,7 +16,7 @@ function(palpa_find_vhacd)
     if(NOT EXISTS ${PALPA_VHACD_HEADER})
       message(FATAL_ERROR "PALPA_VHACD_HEADER: there is no file ${PALPA_VHACD_HEADER}")
     endif()
-    # Under its own name in a folder of its own: nothing else of that folder gets onto the include path.
+    # Under its own name in a separate folder, so that nothing else gets onto the include path.
     file(MAKE_DIRECTORY ${dir}/given)
     configure_file(${PALPA_VHACD_HEADER} ${dir}/given/VHACD.h COPYONLY)
     set(PALPA_VHACD_DIR ${dir}/given PARENT_SCOPE)
@@ -41,7 +41,7 @@ function(palpa_find_vhacd)
     message(STATUS "V-HACD: no npm here to fetch it with; ${missing}")
     return()
   endif()
-  # A machine without network must not wait at every configure: one try, and another only after an hour.
+  # A machine without network must not wait at every configure, so there is one attempt, and another only after an hour.
   set(failed ${dir}/fetch-failed)
   if(EXISTS ${failed})
     file(TIMESTAMP ${failed} then "%s")

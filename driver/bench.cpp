@@ -27,7 +27,7 @@ double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Passes only where somebody sleeps: boards take a second to come up.
+/// A clock that advances only during sleeps, because boards take a second to come up.
 class StandingClock final : public Clock {
  public:
   double now_s() const override { return now_s_; }

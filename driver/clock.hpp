@@ -1,4 +1,4 @@
-// The driver's time: CLOCK_MONOTONIC, or a test's own, which passes only while somebody sleeps.
+// The driver's time: CLOCK_MONOTONIC, or a test's own time, which passes only during sleeps.
 #pragma once
 
 namespace palpa::driver {
@@ -10,7 +10,7 @@ class Clock {
   virtual void sleep_s(double seconds) = 0;
 };
 
-/// The machine's.
+/// The machine's clock.
 class SteadyClock final : public Clock {
  public:
   double now_s() const override;

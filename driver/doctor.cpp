@@ -24,14 +24,15 @@ struct Known {
   std::uint16_t vendor;
   int product;
   const char* chip;
-  const char* remark;  ///< what speaks through it
+  const char* remark;  ///< what uses the chip
 };
 
-/// The USB chips of the open 40 kHz arrays. Each is also found in other things: a board is never opened by its id
+/// The USB chips of the open 40 kHz arrays. Each is also found in other devices, so a board is never opened by its id
 /// alone.
 constexpr Known boards[]{
-    {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: say which by its serial number"},
-    {0x0403, 0x6010, "FT2232H", "two-channel FTDI array; also JTAG probes and others: say which by its serial number"},
+    {0x0403, 0x6014, "FT232H", "OpenMPD board; also JTAG probes and others: tell them apart by the serial number"},
+    {0x0403, 0x6010, "FT2232H",
+     "two-channel FTDI array; also JTAG probes and others: tell them apart by the serial number"},
     {0x0403, 0x6001, "FT232R", "SonicSurface on an FTDI serial adapter"},
     {0x1a86, 0x7523, "CH340", "SonicSurface or an Arduino clone on a CH340 serial adapter"},
     {0x10c4, 0xea60, "CP210x", "SonicSurface on a CP210x serial adapter"},
@@ -52,7 +53,7 @@ const Known* find(const Known (&table)[N], std::uint16_t vendor, std::uint16_t p
   return nullptr;
 }
 
-/// Whether udev reads that file, by udev(7): whatever the prefix that palpa is installed under, it looks here alone.
+/// Whether udev reads that file, according to udev(7). udev looks only in these folders, whatever palpa's prefix is.
 constexpr bool udev_reads(std::string_view rules) {
   for (const std::string_view folder : {"/etc", "/run", "/usr/local/lib", "/usr/lib", "/lib"}) {
     if (rules.starts_with(folder) && rules.substr(folder.size()).starts_with("/udev/rules.d/")) return true;
@@ -62,7 +63,7 @@ constexpr bool udev_reads(std::string_view rules) {
 static_assert(udev_reads("/usr/local/lib/udev/rules.d/70-palpa.rules"));
 static_assert(!udev_reads("/opt/palpa/lib/udev/rules.d/70-palpa.rules"));
 
-/// What to do about it.
+/// What to do about missing permission.
 std::string no_permission() {
   constexpr std::string_view rules = PALPA_UDEV_RULES;
   std::error_code ignored;
@@ -72,12 +73,12 @@ std::string no_permission() {
                                : fmt::format("copy {} to /etc/udev/rules.d, ",
                                              there ? std::string(rules) : "driver/70-palpa.rules of palpa's sources");
   return fmt::format(
-      "no permission: as root, {}run udevadm control --reload, plug the device in again; if you are not at the machine "
-      "itself (ssh), be in the group plugdev",
+      "no permission: as root, {}run udevadm control --reload, then plug the device in again; if you work over ssh, "
+      "join the group plugdev",
       copy);
 }
 
-/// Which driver of the kernel's has a device's first interface; empty: none.
+/// The kernel driver that has a device's first interface; empty: none.
 std::string kernel_driver(const std::string& place) {
   if (place.empty()) return {};
   std::error_code ignored;
@@ -107,12 +108,13 @@ cli::DoctorItem describe(const usb::Entry& device, const Known& known) {
   } else if (const std::string driver = kernel_driver(device.place); !driver.empty()) {
     item.facts.push_back({"kernel_driver", driver});
     if (device.product == usb::ftdi::product_232h && driver == "ftdi_sio")
-      item.advice += "; the kernel has made it a serial port, which palpa ends while it has it open";
+      item.advice += "; the kernel uses it as a serial port, which palpa removes while it has the device open";
   }
   return item;
 }
 
-/// Devices that palpa opens itself, or that the kernel opens for it: then it needs no right of its own.
+/// Devices that palpa opens itself, or that the kernel opens for it. For the latter, palpa needs no permission of its
+/// own.
 enum class Opened { by_palpa, by_kernel };
 
 template <std::size_t N>
@@ -129,7 +131,7 @@ void add_usb(cli::DoctorSection& section, const Known (&table)[N], usb::Wanted w
   section.note = listing.problem;
 }
 
-/// Boards made of software that listen now (palpa emulate).
+/// Adds the emulated boards that listen now (palpa emulate).
 void add_emulators(cli::DoctorSection& section) {
   const usb::Listing listing = usb::LocalTransport().list([](std::uint16_t, std::uint16_t) { return true; });
   if (!listing.problem.empty()) section.note += (section.note.empty() ? "" : "; ") + listing.problem;

@@ -10,7 +10,7 @@ namespace palpa::driver {
 /// Sections "boards" and "cameras".
 std::vector<cli::DoctorProbe> doctor_probes();
 
-/// The depth cameras that the kernel has.
+/// The depth cameras that the kernel knows.
 cli::CamerasThere cameras_there();
 
 }  // namespace palpa::driver

@@ -1,4 +1,4 @@
-// A line of text in a room of its own: to be written where nothing may be allocated. What is too long is cut.
+// A line of text in memory of fixed size, for code that must not allocate. Text that is too long is cut.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// The `palpa` command: the engine's subcommands, and what the driver adds to them.
+// The `palpa` command: the engine's subcommands, and those that the driver adds.
 #include <dlfcn.h>
 
 #include "cli/commands.hpp"

@@ -1,4 +1,4 @@
-// Counts drives for a board that plays plans by its own clock: a drive has come as far as the plan that it belongs to.
+// Counts drives for a board that plays plans by its own clock: a drive has got as far as the plan that it belongs to.
 #pragma once
 
 #include <cstdint>
@@ -9,29 +9,29 @@ namespace palpa::driver {
 
 class PlanTally {
  public:
-  /// Before a touch's first plan can be there, up to `drives` drives may pass.
+  /// Up to `drives` drives may pass before a touch's first plan can be there.
   void allow(std::uint64_t drives) {
     if (began_) return;
     began_ = true;
     allowed_ = drives;
   }
-  /// All of a plan is on its way.
+  /// Call when all of a plan is on its way.
   void sent() {
     if (plan_ == Plan::none) plan_ = Plan::sent;
     ++counts_.submitted.plans;
   }
-  /// The device has it.
+  /// Call when the device has the plan.
   void there() {
     plan_ = Plan::there;
     ++counts_.completed.plans;
   }
-  /// Silence, or no device: a plan is to come over once more before it is heard.
+  /// Call on silence or without a device: a plan must be sent again before it is heard.
   void gone() {
     plan_ = Plan::none;
     began_ = false;
   }
 
-  /// A drive that sounds, and that the plan has.
+  /// Call for a drive that sounds and that the plan has.
   void play() {
     if (plan_ != Plan::there && allowed_ > 0) {
       --allowed_;
@@ -41,7 +41,7 @@ class PlanTally {
     counts_.submitted.drives += plan_ != Plan::none ? 1 : 0;
     counts_.completed.drives += plan_ == Plan::there ? 1 : 0;
   }
-  /// A drive that no plan has, and that is sent as it is.
+  /// Call for a drive that no plan has and that is sent as it is.
   void drive_sent() { ++counts_.submitted.drives; }
   void drive_there() { ++counts_.completed.drives; }
 

@@ -1,4 +1,4 @@
-// Where the driver's depth frames come from: real cameras, and what other programs recorded of them.
+// Where the driver's depth frames come from: real cameras, and recordings that other programs made of them.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// palpa-viewer: looks at what palpa computes, in a window or without one.
+// palpa-viewer: shows what palpa computes, in a window or without one.
 #include <dlfcn.h>
 
 #include <CLI/App.hpp>

@@ -47,7 +47,7 @@ def fingers_of(datagram):
 
 
 def amplitude(finger, time_s):
-    """Of a finger's foci, 0 to 1: its gain, times its modulation where its foci stand still."""
+    """The amplitude of a finger's foci, 0 to 1: its gain, times its modulation if its foci stand still."""
     if finger["modulation_hz"] == 0:
         return finger["gain"]
     raised = 0.5 * (1 + math.sin(2 * math.pi * finger["modulation_hz"] * time_s))
@@ -75,7 +75,7 @@ def main():
         begin, heard = time.monotonic_ns(), None
         while heard is None or time.monotonic_ns() - heard < linger_ns:
             now = time.monotonic_ns()
-            for _ in range(1000):  # one line per frame, the newest counts; no more than that at a time, whoever sends
+            for _ in range(1000):  # one line per frame, the newest counts; at most 1000 at a time, however many come
                 try:
                     fingers, heard = fingers_of(receiver.recv(65536)), now  # no fingers: be silent
                 except BlockingIOError:

@@ -47,8 +47,8 @@ std::uint16_t divider_of(double slot_s) {
   const double periods = slot_s * period_hz;
   if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= most)) {
     throw bad_usage(
-        fmt::format("link autd3: a slot of {:g} ms is no whole number of periods of 0.025 ms; choose --dwell "
-                    "so that it is, such as {:g}ms",
+        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
+                    "is, such as {:g}ms",
                     1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
   }
   return static_cast<std::uint16_t>(std::lround(periods));
@@ -82,7 +82,7 @@ class Autd3Board final : public Board {
     if (all_zero(drive)) {
       if (!patterned || !pattern.silent_at(slot)) silence();
     } else if (patterned) {
-      if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // what was silenced comes over once more
+      if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // a silenced pattern is sent again
       allow_start(pattern);
       tally_.play();
     } else {
@@ -109,7 +109,7 @@ class Autd3Board final : public Board {
     advance();
   }
 
-  /// In both memories of patterns: nothing that a device could go over to sounds afterwards.
+  /// Silences both pattern memories: nothing that a device could switch to sounds afterwards.
   void all_off() override {
     silence();
     wipes_ = true;
@@ -144,9 +144,9 @@ class Autd3Board final : public Board {
   }
 
  private:
-  /// What a start-up asks for, in order; all messages but those for their answers wait for nothing.
+  /// The steps of a start-up, in order. Only messages that are sent for their answers wait.
   enum Stage : int {
-    first_message,  // its number may be the last one's, and then nobody listens
+    first_message,  // its id may be that of the last message, and is then ignored
     clear_and_sync,
     cpu_major,
     fpga_major,
@@ -164,10 +164,10 @@ class Autd3Board final : public Board {
     poll(&one, 1, 5);
   }
 
-  /// What the messages of a plan may take before the first drive of it is heard.
+  /// Allows for the time that the messages of a plan take before its first drive is heard.
   void allow_start(const Pattern& pattern) {
     constexpr double message_s = 2e-3;
-    constexpr std::uint32_t beside = 3;  // what is on its way, silence, a modulation
+    constexpr std::uint32_t beside = 3;  // the message on its way, a silence, a modulation
     if (pattern.slot_s() > 0)
       tally_.allow(static_cast<std::uint64_t>(std::ceil((pattern.parts() + beside) * message_s / pattern.slot_s())));
   }
@@ -176,14 +176,14 @@ class Autd3Board final : public Board {
     tally_.gone();
     sounding_ = false;
     drive_waits_ = false;
-    place_ = 0;    // of a pattern that was under way nothing sounds
-    if (fresh_) {  // and it is the newest that comes back
+    place_ = 0;    // nothing sounds of a pattern that was being sent
+    if (fresh_) {  // the newest pattern is sent again
       std::swap(loading_, newest_);
       fresh_ = false;
     }
   }
 
-  /// Goes on with what waits until the devices have to answer.
+  /// Continues with what waits, until the devices have to answer.
   void advance() {
     while (true) {
       const double now_s = monotonic_s();
@@ -204,7 +204,7 @@ class Autd3Board final : public Board {
 
   void lose(double now_s) {
     const bool opening = stage_ != started && !lost_;
-    const bool first = !opening && !lost_;  // tried again at once: it may still sound
+    const bool first = !opening && !lost_;  // tried again at once, because it may still sound
     stage_ = first_message;
     sent_ = Sent::nothing;
     silent_ = all_silent_ = false;
@@ -217,7 +217,7 @@ class Autd3Board final : public Board {
     }
   }
 
-  /// What was sent has been acknowledged. False: this is nothing to play with.
+  /// Call when the last message has been acknowledged. Returns false if it cannot be played with these devices.
   bool acknowledge() {
     const Sent sent = std::exchange(sent_, Sent::nothing);
     const bool was_silent = silent_;
@@ -237,7 +237,7 @@ class Autd3Board final : public Board {
         segment_ ^= 1;
         silent_ = sent == Sent::silence;
         if (silent_) tally_.gone();
-        all_silent_ = silent_ && was_silent;  // this time into the other memory
+        all_silent_ = silent_ && was_silent;  // this silence went into the other memory
         break;
       case Sent::modulation:
         modulation_segment_ ^= 1;
@@ -257,7 +257,7 @@ class Autd3Board final : public Board {
     if (stage_ == cpu_major || stage_ == fpga_major) {
       for (std::size_t d = 0; d < remote_.devices(); ++d) {
         if (remote_.data(d) != known_firmware) {
-          remote_.refuse(FixedText<120>("device {} has firmware 0x{:02x}, not 0x{:02x}, which is 12.1", d,
+          remote_.refuse(FixedText<120>("device {} has firmware 0x{:02x}; palpa needs 0x{:02x}, which is 12.1", d,
                                         remote_.data(d), known_firmware)
                              .view());
           return false;
@@ -271,7 +271,7 @@ class Autd3Board final : public Board {
     if (stage_ == zeros) {
       segment_ ^= 1;
       silent_ = all_silent_ = true;  // they were cleared before
-      if (std::exchange(lost_, false)) notes_.warning("is there again");
+      if (std::exchange(lost_, false)) notes_.warning("the server is back");
     }
     stage_ = static_cast<Stage>(stage_ + 1);
     return true;
@@ -283,7 +283,7 @@ class Autd3Board final : public Board {
       put(remote_.message(d), d * transducers);
   }
 
-  /// Writes the next message for all devices. False: there is none.
+  /// Writes the next message for all devices. Returns false if there is none.
   bool send_next() {
     if (stage_ != started) return send_startup();
     if (!sounding_) {
@@ -406,8 +406,8 @@ class Autd3Board final : public Board {
     return {along(0), along(1), along(2)};
   }
 
-  /// Whether foci, whose phases the devices compute, are what the drives say: full amplitudes, and each transducer's
-  /// phase that of its distance. Of each part and device one transducer is looked at, another for each.
+  /// Whether foci whose phases the devices compute give the same drives: full amplitudes, and each transducer's phase
+  /// is that of its distance. Checks one transducer for each part and device, a different one each time.
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
@@ -435,7 +435,7 @@ class Autd3Board final : public Board {
     put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));
   }
 
-  /// How many were given, how many of them came through, and how long these took.
+  /// How many were given, how many of them were completed, and how long those took.
   struct Rate {
     std::uint64_t given = 0, through = 0;
     double begun_s = 0, all_s = 0;
@@ -448,8 +448,8 @@ class Autd3Board final : public Board {
   void tell(const Rate& rate, const char* what) {
     if (rate.given == 0) return;
     const double each_s = rate.through == 0 ? 0.0 : rate.all_s / static_cast<double>(rate.through);
-    notes_.info(FixedText<120>("{} of {} {} brought over, {:.1f} ms each", rate.through, rate.given, what, 1e3 * each_s)
-                    .view());
+    notes_.info(
+        FixedText<120>("{} of {} {} transferred, {:.1f} ms each", rate.through, rate.given, what, 1e3 * each_s).view());
   }
 
   BoardNotes& notes_;
@@ -460,7 +460,7 @@ class Autd3Board final : public Board {
   Remote remote_;
   pollfd watched_{};
 
-  // What is to sound.
+  // What should sound.
   bool sounding_ = false;
   bool fresh_ = false;  ///< newest_ has not been taken
   Pattern loading_, newest_;
@@ -472,17 +472,17 @@ class Autd3Board final : public Board {
   // What the devices do.
   Stage stage_ = first_message;
   Sent sent_ = Sent::nothing;
-  bool transition_ = false;  ///< what was sent makes the other segment sound
+  bool transition_ = false;  ///< the sent message makes the other segment sound
   bool silent_ = false;
-  bool all_silent_ = false;                            ///< what they could go over to, too
-  bool wipes_ = false;                                 ///< that is asked for
-  std::uint8_t segment_ = 0, modulation_segment_ = 0;  ///< that are heard
+  bool all_silent_ = false;                            ///< also what they could switch to
+  bool wipes_ = false;                                 ///< that is requested
+  std::uint8_t segment_ = 0, modulation_segment_ = 0;  ///< the segments that are heard
   double modulated_hz_ = 0;
   array::Modulation modulation_ = array::Modulation::pressure_sine;
   bool lost_ = false;
   double retry_at_s_ = 0;
 
-  Rate plans_, drives_;  ///< drives: that no plan has
+  Rate plans_, drives_;  ///< drives_: those that no plan has
   PlanTally tally_;
 };
 

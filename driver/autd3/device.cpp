@@ -10,7 +10,7 @@
 namespace palpa::driver::autd3 {
 namespace {
 
-// The firmware's own numbers, written down apart from those of the encoder.
+// The firmware's own numbers, written down independently of the encoder's.
 constexpr std::uint8_t no_error = 0, unknown_tag = 1, bad_id = 2, bad_version_type = 3, bad_pattern_mode = 4,
                        bad_segment = 5, bad_silencer = 7, bad_transition = 8;
 constexpr std::uint8_t sync_index = 0x00, system_time = 0x01, gpio = 0x02, external = 0xf0, none = 0xfe,
@@ -21,7 +21,7 @@ std::uint16_t u16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
-/// What the firmware has as tables.
+/// The firmware's tables.
 struct Tables {
   std::array<std::uint8_t, 256> sine{};
   std::array<std::uint8_t, 16384> angle{};  ///< 128 sines by 128 cosines
@@ -61,22 +61,24 @@ void EmulatedDevice::power_up() {
 
 void EmulatedDevice::receive(double now_s, std::span<const std::uint8_t> message) {
   now_s_ = now_s;
-  if (message.size() != message_size) return violate(fmt::format("a message of {} bytes", message.size()));
-  if (message[0] == id_) return;  // it came again
+  if (message.size() != message_size)
+    return violate(fmt::format("a message of the wrong size, {} bytes", message.size()));
+  if (message[0] == id_) return;  // a repeated message
   id_ = message[0];
   error_ = no_error;
   if (id_ > 0x0f) {
     error_ = bad_id;
-    return violate(fmt::format("message number {}", id_));
+    return violate(fmt::format("a message number that is too large: {}", id_));
   }
   const std::span<const std::uint8_t> payload = message.subspan(4);
   error_ = handle(now_s, payload);
   const std::size_t second = u16(message, 2);
   if (error_ == no_error && second != 0) {
-    if (second % 2 != 0 || second >= payload.size()) return violate(fmt::format("a second operation at {}", second));
+    if (second % 2 != 0 || second >= payload.size())
+      return violate(fmt::format("a second operation at byte {}, which is invalid", second));
     error_ = handle(now_s, payload.subspan(second));
   }
-  if (error_ != no_error) violate(fmt::format("error {} to tag 0x{:02x}", error_, payload[0]));
+  if (error_ != no_error) violate(fmt::format("error {} in answer to tag 0x{:02x}", error_, payload[0]));
 }
 
 std::array<std::uint8_t, 2> EmulatedDevice::answer() const {
@@ -131,7 +133,7 @@ std::uint8_t EmulatedDevice::tell_version(std::uint8_t which) {
       return no_error;
     case 5:
       data_ = 0x80;
-      return no_error;  // an emulator
+      return no_error;  // this is an emulator
     case 6:
       data_ = 0;
       return no_error;
@@ -156,14 +158,14 @@ bool EmulatedDevice::wrong_transition(std::uint8_t current, std::uint8_t segment
 std::uint8_t EmulatedDevice::take_modulation(std::span<const std::uint8_t> o) {
   const std::uint8_t flags = o[1];
   const std::uint8_t segment = (flags & 8) != 0 ? 1 : 0;
-  // Its first message may be its only one; palpa's always is.
+  // A modulation's first message may be its only one; palpa's always is.
   if ((flags & 3) != 3) {
-    violate("a modulation in several messages, which this emulator does not take");
+    violate("a modulation in several messages, which this emulator does not support");
     return unknown_tag;
   }
   const std::size_t size = o[2];
   const std::uint16_t divider = u16(o, 4);
-  if (size < 2 || 16 + size > o.size()) violate(fmt::format("a modulation of {} samples", size));
+  if (size < 2 || 16 + size > o.size()) violate(fmt::format("a modulation of the wrong size, {} samples", size));
   if (wrong_transition(heard_, segment, u16(o, 6), o[3])) return bad_transition;
   if (too_fast(segments_[sounding_].divider, divider)) return bad_silencer;
   if (segment == heard_ && waveforms_[segment].divider != 0xffff)
@@ -182,7 +184,7 @@ std::uint8_t EmulatedDevice::take_silencer(std::span<const std::uint8_t> o) {
   strict_ = (o[1] & 4) != 0;
   intensity_steps_ = u16(o, 2);
   phase_steps_ = u16(o, 4);
-  if (intensity_steps_ == 0 || phase_steps_ == 0) violate("a silencer of no steps");
+  if (intensity_steps_ == 0 || phase_steps_ == 0) violate("a silencer of 0 steps");
   if (!too_fast(segments_[sounding_].divider, waveforms_[heard_].divider)) return no_error;
   std::tie(strict_, intensity_steps_, phase_steps_) = before;
   return bad_silencer;
@@ -225,7 +227,7 @@ std::uint8_t EmulatedDevice::take_pattern(double, std::span<const std::uint8_t> 
     at = 16;
   }
   if (!segment.open || index != writing_) {
-    violate("a pattern's part without its beginning");
+    violate("a part of a pattern that was not begun");
     return bad_segment;
   }
   const std::size_t bits = mode_ == 1 ? 8 : 4;  // of a phase, in words of 16 bits
@@ -249,7 +251,7 @@ std::uint8_t EmulatedDevice::take_pattern(double, std::span<const std::uint8_t> 
     segment.open = false;
     if (segment.parts.size() < 2) violate("a pattern of one part");
   }
-  if ((flags & 4) != 0) violate("a transition within a pattern, which this emulator does not take");
+  if ((flags & 4) != 0) violate("a transition within a pattern, which this emulator does not support");
   return no_error;
 }
 
@@ -276,7 +278,7 @@ std::array<std::uint8_t, EmulatedDevice::transducers> EmulatedDevice::phases_of_
 
 std::uint8_t EmulatedDevice::take_foci(std::span<const std::uint8_t> o) {
   if ((o[1] & 7) != 3 || o[5] != 1) {
-    violate("foci in several messages, several at once, or with a transition, which this emulator does not take");
+    violate("foci in several messages, several at once, or with a transition, which this emulator does not support");
     return unknown_tag;
   }
   const std::size_t count = o[2], index = o[3];
@@ -314,7 +316,7 @@ std::uint8_t EmulatedDevice::change_pattern(std::span<const std::uint8_t> o, boo
   if (index > 1) return bad_segment;
   const Segment& segment = segments_[index];
   if (segment.foci != foci || (!foci && segment.parts.size() < 2)) return bad_segment;
-  if (segment.open) violate("a transition to a pattern that is not whole");
+  if (segment.open) violate("a transition to an incomplete pattern");
   if (wrong_transition(sounding_, index, 0xffff, mode)) return bad_transition;
   if (too_fast(segment.divider, waveforms_[heard_].divider)) return bad_silencer;
   transitions_ += sounding_ != index ? 1 : 0;

@@ -1,6 +1,6 @@
-// An AUTD3 device made of software: reads messages as its firmware 12.1 does, and tells what it emits. As strict, and
-// more talkative: what the firmware answers with an error, and what it would bear in silence although nobody can have
-// meant it, is a violation.
+// An emulated AUTD3 device. It reads messages as its firmware 12.1 does, and reports what it emits. It is as strict as
+// the firmware but reports more: a violation is what the firmware answers with an error, and also what it would accept
+// silently although it cannot be intended.
 #pragma once
 
 #include <array>
@@ -26,17 +26,17 @@ class EmulatedDevice {
 
   /// `now_s` is the time since 2000-01-01: messages take effect then.
   void receive(double now_s, std::span<const std::uint8_t> message);
-  /// What the firmware makes of a focus at x, y, z (0.025 mm, from transducer 0), c being the sound speed times 64: in
-  /// whole numbers, by its tables of 256 sines and 128 x 128 angles.
+  /// The phases that the firmware computes for a focus at x, y, z (0.025 mm, from transducer 0). c is the sound speed
+  /// times 64. Computed in whole numbers, with the firmware's tables of 256 sines and 128 x 128 angles.
   static std::array<std::uint8_t, transducers> phases_of_focus(std::int32_t x, std::int32_t y, std::int32_t z,
                                                                std::uint32_t c);
   /// Data, then error and number.
   std::array<std::uint8_t, 2> answer() const;
 
-  /// What its transducers emit then: the pattern's part times the modulation.
+  /// What its transducers emit at that time: the pattern's part times the modulation.
   std::array<Output, transducers> output(double now_s) const;
   bool silent(double now_s) const;
-  /// Nothing sounds in either of its memories of patterns, whichever it goes over to.
+  /// Whether nothing sounds in either of its pattern memories, whichever it switches to.
   bool empty() const;
   bool cleared() const { return cleared_; }
   /// Operations that it has understood, and transitions from one segment to the other.
@@ -48,7 +48,7 @@ class EmulatedDevice {
   struct Segment {
     std::vector<std::array<Output, transducers>> parts;
     std::uint32_t divider = 0xffff;
-    bool open = false;  ///< begun, its end has not come
+    bool open = false;  ///< begun but not ended
     bool foci = false;  ///< the device has computed its phases
   };
   struct Waveform {

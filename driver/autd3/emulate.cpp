@@ -18,11 +18,11 @@ namespace {
 array::Layout layout_of(const std::string& name) {
   array::Layout layout = array::load_layout(name.empty() ? "autd3" : name);
   if (layout.boards.empty() || layout.boards.size() * EmulatedDevice::transducers != layout.transducers.size())
-    throw bad_usage(fmt::format("the layout {} is not of AUTD3 units: name one with --layout that is", name));
+    throw bad_usage(fmt::format("the layout {} does not consist of AUTD3 units: give --layout one that does", name));
   return layout;
 }
 
-/// The pulse of a device is centred, and as wide as makes its first harmonic the intensity.
+/// A device's pulse is centred, and so wide that its first harmonic is the intensity.
 array::Drive heard_drive(const EmulatedServer& server, double now_s) {
   array::Drive drive;
   for (const EmulatedDevice& device : server.devices()) {
@@ -40,7 +40,7 @@ array::Drive heard_drive(const EmulatedServer& server, double now_s) {
 void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options.layout);
   const double begin_s = device_time_s();
-  const emulate::Stop ends;  // until all is said
+  const emulate::Stop ends;  // until everything is printed
   EmulatedServer server(layout.boards.size());
   Listener listener(static_cast<std::uint16_t>(options.port.value_or(emulate::usual_port)));
   const auto violations = emulate::serve(
@@ -56,7 +56,7 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   const bool sounds = !server.silent(device_time_s());
   const std::uint64_t operations = server.devices()[0].operations();
   emulate::conclude(options, outputs,
-                    {fmt::format("{} device{}, each told {} operations, {}", server.devices().size(),
+                    {fmt::format("{} device{}, {} operations each, {}", server.devices().size(),
                                  server.devices().size() == 1 ? "" : "s", operations, sounds ? "sounding" : "silent"),
                      "operations", operations, sounds, violations, server.violation_count()});
 }

@@ -6,8 +6,8 @@
 
 namespace palpa::driver::autd3 {
 
-/// One device per board of the layout. Prints the address, what the server finds wrong as it happens, and at the end
-/// what it was told. Throws failure() where there were violations.
+/// Emulates one device per board of the layout. Prints the address, errors as the server finds them, and at the end
+/// what the server was sent. Throws failure() if there were violations.
 void emulate(const emulate::Options& options, const Outputs& outputs);
 
 }  // namespace palpa::driver::autd3

@@ -18,13 +18,13 @@ double device_time_s();
 
 class Listener {
  public:
-  /// On 127.0.0.1; port 0 takes any that is free. Throws failure() for one that is taken.
+  /// Listens on 127.0.0.1. Port 0 takes any free port. Throws failure() if the port is taken.
   explicit Listener(std::uint16_t port);
   std::uint16_t port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
-  /// Serves one client after the other until `stop`, which it looks at 50 times a second. `heard` gets what came,
-  /// before it is taken; `lock` is held while the server is used, for whoever else looks at it.
+  /// Serves one client after the other until `stop`, which it checks 50 times a second. `heard` gets the bytes before
+  /// the server takes them. `lock` is held while the server is used, so that other threads can look at it.
   void serve(EmulatedServer& server, const std::atomic<bool>& stop, std::mutex& lock,
              const std::function<void(std::span<const std::uint8_t>)>& heard = {});
 

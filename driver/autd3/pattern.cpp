@@ -38,7 +38,7 @@ bool Pattern::silent_at(std::uint64_t slot) const {
 }
 
 void PartOffset::follow(double begin_s, double slot_s, double day_s) {
-  const double ahead = (begin_s + day_s - epoch_s) / slot_s;  // slot 0's begin as the devices count
+  const double ahead = (begin_s + day_s - epoch_s) / slot_s;  // start of slot 0, in the devices' count
   if (known_ && std::abs(ahead - static_cast<double>(ahead_)) <= 1) return;
   ahead_ = std::llround(ahead);
   known_ = true;

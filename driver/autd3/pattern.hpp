@@ -1,4 +1,4 @@
-// A plan as AUTD3 devices play it: what each transducer emits in each part, and where in it the devices' clock stands.
+// A plan as AUTD3 devices play it: what each transducer emits in each part, and at which part the devices' clock is.
 #pragma once
 
 #include <array>
@@ -24,14 +24,14 @@ class Pattern {
   bool empty() const { return parts_ == 0; }
 
   std::uint32_t parts() const { return parts_; }
-  /// All transducers of all parts at full amplitude.
+  /// Whether all transducers of all parts are at full amplitude.
   bool full() const { return full_; }
-  /// One per part, where each is one focus; else none.
+  /// One focus per part, if each part is one focus; else empty.
   std::span<const Vec3> foci() const { return std::span(foci_).first(foci_count_); }
   std::span<const Emission> part(std::uint64_t index) const {
     return {&emissions_[index * transducers_], transducers_};
   }
-  /// Whether a drive of nothing is what that slot is to sound like.
+  /// Whether the plan is silent in that slot.
   bool silent_at(std::uint64_t slot) const;
   std::uint64_t until_slot() const { return until_slot_; }
   double modulation_hz() const { return modulation_hz_; }
@@ -53,14 +53,14 @@ class Pattern {
   array::Modulation modulation_ = array::Modulation::pressure_sine;
 };
 
-/// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so one number holds
-/// for long: it changes only when the two have come apart by a whole slot. Devices are taken to have this machine's
-/// time of day; where theirs is another, a pattern begins at another part, and goes round all the same.
+/// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so the number stays
+/// the same for a long time: it changes only when the two have drifted apart by a whole slot. Devices are assumed to
+/// have this machine's time of day. If theirs is different, a pattern begins at another part, but repeats all the same.
 class PartOffset {
  public:
   /// `day_s` is the time of day, since 1970, when CLOCK_MONOTONIC shows 0.
   void follow(double begin_s, double slot_s, double day_s);
-  /// The part of `parts` that devices play at their place `index`.
+  /// Which of the plan's `parts` parts the devices play at their part number `index`.
   std::uint32_t part_at(std::uint32_t index, std::uint32_t parts) const;
 
  private:
@@ -68,14 +68,15 @@ class PartOffset {
   bool known_ = false;
 };
 
-/// One modulation as devices play it: samples of `divider` periods, whole cycles of `hz` as near as 254 samples come.
+/// One modulation as devices play it: samples of `divider` periods each, in whole cycles as near to `hz` as 254 samples
+/// allow.
 struct ModulationSamples {
   std::uint16_t divider = 10;
   std::size_t count = 0;
   std::array<std::uint8_t, 254> samples{};
 };
-/// `hz` 0: full amplitude. `begin_s` and `day_s` as above: sample 0 sounds at multiples of the whole on the devices'
-/// clock.
+/// `hz` 0: full amplitude. `begin_s` and `day_s` are as above. Sample 0 sounds at multiples of the total length on the
+/// devices' clock.
 ModulationSamples modulation_samples(double hz, array::Modulation modulation, double begin_s, double day_s,
                                      double now_s);
 

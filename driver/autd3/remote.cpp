@@ -18,7 +18,7 @@
 namespace palpa::driver::autd3 {
 namespace {
 
-constexpr std::size_t error_head = 5;  // its mark and the text's size
+constexpr std::size_t error_head = 5;  // the error mark and the text's size
 constexpr std::size_t most_error_text = 200;
 
 void put_float(std::vector<std::uint8_t>& out, double value) {
@@ -27,7 +27,7 @@ void put_float(std::vector<std::uint8_t>& out, double value) {
   out.insert(out.end(), first, first + sizeof number);
 }
 
-/// Each device by its first transducer, in millimetres, and how it is turned.
+/// Each device's first transducer, in millimetres, and its rotation.
 std::vector<std::uint8_t> geometry_request(const array::Layout& layout) {
   std::vector<std::uint8_t> out{static_cast<std::uint8_t>(Request::geometry)};
   for (int byte = 0; byte < 4; ++byte)
@@ -75,7 +75,7 @@ Remote::Remote(Address address, const array::Layout& layout)
 
 void Remote::connect(double now_s) {
   fault_.clear();
-  tried_ = 0;  // first where somebody was last time
+  tried_ = 0;  // begins with the place that answered last time
   connect_to_place(now_s);
 }
 
@@ -91,7 +91,7 @@ void Remote::connect_to_place(double now_s) {
   begin(Step::connecting, 0, 0, now_s);
 }
 
-/// Nobody at this place: then at the next one, if there is one that was not tried.
+/// No server at this place. Tries the next one, if there is one that was not tried.
 Remote::Progress Remote::not_there(std::string_view what, std::string_view detail, double now_s) {
   if (++tried_ >= address_.places.size()) return fail(what, detail);
   place_ = (place_ + 1) % address_.places.size();
@@ -125,7 +125,7 @@ void Remote::ask_for_answers(double now_s) {
   const double since_s = begun_s_;
   const bool again = step_ == Step::reading;
   begin(Step::reading, 1, 1 + devices_ * answer_size, now_s);
-  if (again) begun_s_ = since_s;  // patience is for the acknowledgement, however often it was asked for
+  if (again) begun_s_ = since_s;  // patience is for the acknowledgement, no matter how often it was asked for
 }
 
 void Remote::begin(Step step, std::size_t bytes, std::size_t answer, double now_s) {
@@ -143,13 +143,13 @@ Remote::Progress Remote::fail(std::string_view what, std::string_view detail) {
 }
 
 Remote::Progress Remote::connected(double now_s) {
-  if (refused_ != 0) return not_there("is not there", std::strerror(refused_), now_s);
+  if (refused_ != 0) return not_there("cannot be reached", std::strerror(refused_), now_s);
   pollfd one{socket_.get(), POLLOUT, 0};
   if (poll(&one, 1, 0) <= 0) return Progress::nothing;
   int fault = 0;
   socklen_t size = sizeof fault;
   getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &fault, &size);
-  if (fault != 0) return not_there("is not there", std::strerror(fault), now_s);
+  if (fault != 0) return not_there("cannot be reached", std::strerror(fault), now_s);
   out_ = hello_request;
   begin(Step::hello, out_.size(), 1, now_s);
   return Progress::done;
@@ -169,7 +169,7 @@ Remote::Progress Remote::transfer() {
 
 Remote::Progress Remote::transfer_reply() {
   while (true) {
-    // A reply is as long as its first bytes say.
+    // The first bytes of a reply give its length.
     const bool refused = received_ > 0 && reply_[0] != reply_ok;
     std::size_t whole = expected_;
     if (refused) {
@@ -181,12 +181,12 @@ Remote::Progress Remote::transfer_reply() {
         whole += std::min<std::size_t>(text, most_error_text);
       }
     }
-    if (received_ >= whole) {  // longer than a short refusal where more was expected
+    if (received_ >= whole) {  // can be longer than a short refusal if more was expected
       if (!refused) return Progress::done;
       return fail("refuses", {reinterpret_cast<const char*>(reply_.data()) + error_head, whole - error_head});
     }
     const ssize_t size = recv(socket_.get(), reply_.data() + received_, whole - received_, 0);
-    if (size == 0) return fail("has ended the connection");
+    if (size == 0) return fail("closed the connection");
     if (size < 0) {
       if (errno == EAGAIN || errno == EINTR) return Progress::nothing;
       return fail("is gone", std::strerror(errno));
@@ -231,7 +231,7 @@ Remote::Progress Remote::next(double now_s) {
 }
 
 Remote::Progress Remote::pump(double now_s) {
-  constexpr int most_reads = 4;  // of a server that does not acknowledge: then others have their turn
+  constexpr int most_reads = 4;  // from a server that does not acknowledge; then others have their turn
   for (int reads = 0; reads < most_reads;) {
     const Step before = step_;
     if (before == Step::closed) return Progress::nothing;
@@ -242,11 +242,11 @@ Remote::Progress Remote::pump(double now_s) {
       continue;
     }
     if (before == Step::idle) {
-      // Nobody has anything to say now: whatever comes is the end, or no server of this kind.
+      // Nothing is expected now: anything that comes is the end, or this is not a server of this kind.
       std::uint8_t byte = 0;
       const ssize_t size = recv(socket_.get(), &byte, 1, 0);
-      if (size == 0) return fail("has ended the connection");
-      if (size > 0) return fail("says what nobody asked for");
+      if (size == 0) return fail("closed the connection");
+      if (size > 0) return fail("sent data that palpa did not ask for");
       if (errno != EAGAIN && errno != EINTR) return fail("is gone", std::strerror(errno));
       return Progress::nothing;
     }

@@ -1,4 +1,4 @@
-// One connection to an AUTD3 server: what is asked and answered, one message at a time, without ever waiting.
+// One connection to an AUTD3 server: requests and answers, one message at a time, without ever waiting.
 #pragma once
 
 #include <netinet/in.h>
@@ -19,49 +19,50 @@
 
 namespace palpa::driver::autd3 {
 
-/// All that a name stands for, to be tried in this order: `localhost` may be ::1 where a server has only 127.0.0.1.
+/// All addresses of a name, to be tried in this order: `localhost` may be ::1 although a server has only 127.0.0.1.
 struct Address {
   struct Place {
     sockaddr_storage where{};
     socklen_t size = 0;
   };
-  std::vector<Place> places;  ///< one at least
+  std::vector<Place> places;  ///< at least one
   std::string text;           ///< HOST:PORT
 };
-/// Throws bad_usage for what is no HOST:PORT, failure() for a host that nobody knows.
+/// Throws bad_usage if the text is not HOST:PORT, failure() for an unknown host.
 Address resolve(const std::string& text);
 
 class Remote {
  public:
-  /// A server answers within that long, or is given up.
+  /// A server that does not answer within this time is given up.
   static constexpr double patience_s = 0.5;
 
   /// The layout's boards are its devices.
   Remote(Address address, const array::Layout& layout);
 
-  /// Begins to connect; once it is through, hello and geometry included, it is idle.
+  /// Begins to connect. It is idle when this is complete, including hello and geometry.
   void connect(double now_s);
   void disconnect();
   bool closed() const { return step_ == Step::closed; }
   bool idle() const { return step_ == Step::idle; }
 
-  /// What is to be sent next, to be written while it is idle.
+  /// The messages to be sent next. Write them while the connection is idle.
   std::size_t devices() const { return devices_; }
   Message message(std::size_t device) { return Message(request_.data() + 1 + device * message_size, message_size); }
   /// Sends the messages of all devices, and asks until all of them have acknowledged.
   void send(double now_s);
-  /// Tells the server that this is the end.
+  /// Tells the server that the connection ends.
   void say_goodbye(double now_s);
-  /// Where the device answered to the message that was acknowledged last.
+  /// The data in the device's answer to the last acknowledged message.
   std::uint8_t data(std::size_t device) const { return reply_[1 + answer_size * device]; }
 
   enum class Progress { nothing, done, failed };
-  /// Goes on as far as it can. done: what was begun is through. failed: the connection is closed, fault() says why.
+  /// Continues as far as possible. done: what was begun is complete. failed: the connection is closed, fault() says
+  /// why.
   Progress pump(double now_s);
   std::string_view fault() const { return fault_.view(); }
 
-  /// Ends the connection with a fault of the caller's.
-  void refuse(std::string_view what) { fail("is not to be driven", what); }
+  /// Ends the connection with a fault that the caller gives.
+  void refuse(std::string_view what) { fail("cannot be driven", what); }
 
   pollfd watched() const;
 
@@ -80,8 +81,8 @@ class Remote {
   Progress transfer_reply();
 
   Address address_;
-  std::size_t place_ = 0;  ///< of the address's, to which it connects or has connected
-  std::size_t tried_ = 0;  ///< of them, in vain
+  std::size_t place_ = 0;  ///< of the address's places, the one that it connects to
+  std::size_t tried_ = 0;  ///< places tried in vain
   std::size_t devices_;
   std::vector<std::uint8_t> geometry_, request_, reply_;
   std::array<std::uint8_t, 1> short_request_{};

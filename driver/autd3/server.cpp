@@ -21,13 +21,14 @@ void EmulatedServer::welcome() {
 }
 
 void EmulatedServer::farewell(double now_s) {
-  if (!request_.empty()) violations_.add(now_s, fmt::format("gone after {} bytes of a request", request_.size()));
-  if (!said_goodbye_) violations_.add(now_s, "gone without a goodbye");
-  if (configured_ && !silent(now_s)) violations_.add(now_s, "gone while the devices sound");
+  if (!request_.empty())
+    violations_.add(now_s, fmt::format("disconnected after {} bytes of a request", request_.size()));
+  if (!said_goodbye_) violations_.add(now_s, "disconnected without a goodbye");
+  if (configured_ && !silent(now_s)) violations_.add(now_s, "disconnected while the devices sounded");
   welcome();
 }
 
-/// How many bytes the request has that has begun, as far as is known.
+/// The size of the request that has begun, as far as it is known.
 std::size_t EmulatedServer::needed() const {
   switch (request_[0]) {
     case ask_hello:
@@ -90,14 +91,14 @@ bool EmulatedServer::answer_request(double now_s, std::vector<std::uint8_t>& out
     std::uint32_t count = 0;
     std::memcpy(&count, request_.data() + 1, sizeof count);
     if (count != devices_.size())
-      return refuse(now_s, fmt::format("a geometry of {} devices, there are {}", count, devices_.size()), out);
+      return refuse(now_s, fmt::format("a geometry of {} devices, but there are {}", count, devices_.size()), out);
     poses_.resize(count);
     for (std::size_t d = 0; d < count; ++d) {
       std::memcpy(&poses_[d], request_.data() + geometry_head + pose_size * d, pose_size);
       const auto& turn = poses_[d].turn;
       const float norm = std::hypot(std::hypot(turn[0], turn[1]), std::hypot(turn[2], turn[3]));
       if (!(std::abs(norm - 1) < 1e-3f))
-        return refuse(now_s, fmt::format("device {} is turned by no rotation", d), out);
+        return refuse(now_s, fmt::format("the rotation of device {} is not a unit quaternion", d), out);
     }
     configured_ = true;
     out.push_back(0);
@@ -124,7 +125,7 @@ bool EmulatedServer::answer_request(double now_s, std::vector<std::uint8_t>& out
       out.push_back(0);
       return false;
     default:
-      return refuse(now_s, fmt::format("request 0x{:02x} is none", kind), out);
+      return refuse(now_s, fmt::format("unknown request 0x{:02x}", kind), out);
   }
 }
 

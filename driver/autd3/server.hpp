@@ -1,5 +1,5 @@
-// A server of AUTD3's Remote protocol made of software, with the devices behind it: what a client sends goes in, what
-// it is answered comes out. Devices keep their state, and their sound, from client to client.
+// An emulated server of AUTD3's Remote protocol, with the devices behind it. It takes what a client sends, and returns
+// the answers. Devices keep their state, and their sound, from client to client.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +19,15 @@ class EmulatedServer {
     std::array<float, 4> turn;         ///< w, x, y, z
   };
 
-  /// Waits for as many devices; `firmware` is what they say of themselves.
+  /// Expects that many devices. `firmware` is the version that they report.
   explicit EmulatedServer(std::size_t devices, std::uint8_t firmware = 0xa5)
       : devices_(devices, EmulatedDevice(firmware)) {}
 
-  /// A client has come; whatever one before had begun is forgotten.
+  /// A client has connected. Anything that an earlier client had begun is forgotten.
   void welcome();
-  /// It is gone. Without a goodbye, or while devices sound, that is a violation.
+  /// The client is gone. This is a violation without a goodbye, or while devices sound.
   void farewell(double now_s);
-  /// Takes what it sends; what it is answered is added to `out`. False: the connection is at its end.
+  /// Takes what the client sends and adds the answers to `out`. Returns false at the end of the connection.
   bool take(double now_s, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out);
 
   const std::vector<EmulatedDevice>& devices() const { return devices_; }
@@ -35,7 +35,7 @@ class EmulatedServer {
   const std::vector<Pose>& poses() const { return poses_; }
   bool silent(double now_s) const;
   bool connected() const { return greeted_; }
-  /// Its own and its devices', oldest first.
+  /// The violations of the server and of its devices, oldest first.
   std::vector<emulate::Violation> violations() const;
   std::size_t violation_count() const;
 

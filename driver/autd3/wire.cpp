@@ -37,7 +37,7 @@ class Writer {
     u8(static_cast<std::uint8_t>(value >> 8));
   }
   void zeros(std::size_t count) { at_ += count; }
-  /// What follows is a second operation.
+  /// Begins a second operation.
   void second() {
     const std::size_t offset = at_ - header_size;
     message_[2] = static_cast<std::uint8_t>(offset & 0xff);
@@ -61,7 +61,7 @@ void put_pattern_head(Writer& out, const PatternStep& step, Mode mode, std::size
   out.u8(no_transition);
   out.u16(step.divider);
   out.u16(for_ever);
-  out.zeros(8);  // when a transition is to be
+  out.zeros(8);  // the time of a transition
 }
 
 void put_transition(Writer& out, Tag change, std::uint8_t segment) {
@@ -159,7 +159,7 @@ void put_pattern_phases(Message message, const PatternStep& step, std::span<cons
 }
 
 bool within_reach(const FixedPoint& focus) {
-  constexpr std::int32_t most = (1 << 17) - 1, widest = 6909, highest = 5283;  // of a device's own transducers
+  constexpr std::int32_t most = (1 << 17) - 1, widest = 6909, highest = 5283;  // extent of a device's transducers
   const auto near = [](std::int32_t value, std::int32_t extent) { return value >= extent - most && value <= most; };
   if (!near(focus.x, widest) || !near(focus.y, highest) || !near(focus.z, 0)) return false;
   const auto square = [](std::int64_t value) { return value * value; };

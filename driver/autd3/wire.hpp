@@ -1,12 +1,13 @@
-// What AUTD3 devices are told: messages of 626 bytes, one per device and step, and how they come over TCP (the Remote
-// protocol of autd3-rs 38, version 1). All numbers little-endian.
+// What AUTD3 devices are sent: messages of 626 bytes, one per device and step, and how they are sent over TCP (the
+// Remote protocol of autd3-rs 38, version 1). All numbers are little-endian.
 //
 //   message      u8 id 0..15 (a repeated one is ignored), u8 0, u16 offset of a second operation or 0; 622 bytes
-//   operation    u8 tag, what the tag says
+//   operation    u8 tag, then what the tag asks for
 //   answer       u8 data, u8 acknowledge = error << 4 | id
 //
 //   request      0x10 hello u16 version "AUTD3REMOTE" | 0x01 geometry | 0x03 send, a message per device | 0x04 read |
-//   0x05 close reply        0x00, after a read an answer per device; or 0xff u32 size, text
+//                0x05 close
+//   reply        0x00, after a read an answer per device; or 0xff u32 size, text
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@
 namespace palpa::driver::autd3 {
 
 inline constexpr std::size_t transducers = 249;  ///< of a device
-inline constexpr double period_hz = 40e3;        ///< what its dividers divide
+inline constexpr double period_hz = 40e3;        ///< the frequency that its dividers divide
 inline constexpr std::size_t header_size = 4, payload_size = 622, message_size = header_size + payload_size;
 inline constexpr std::size_t answer_size = 2;
 inline constexpr std::uint8_t most_id = 0x0f;
@@ -30,11 +31,11 @@ inline constexpr std::uint8_t reply_ok = 0x00, reply_error = 0xff;
 inline constexpr std::array<std::uint8_t, 14> hello_request{0x10, 1,   0,   'A', 'U', 'T', 'D',
                                                             '3',  'R', 'E', 'M', 'O', 'T', 'E'};
 
-/// What is told of a firmware: 0xa5 is 12.1.
+/// The number of the firmware that palpa knows: 0xa5 is 12.1.
 inline constexpr std::uint8_t known_firmware = 0xa5;
 enum class Version : std::uint8_t { cpu_major = 1, cpu_minor, fpga_major, fpga_minor, fpga_functions, done };
 
-/// Of one transducer, as devices have it: 1/256 turns of delay, and amplitude in 1/255.
+/// One transducer's output in the devices' units: delay in 1/256 turns, and amplitude in 1/255.
 struct Emission {
   std::uint8_t phase, intensity;
   bool operator==(const Emission&) const = default;
@@ -43,23 +44,24 @@ Emission emission(array::TransducerDrive drive);
 
 /// Each writes one operation over the whole payload, with a header that has no second operation.
 void put_nop(Message message);
-/// As after power-up, and clocks in step: two operations.
+/// Resets to the state after power-up and synchronises the clocks: two operations.
 void put_clear_and_sync(Message message);
 void put_version(Message message, Version which);
-/// Amplitudes take `intensity_steps` periods for a change, phases `phase_steps`; patterns that change faster are
-/// refused.
+/// A change takes `intensity_steps` periods for amplitudes, and `phase_steps` for phases. Patterns that change faster
+/// are refused.
 void put_silencer(Message message, std::uint16_t intensity_steps, std::uint16_t phase_steps);
-/// Into a segment, which sounds at once.
+/// Writes a segment, which sounds at once.
 void put_gain(Message message, std::uint8_t segment, std::span<const Emission> emissions);
-/// All transducers at nothing.
+/// Sets all transducers to zero.
 void put_silence(Message message, std::uint8_t segment);
-/// The samples of a modulation into a segment, which is heard at once; at most 254, each `divider` periods long.
+/// Writes the samples of a modulation into a segment, which is heard at once. At most 254 samples, each `divider`
+/// periods long.
 void put_modulation(Message message, std::uint8_t segment, std::uint16_t divider,
                     std::span<const std::uint8_t> samples);
 
-/// A part of a pattern that a device plays by its own clock, each part `divider` periods long: part floor(t * 40 kHz /
-/// divider) modulo the number of parts, t since 2000-01-01. It comes into a segment that does not sound; with the last
-/// part comes the transition.
+/// A part of a pattern that a device plays by its own clock. Each part is `divider` periods long: the device plays part
+/// floor(t * 40 kHz / divider) modulo the number of parts, with t since 2000-01-01. The parts go into a segment that
+/// does not sound. The transition comes with the last part.
 struct PatternStep {
   std::uint8_t segment = 0;
   std::uint16_t divider = 0;
@@ -70,19 +72,20 @@ void put_pattern(Message message, const PatternStep& step, std::span<const Emiss
 void put_pattern_phases(Message message, const PatternStep& step, std::span<const Emission> part,
                         std::span<const Emission> next);
 
-/// A focus as a device takes it: 0.025 mm from its transducer 0, along its own axes; within 18 bits with their sign.
+/// A focus in a device's units: 0.025 mm, from its transducer 0, along its own axes. Each value fits into 18 bits with
+/// the sign.
 struct FixedPoint {
   std::int32_t x = 0, y = 0, z = 0;
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
-/// The fastest sound that a device can be told: 64ths of a metre per second in 16 bits.
+/// The highest sound speed that a device can be sent: 64ths of a metre per second in 16 bits.
 inline constexpr double most_sound_speed_m_s = 65535.0 / 64;
 /// How many foci one message takes.
 inline constexpr std::size_t most_foci = 72;
-/// Whether a device can take it: what it computes with does not overflow.
+/// Whether a device can take the focus: its computation does not overflow.
 bool within_reach(const FixedPoint& focus);
-/// A whole pattern at once: the foci one after the other, all transducers at full amplitude, into a segment that does
-/// not sound; the device computes the phases. With it comes the transition.
+/// Writes a whole pattern at once into a segment that does not sound, with the transition: the foci one after the
+/// other, all transducers at full amplitude. The device computes the phases.
 void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
               std::span<const FixedPoint> foci);
 

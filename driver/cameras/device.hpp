@@ -1,5 +1,5 @@
-// A depth camera, whoever brings its frames: the kernel (driver/v4l2) or librealsense2 (driver/realsense). What is
-// common to them, their matching, what becomes of one that goes, is written once on top of this.
+// A depth camera whose frames come from the kernel (driver/v4l2) or from librealsense2 (driver/realsense). The common
+// parts, such as matching frames and handling a lost camera, are written once on top of this.
 #pragma once
 
 #include <array>
@@ -26,33 +26,33 @@ struct Taken {
 /// What take() found.
 enum class Take {
   frame,
-  broken,  ///< a frame that is no whole one, or no newer than the one before; its buffer is the camera's again
+  broken,  ///< an incomplete frame, or not newer than the one before; the camera has its buffer again
   nothing,
   gone,  ///< the device does not answer any more: unplugged, or the stream has failed
 };
 
-/// Between its making and its end the camera streams. Its end may take seconds where the device does not answer.
+/// The camera streams while this object exists. Its destructor may take seconds if the device does not answer.
 class Stream {
  public:
   virtual ~Stream() = default;
 
-  /// What poll() is to wait for.
+  /// The descriptor that poll() waits for.
   virtual int fd() const = 0;
-  /// From frame to frame, as it was asked for.
+  /// The time from frame to frame, as requested.
   virtual double period_s() const = 0;
-  /// How many the camera has; one whose frames all wait with whoever took them has none to fill.
+  /// How many buffers the camera has. It has none to fill while all of its frames are taken and not yet released.
   virtual std::uint32_t buffers() const = 0;
 
   /// The oldest frame that the camera has ready. Never waits.
   virtual Take take(Taken& taken) = 0;
-  /// Why take() said gone: "unplugged", or what the kernel said.
+  /// Why take() returned gone: "unplugged", or the kernel's message.
   virtual const std::string& fault() const = 0;
-  /// Rows of the frame, `width * height` values, into `depth`.
+  /// Copies the rows of the frame, `width * height` values, into `depth`.
   virtual void copy(const Taken& taken, std::uint16_t* depth) const = 0;
-  /// Gives its buffer back.
+  /// Gives the frame's buffer back.
   virtual void release(const Taken& taken) = 0;
 
-  /// A camera has that many at most, and three at least.
+  /// A camera has at most this many buffers, and at least three.
   static constexpr std::uint32_t most_buffers = 8;
 };
 
@@ -62,13 +62,13 @@ class Device {
   virtual ~Device() = default;
   /// For messages: "/dev/video2". As it was when it was last open.
   virtual const std::string& address() const = 0;
-  /// Opened, set up as the rig says, and streaming. Throws Error: what is wrong, and what would be right. May take
-  /// seconds where the device does not answer.
+  /// Opens the camera, sets it up as the rig says, and starts it. Throws Error with what is wrong and what would be
+  /// right. May take seconds if the device does not answer.
   virtual std::unique_ptr<Stream> open() = 0;
-  /// The same of one that was gone, wherever it is now, on whatever thread; what it says of itself has to be what it
-  /// said before. Null while it is not there.
+  /// The same for a camera that was gone, wherever it is now, on any thread. It must report the same about itself as
+  /// before. Null while it is not there.
   virtual std::unique_ptr<Stream> open_again() = 0;
-  /// Of its own calibration, where the setting asks for that. After open().
+  /// The lens of the camera's own calibration, if the setting asks for it. Call after open().
   virtual const std::optional<Lens>& lens() const = 0;
 };
 

@@ -1,5 +1,4 @@
-// What a source of cameras asks of the machine: to wait, to have something done beside it, the time. A test has its
-// own.
+// What a source of cameras needs from the machine: waiting, background work, and the time. A test has its own.
 #pragma once
 
 #include <poll.h>
@@ -13,9 +12,9 @@ namespace palpa::driver::cameras {
 class Host {
  public:
   virtual ~Host() = default;
-  /// Fills in `revents`; the number of descriptors that have any, or -errno, never -EINTR.
+  /// Fills in `revents`. Returns the number of descriptors that have any, or -errno, but never -EINTR.
   virtual int poll(std::span<pollfd> descriptors, double timeout_s);
-  /// Does that on a thread of its own. Ready when it is done.
+  /// Does `work` on its own thread. The future is ready when that is done.
   virtual std::future<void> beside(std::function<void()> work);
   /// CLOCK_MONOTONIC, which capture times are on.
   virtual double now_s();

@@ -14,10 +14,10 @@ namespace palpa::driver::cameras {
 namespace {
 
 constexpr double first_frame_s = 3;    ///< a camera takes up to two seconds from its start to its first frame
-constexpr double silent_s = 0.05;      ///< who has given no frame for that long, or four periods, is not waited for,
-constexpr double said_silent_s = 1;    ///< after that long it is said,
-constexpr double restarted_s = 3;      ///< and after that long the stream is started anew
-constexpr double look_every_s = 0.25;  ///< for a camera that is gone
+constexpr double silent_s = 0.05;      ///< without a frame for this long, or four periods, a camera is not waited for
+constexpr double said_silent_s = 1;    ///< after this time, that is reported
+constexpr double restarted_s = 3;      ///< after this time, the stream is restarted
+constexpr double look_every_s = 0.25;  ///< how often a lost camera is looked for
 constexpr std::uint32_t said_broken = 5;
 
 }  // namespace
@@ -32,13 +32,13 @@ LiveCamera::~LiveCamera() {
   if (beside_.valid()) beside_.wait();
 }
 
-/// The kernel may wait five seconds for a device that does not answer; the others' frames do not wait for that.
+/// The kernel may wait five seconds for a device that does not answer. The other cameras' frames do not wait for that.
 void LiveCamera::look_for_it() {
   if (!beside_.valid()) {
     if (host_.now_s() < retry_s_) return;
     try {
       beside_ = host_.beside([this] { find_and_open(); });
-    } catch (const std::system_error&) {  // no thread now: later
+    } catch (const std::system_error&) {  // no thread now, so try later
       retry_s_ = host_.now_s() + look_every_s;
       return;
     }
@@ -58,7 +58,7 @@ void LiveCamera::find_and_open() {
   }
 }
 
-/// What has come of it.
+/// Takes the result of the background work.
 void LiveCamera::adopt() {
   const double now_s = host_.now_s();
   retry_s_ = now_s + look_every_s;
@@ -69,7 +69,7 @@ void LiveCamera::adopt() {
     distances_s_ = {};
     return;
   }
-  // A device that comes back is not whole at once; and one that has come back slower is refused for good.
+  // A device that comes back is not complete at once. One that has come back slower is refused for good.
   if (refusal_.empty() || now_s - lost_s_ < 2 || refusal_said_) return;
   refusal_said_ = true;
   log::warning(fmt::format("camera '{}' cannot be opened again: {}", name_, refusal_));
@@ -79,7 +79,7 @@ bool LiveCamera::tend() {
   if (!stream_) look_for_it();
   if (!stream_) return false;
   bool any = false;
-  // As many as it can have at once: one that never ends may not keep the others.
+  // Takes at most as many frames as the camera can have at once, so that an endless camera does not hold up the others.
   for (std::uint32_t i = 0; i < Stream::most_buffers; ++i) {
     Taken taken;
     const Take found = stream_->take(taken);
@@ -123,7 +123,7 @@ double LiveCamera::period_s() const {
 void LiveCamera::keep(const Taken& taken) {
   if (last_s_ > 0) distances_s_[next_distance_++ % distances] = taken.time_s - last_s_;
   last_s_ = taken.time_s;
-  // The camera keeps two: one that it fills, and the next.
+  // The camera keeps two: the one that it fills, and the next.
   if (held_ == std::min(most_held, stream_->buffers() - 2)) release_through(0);
   taken_[held_] = taken;
   times_s_[held_] = taken.time_s;
@@ -152,9 +152,8 @@ void LiveCamera::drop() {
 void LiveCamera::count_broken() {
   if (++broken_ != said_broken) return;
   log::warning(
-      fmt::format("camera '{}' ({}): {} frames came short, damaged or twice and were left out; a cable of 2 m at most "
-                  "and a port of "
-                  "its own help",
+      fmt::format("camera '{}' ({}): {} frames arrived incomplete, damaged or twice and were dropped; use a cable of "
+                  "at most 2 m and a separate USB port",
                   name_, device_->address(), broken_));
 }
 
@@ -163,8 +162,8 @@ void LiveCamera::say_lost(const std::string& how) {
   lost_ = true;
   lost_s_ = host_.now_s();
   refusal_said_ = false;
-  log::warning(
-      fmt::format("camera '{}' ({}): {}; palpa goes on without it and looks for it", name_, device_->address(), how));
+  log::warning(fmt::format("camera '{}' ({}): {}; palpa continues without it and keeps looking for it", name_,
+                           device_->address(), how));
 }
 
 void LiveCamera::say_back() {

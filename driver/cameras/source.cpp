@@ -17,10 +17,10 @@ namespace palpa::driver::cameras {
 namespace {
 
 constexpr std::size_t most_cameras = 64;
-constexpr double look_s = 0.02;    ///< how often it is looked whether a camera is silent or back
-constexpr double pause_s = 0.002;  ///< after a camera that has woken palpa for nothing
+constexpr double look_s = 0.02;    ///< how often to check whether a camera is silent or back
+constexpr double pause_s = 0.002;  ///< after a camera has woken palpa for nothing
 constexpr double coarse_m = 0.5e-3;
-constexpr double unmatched_s = 1;  ///< without a set: said
+constexpr double unmatched_s = 1;  ///< after this time without a set, that is reported
 
 class Cameras final : public sensing::DepthSource {
  public:
@@ -37,12 +37,12 @@ class Cameras final : public sensing::DepthSource {
         camera.cy = lens->cy;
         camera.distortion = lens->distortion;
       }
-      camera.device = {};  // what was asked for has been done; a recording of it is of a file
+      camera.device = {};  // the settings have been applied; a recording of it is a file
       camera.rate_hz = 1 / live_.back().period_s();
       nominal_s_ = std::max(nominal_s_, live_.back().period_s());
       if (camera.depth_unit_m >= coarse_m) {
         log::warning(
-            fmt::format("{}: camera '{}' has a depth unit of {:g} mm, coarse against a shell of 1.5 mm; set "
+            fmt::format("{}: camera '{}' has a depth unit of {:g} mm, which is coarse for a shell of 1.5 mm; set "
                         "depth_unit_m = 0.0001",
                         rig, camera.name, camera.depth_unit_m * 1e3));
       }
@@ -69,14 +69,15 @@ class Cameras final : public sensing::DepthSource {
   }
 
  private:
-  /// Until a camera has something, or has been silent for a while. `any`: the last look at them was not in vain.
+  /// Waits until a camera has something, or has been silent for a while. `any`: the last look at the cameras found
+  /// something.
   void wait(double left_s, bool any) {
     std::size_t count = 0;
     for (const LiveCamera& camera : live_) {
       if (camera.fd() >= 0) polled_[count++] = {camera.fd(), POLLIN, 0};
     }
     const bool woken = host_->poll(std::span(polled_).first(count), std::min(left_s, look_s)) > 0;
-    // Neither a device that has failed nor one that returns its buffers empty may keep the processor busy.
+    // A device that has failed, or that returns its buffers empty, must not keep the processor busy.
     if (woken && !any && !woken_) {
       woken_ = true;
     } else if (woken && !any) {
@@ -126,19 +127,19 @@ class Cameras final : public sensing::DepthSource {
 
   void note_matched() { unmatched_since_s_ = std::numeric_limits<double>::infinity(); }
 
-  /// Frames come, and no two that fit together: of one rate they always do.
+  /// Frames come, but none that fit together. Frames of one rate always fit.
   void note_unmatched(double period_s) {
     const double now_s = host_->now_s();
     unmatched_since_s_ = std::min(unmatched_since_s_, now_s);
     if (unmatched_said_ || now_s - unmatched_since_s_ < unmatched_s) return;
     unmatched_said_ = true;
     log::warning(
-        fmt::format("the cameras' frames do not fit together: for {:g} s none were captured within {:.1f} ms of "
-                    "each other; give all of them one rate_hz and a fixed exposure_s in {}",
+        fmt::format("the cameras' frames do not fit together: for {:g} s, none were captured within {:.1f} ms of each "
+                    "other; give all cameras the same rate_hz and a fixed exposure_s in {}",
                     unmatched_s, (period_s / 2 + stamp_jitter_s) * 1e3, rig_));
   }
 
-  /// Periods that have passed count, so that frames which nobody got are gaps.
+  /// Counts the periods that have passed, so that missed frames are gaps.
   std::uint64_t number(double time_s, double period_s) {
     if (last_s_ > 0) sequence_ += static_cast<std::uint64_t>(std::max(1L, std::lround((time_s - last_s_) / period_s)));
     last_s_ = time_s;
@@ -147,9 +148,9 @@ class Cameras final : public sensing::DepthSource {
 
   std::unique_ptr<Host> host_;
   std::vector<sensing::Camera> cameras_;
-  std::deque<LiveCamera> live_;  ///< their addresses stay
+  std::deque<LiveCamera> live_;  ///< a deque, because their addresses must stay
   std::string rig_;
-  double nominal_s_ = 0;  ///< period of the slowest, as it was asked for
+  double nominal_s_ = 0;  ///< requested period of the slowest camera
   double unmatched_since_s_ = std::numeric_limits<double>::infinity();
   bool unmatched_said_ = false;
   std::array<pollfd, most_cameras> polled_{};
@@ -171,7 +172,7 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
     std::string name = argument.substr(begin, end - begin);
     if (name.empty()) throw bad_usage(fmt::format("source {0} needs cameras: {0}:{1}", kind, example));
     if (std::find(names.begin(), names.end(), name) != names.end())
-      throw bad_usage(fmt::format("source {} names {} twice; each camera of the rig has its own", kind, name));
+      throw bad_usage(fmt::format("source {} names {} twice; name each camera of the rig once", kind, name));
     names.push_back(std::move(name));
     begin = end + 1;
   }
@@ -181,8 +182,8 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
 void check_count(std::size_t named, std::size_t cameras, const std::string& kind, const std::string& rig) {
   if (named == cameras && named <= most_cameras) return;
   throw bad_usage(
-      fmt::format("source {} names {} camera{} and {} describes {}; give as many, in the same order "
-                  "(palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
+      fmt::format("source {} names {} camera{}, but {} describes {}; name as many cameras as the rig has, in the same "
+                  "order (palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
                   kind, named, named == 1 ? "" : "s", rig, cameras));
 }
 

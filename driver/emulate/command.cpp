@@ -47,11 +47,11 @@ void check(const Options& o, const Kind& kind) {
       if (std::ranges::find(other.options, name) != other.options.end())
         others += (others.empty() ? "" : " and ") + other.name;
     }
-    throw bad_usage(fmt::format("{} goes with {}: {} has none", name, others, kind.name));
+    throw bad_usage(fmt::format("{} goes with {}, not with {}", name, others, kind.name));
   }
   if (!o.files.empty() && !o.view) throw bad_usage("--board-files goes with --view, which shows what the boards play");
   if (!o.layout.empty() && kind.name == "openmpd" && !o.view)
-    throw bad_usage("--layout goes with --view: how many OpenMPD boards there are, --serial says");
+    throw bad_usage("--layout goes with --view: --serial sets the number of OpenMPD boards");
   setup::refuse_gpu_options(o.common, "palpa emulate uses no GPU");
 }
 
@@ -65,8 +65,8 @@ void run(const Options& o) {
   std::string names;
   for (const Kind& kind : kinds())
     names += (names.empty() ? "" : ", ") + kind.name;
-  throw bad_usage(o.board.empty() ? fmt::format("which board? palpa emulate BOARD, of {}", names)
-                                  : fmt::format("no board is called {}: there are {}", o.board, names));
+  throw bad_usage(o.board.empty() ? fmt::format("the board is missing: give palpa emulate BOARD, with one of {}", names)
+                                  : fmt::format("unknown board {}: give one of {}", o.board, names));
 }
 
 }  // namespace

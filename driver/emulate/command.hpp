@@ -1,4 +1,4 @@
-// `palpa emulate BOARD`: a board made of software, for whoever has none, or none to spare.
+// `palpa emulate BOARD`: an emulated board, for users who have no board, or none to spare.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace palpa::driver::emulate {
 
-/// Of an AUTD3 server.
+/// The port of an AUTD3 server.
 inline constexpr std::uint32_t usual_port = 8080;
 
-/// What is given on the line. A board that has no use for an option does not get it: run() refuses it.
+/// The options on the command line. A board does not get an option that it has no use for: run() refuses it.
 struct Options {
   setup::CommonOptions common;
   std::string board;
@@ -32,14 +32,14 @@ struct Options {
   bool view = false;
 };
 
-/// Violations as they come: a line each, unless quiet. `told` of them have been told.
+/// Prints violations as they come, one line each, unless quiet. `told` of them have been printed.
 void tell_violations(const Options& options, std::span<const Violation> all, std::size_t& told);
-/// What an emulator of one server or line says at its end: `summary` for people, the same in numbers as --json, and a
-/// failure() where there were violations.
+/// What an emulator of one server or line reports at its end: `summary` for people, the same in numbers as --json, and
+/// a failure() if there were violations.
 struct Outcome {
   std::string summary;
   std::string counted;      ///< what `count` counts
-  std::uint64_t count = 0;  ///< of what came
+  std::uint64_t count = 0;  ///< how many have come
   bool sounds = false;
   std::span<const Violation> violations;  ///< the first of them
   std::size_t violation_count = 0;
@@ -49,13 +49,13 @@ void conclude(const Options& options, const Outputs& outputs, const Outcome& out
 struct Kind {
   std::string name;
   std::string help;
-  /// Until a signal asks for the end. Throws failure() where anything spoke to it against its rules.
+  /// Runs until a signal asks for the end. Throws failure() if anything broke the board's rules.
   std::function<void(const Options&, const Outputs&)> run;
-  std::vector<std::string> options;  ///< those that only some boards heed, of which this one heeds these
+  std::vector<std::string> options;  ///< of the options that only some boards use, those that this one uses
 };
 std::vector<Kind> kinds();
 
-/// Puts it on the command line.
+/// Puts the command `emulate` on the command line.
 void add_emulate(cli::Program& program);
 
 }  // namespace palpa::driver::emulate

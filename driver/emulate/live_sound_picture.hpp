@@ -1,4 +1,4 @@
-// `palpa emulate --view`: twice a second, what the boards sound, on stdout.
+// `palpa emulate --view`: shows what the boards sound on stdout, twice a second.
 #pragma once
 
 #include <exception>
@@ -12,11 +12,12 @@
 
 namespace palpa::driver::emulate {
 
-/// A thread of its own that asks `heard` for what sounds, and prints it where it has changed, until this object's end.
+/// A thread that asks `heard` for what sounds, and prints it if it has changed, as long as this object exists.
 class LiveSoundPicture {
  public:
   LiveSoundPicture(const array::Layout& layout, std::function<array::Drive()> heard);
-  /// Ends it. Throws what it failed with, where stdout could not be written; a Stop was asked for then.
+  /// Ends the thread. Throws what the thread failed with if stdout could not be written; it has then already asked for
+  /// a Stop.
   void end();
 
  private:
@@ -25,7 +26,7 @@ class LiveSoundPicture {
   SoundPicture view_;
   std::function<array::Drive()> heard_;
   std::string last_;
-  std::exception_ptr fault_;  ///< of its thread, until that is joined
+  std::exception_ptr fault_;  ///< belongs to the thread until that is joined
   std::jthread thread_;
 };
 

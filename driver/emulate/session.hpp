@@ -1,4 +1,5 @@
-// What emulators of one line or one server have in common, from the place that a loop connects to, to the signal.
+// What emulators of one line or one server have in common, from the address that a loop connects to, up to the signal
+// that ends them.
 #pragma once
 
 #include <atomic>
@@ -18,22 +19,22 @@ namespace palpa::driver::emulate {
 
 /// One emulator, ready to listen.
 struct Emulator {
-  std::string address;  ///< printed, for whoever is to connect
+  std::string address;  ///< printed, for the program that connects
   const char* wire;     ///< of the trace: "tcp" or "serial"
   const array::Layout& layout;
-  double begin_s = 0;  ///< times are told from here
+  double begin_s = 0;  ///< times are counted from here
   std::function<double()> now_s;
-  /// What sounds; the lock is held.
+  /// What sounds. Called with the lock held.
   std::function<array::Drive()> heard;
-  /// The first of them; called where the bytes are taken, or when nothing is any more.
+  /// The first violations. Called on the thread that takes the bytes, or when no more are taken.
   std::function<std::vector<Violation>()> violations;
   using Took = std::function<void(std::span<const std::uint8_t>)>;
-  /// Takes bytes until `stop`, tells each before they are taken, and holds the lock while they are.
+  /// Takes bytes until `stop`. It passes them to `took` before they are taken, and holds the lock while they are taken.
   std::function<void(const std::atomic<bool>& stop, std::mutex& lock, const Took& took)> serve;
 };
 
-/// Until a signal asks the caller's Stop for the end: with its trace and its view, violations as they come. Returns
-/// them, told from begin_s. Throws failure() for a trace that cannot be written.
+/// Runs until a signal asks the caller's Stop for the end, with trace and view, and prints violations as they come.
+/// Returns the violations, with times counted from begin_s. Throws failure() if the trace cannot be written.
 std::vector<Violation> serve(const Options& options, const Emulator& emulator);
 
 }  // namespace palpa::driver::emulate

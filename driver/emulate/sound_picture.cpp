@@ -15,7 +15,7 @@
 namespace palpa::driver::emulate {
 namespace {
 
-constexpr double margin = 20e-3;  ///< nearer to transducers it is loud, and nobody's finger
+constexpr double margin = 20e-3;  ///< nearer to transducers it is loud, but no finger is there
 constexpr double reach = 250e-3;  ///< above boards that face nothing
 constexpr double coarse = 6e-3;   ///< a focus is 8 mm wide
 

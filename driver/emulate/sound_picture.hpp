@@ -18,18 +18,19 @@ struct Loudest {
 
 class SoundPicture {
  public:
-  /// Of this layout, which outlives it; 20 degrees, T4010A1.
+  /// For this layout, which must outlive this object; 20 degrees, T4010A1.
   explicit SoundPicture(const array::Layout& layout);
-  /// To a tenth of a millimetre, where what is loudest is a focus.
+  /// Exact to a tenth of a millimetre if the loudest place is a focus.
   Loudest loudest(std::span<const array::TransducerDrive> drive) const;
-  /// A line that says where and how loud, and below it |p| around there: x to the right, z upward, y as the line says.
+  /// A line with the loudest place and its pressure, and below it |p| around that place: x to the right, z upward, y as
+  /// in the line.
   std::string picture(std::span<const array::TransducerDrive> drive) const;
 
  private:
   std::vector<double> pressures(std::span<const Vec3> points, std::span<const array::TransducerDrive> drive) const;
 
   acoustics::Incident incident_;
-  Vec3 low_, high_;  ///< what is looked at
+  Vec3 low_, high_;  ///< the region that is searched
 };
 
 }  // namespace palpa::driver::emulate

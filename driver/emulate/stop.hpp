@@ -6,7 +6,7 @@
 
 namespace palpa::driver::emulate {
 
-/// While it lives these signals only make asked() true. One at a time.
+/// While a Stop exists, these signals only make asked() true. There may be one at a time.
 class Stop {
  public:
   Stop();
@@ -14,7 +14,7 @@ class Stop {
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
   static const std::atomic<bool>& asked();
-  /// As a signal would.
+  /// Does what a signal would do.
   static void ask();
 
  private:

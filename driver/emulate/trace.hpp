@@ -1,4 +1,4 @@
-// What a board was told, as a file of JSON lines (docs/files.md): one per transfer, each in the file when the next
+// What a board was sent, as a file of JSON lines (docs/files.md): one per transfer. Each is in the file when the next
 // begins.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace palpa::driver::emulate {
 /// The file. Several boards may write to one.
 class TraceFile {
  public:
-  /// Replaces the file; "-" is stdout. Throws failure() naming it.
+  /// Replaces the file; "-" is stdout. Throws failure() that names it.
   explicit TraceFile(const std::string& name);
   /// Adds a line, which ends with a line break. Throws failure().
   void write(std::string_view line);
@@ -28,7 +28,7 @@ class TraceFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// A line without anything but bytes: `kind` is "tcp" or "serial".
+/// A line that has only bytes. `kind` is "tcp" or "serial".
 class ByteTrace {
  public:
   ByteTrace(TraceFile& file, const char* kind) : file_(file), kind_(kind) {}
@@ -39,7 +39,7 @@ class ByteTrace {
   const char* kind_;
 };
 
-/// One board's USB. Where `serial` is not empty each line says it: several boards are in that file.
+/// One board's USB. If `serial` is not empty, each line has it, because several boards are in that file.
 class UsbTrace final : public usb::Wiretap {
  public:
   UsbTrace(TraceFile& file, std::string serial);

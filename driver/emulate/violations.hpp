@@ -1,4 +1,4 @@
-// What an emulator found against the rules of what it emulates.
+// A violation of the rules of the emulated device, as an emulator found it.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct Violation {
   std::string what;
 };
 
-/// The first of them, and how many there were.
+/// The first violations, and how many there were.
 class Violations {
  public:
   static constexpr std::size_t most_kept = 20;
@@ -33,7 +33,7 @@ class Violations {
   std::size_t count_ = 0;
 };
 
-/// The same, their time counted from `begin_s`.
+/// The same, with times counted from `begin_s`.
 inline std::vector<Violation> since(double begin_s, std::span<const Violation> all) {
   std::vector<Violation> out(all.begin(), all.end());
   for (Violation& violation : out)

@@ -22,7 +22,7 @@ namespace {
 constexpr double open_s = 10;  // a board that was left in an unknown state takes seconds to come back
 constexpr double exit_s = 1;
 constexpr double hang_s = 1;
-constexpr double most_slot_s = heartbeat_s / 2;  // a longer one would be silenced between two drives
+constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silenced between two drives
 
 class BoardLink final : public session::Link {
  public:
@@ -41,8 +41,8 @@ class BoardLink final : public session::Link {
     if (!plays_plans_) return;
     const auto place = guard_->memory().plan(plan_place_);
     if (plan.drives.size() > place.drives.size()) {
-      throw failure(fmt::format("{}: a plan of {} drives, more than {}", brief_.kind, plan.slots.cycle.length,
-                                session::most_cycle));
+      throw failure(fmt::format("{}: a plan has {} drives; at most {} are possible", brief_.kind,
+                                plan.slots.cycle.length, session::most_cycle));
     }
     if (plan.schedule.voice_count == 0) timed.slots.cycle.length = 0;
     place.head = {timed, put_foci(plan, place.foci)};
@@ -54,8 +54,8 @@ class BoardLink final : public session::Link {
     if (!guard_) return;
     const auto place = guard_->memory().drive(drive_place_);
     if (drive.size() != place.drives.size())
-      throw failure(
-          fmt::format("{}: a drive of {} transducers, not {}", brief_.kind, drive.size(), place.drives.size()));
+      throw failure(fmt::format("{}: a drive has {} transducers; the layout has {}", brief_.kind, drive.size(),
+                                place.drives.size()));
     place.head = {slot, until_s_};
     std::copy(drive.begin(), drive.end(), place.drives.begin());
     const TripleBuffer::Committed committed = guard_->memory().drive_buffer().commit(drive_place_);
@@ -75,9 +75,9 @@ class BoardLink final : public session::Link {
     carried_ = guard_->memory().tally().read();
     if (ended && last_word_ == Said::opened) end_without_guard();
     guard_.reset();
-    if (!ended) throw failure(brief_.kind + ": palpa-guard still tries to silence the board after 1 s" + advice);
+    if (!ended) throw failure(brief_.kind + ": after 1 s, palpa-guard is still trying to silence the board" + advice);
     if (last_word_ == Said::unsure)
-      throw failure(brief_.kind + ": nobody knows whether the last silence has reached the board" + advice);
+      throw failure(brief_.kind + ": it is not known whether the last silence reached the board" + advice);
   }
 
   std::optional<session::Carried> carried() const override {
@@ -85,8 +85,8 @@ class BoardLink final : public session::Link {
   }
 
  private:
-  /// Whether the guard has taken nothing for so long that it is stopped or hangs: it is ended then. A step counts as a
-  /// slot or two: whoever was stopped together with it is not the guard's judge.
+  /// Whether the guard has taken nothing for so long that it is stopped or hangs. It is then killed. A step counts as
+  /// two slots at most, so that a loop that was stopped together with the guard does not blame the guard.
   bool hangs(bool unread) {
     const double now_s = monotonic_s();
     const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.board.slot_s);
@@ -96,9 +96,9 @@ class BoardLink final : public session::Link {
     return true;
   }
 
-  static constexpr const char* advice = "; make sure that it does not sound, or switch it off";
+  static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
 
-  /// Which focus each drive is, where one finger's foci follow one another, one per drive. Returns how many; 0:
+  /// Writes the focus of each drive, if one finger's foci follow one another, one per drive. Returns how many; 0
   /// otherwise.
   static std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) {
     const std::uint32_t drives = plan.slots.cycle.length;
@@ -115,12 +115,12 @@ class BoardLink final : public session::Link {
     const double until_s = monotonic_s() + open_s;
     while (last_word_ != Said::opened) {
       if (!guard_->wait_for_word(until_s - monotonic_s()))
-        throw failure(fmt::format("{}: not open after {} s", brief_.kind, open_s));
+        throw failure(fmt::format("{}: the board is not open after {} s", brief_.kind, open_s));
       if (!listen()) end_without_guard();
     }
   }
 
-  /// Takes what the guard has said. False: it is gone.
+  /// Takes the guard's messages. Returns false if the guard is gone.
   bool listen() {
     std::array<char, Message::most + 1> buffer{};
     Message message{};
@@ -144,14 +144,14 @@ class BoardLink final : public session::Link {
   }
 
   [[noreturn]] static void refuse(std::string_view text) {
-    if (text.empty()) throw failure("palpa-guard says nothing");
+    if (text.empty()) throw failure("palpa-guard refused without a reason");
     throw Error(static_cast<Exit>(text[0]), std::string(text.substr(1)));
   }
 
   static std::string how_it_ended(const GuardProcess::Exit& exit) {
     if (!exit.ended) return "palpa-guard does not answer";
-    if (exit.by_signal != 0) return fmt::format("signal {} has ended palpa-guard", exit.by_signal);
-    return fmt::format("palpa-guard has ended with exit code {}", exit.code);
+    if (exit.by_signal != 0) return fmt::format("signal {} ended palpa-guard", exit.by_signal);
+    return fmt::format("palpa-guard ended with exit code {}", exit.code);
   }
 
   [[noreturn]] void end_without_guard() {
@@ -159,10 +159,10 @@ class BoardLink final : public session::Link {
     carried_ = guard_->memory().tally().read();
     guard_.reset();
     if (last_word_ == Said::asked_to_leave)
-      throw failure(brief_.kind + ": palpa-guard was told to leave (SIGTERM); it has silenced the board");
+      throw failure(brief_.kind + ": palpa-guard was asked to end (SIGTERM); it has silenced the board");
     const std::string what = brief_.kind + ": " + how_it_ended(exit);
-    if (silence_once_more()) throw failure(what + "; another has silenced the board");
-    throw failure(what + ", and another could not silence the board: switch it off");
+    if (silence_once_more()) throw failure(what + "; a second palpa-guard has silenced the board");
+    throw failure(what + ", and a second one could not silence the board: switch it off");
   }
 
   bool silence_once_more() {
@@ -186,9 +186,9 @@ class BoardLink final : public session::Link {
   bool plays_plans_;
   std::optional<GuardProcess> guard_;
   session::Carried carried_;      ///< of a guard that is gone
-  Said last_word_ = Said::drive;  ///< the guard's; as yet none
+  Said last_word_ = Said::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
-  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan may sound; without one drives may
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
   std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };
 
@@ -201,8 +201,8 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                                                                       const session::LinkSetting& setting) {
             if (setting.slot_s > most_slot_s)
               throw bad_usage(
-                  fmt::format("link {}: a board is silenced {} ms after its last drive; a dwell of {} ms is "
-                              "too long for it: at most {} ms",
+                  fmt::format("link {}: a board is silenced {} ms after its last drive, so a dwell of {} ms is too "
+                              "long: give at most {} ms",
                               name, 1e3 * heartbeat_s, 1e3 * setting.slot_s, 1e3 * most_slot_s));
             Brief brief{.kind = name,
                         .board = {.argument = argument,

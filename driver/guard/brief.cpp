@@ -9,7 +9,7 @@
 namespace palpa::driver {
 namespace {
 
-/// Changes whenever what follows does, or what the channel holds: palpa and its guard must be of one build.
+/// Must change whenever the data below or in the channel changes: palpa and its guard must be of one build.
 constexpr std::uint64_t mark = 0x70616c7061'0005;
 
 class Writer {
@@ -42,7 +42,7 @@ class Reader {
     const auto size = value<std::uint64_t>();
     return {reinterpret_cast<const char*>(next(size)), size};
   }
-  /// A number of things that take `each` bytes at least.
+  /// Reads a number of items that take at least `each` bytes each.
   std::size_t count(std::size_t each) {
     const auto n = value<std::uint64_t>();
     if (n > rest_.size() / each) refuse();

@@ -1,5 +1,5 @@
-// What a guard gets when it is started: which board, with what, for which layout. As bytes, for it is another
-// process.
+// What a guard gets when it is started: which board, with which settings, for which layout. It is passed as bytes,
+// because the guard is another process.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct Brief {
 };
 
 std::vector<std::byte> to_bytes(const Brief& brief);
-/// Throws failure() for bytes that are no brief of this version of palpa.
+/// Throws failure() for bytes that are not a brief of this version of palpa.
 Brief brief_from(std::span<const std::byte> bytes);
 
 }  // namespace palpa::driver

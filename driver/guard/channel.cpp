@@ -20,14 +20,14 @@ namespace palpa::driver {
 namespace {
 
 constexpr std::uint64_t mark = 0x70616c70'61677562;
-constexpr std::size_t line = 64;  // a cache line: what the two write lies apart
+constexpr std::size_t line = 64;  // a cache line, so that what the two sides write lies apart
 
 std::size_t whole_lines(std::size_t size) {
   return (size + line - 1) / line * line;
 }
 
 Error no_memory() {
-  return failure(fmt::format("no memory to share with palpa-guard: {}", std::strerror(errno)));
+  return failure(fmt::format("there is no memory to share with palpa-guard: {}", std::strerror(errno)));
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ Descriptor::~Descriptor() {
   if (fd_ >= 0) close(fd_);
 }
 
-/// At the memory's begin; what it names are offsets from there.
+/// At the beginning of the memory. Its members are offsets from there.
 struct SharedMemory::Head {
   std::uint64_t mark, size;
   std::uint64_t brief, brief_size;
@@ -58,7 +58,7 @@ void Tally::tell(const session::Passed& taken, const BoardCounts& counts) {
   const std::array now{
       taken.drives,           taken.plans,    counts.submitted.drives, counts.submitted.plans, counts.completed.drives,
       counts.completed.plans, counts.starting};
-  // Not all at one instant: whoever reads meanwhile may miss the newest, and asks again.
+  // Not all at one instant: a reader may miss the newest values meanwhile, and asks again.
   for (std::size_t i = 0; i < now.size(); ++i)
     values_[i].store(now[i], std::memory_order_relaxed);
 }
@@ -72,7 +72,7 @@ session::Carried Tally::read() const {
 }
 
 SharedMemory::SharedMemory(Descriptor fd, std::size_t size) : fd_(std::move(fd)), size_(size) {
-  // All of it is there from the start: no drive waits for a page.
+  // All pages are there from the start, so no drive waits for one.
   void* base = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd_.get(), 0);
   if (base == MAP_FAILED) throw no_memory();
   base_ = static_cast<std::byte*>(base);
@@ -102,7 +102,7 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
 
   Descriptor fd(memfd_create("palpa-guard", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!fd || ftruncate(fd.get(), static_cast<off_t>(head.size)) != 0) throw no_memory();
-  fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);  // nobody can take it away from the other
+  fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW);  // neither side can take the memory away from the other
   SharedMemory memory(std::move(fd), head.size);
   std::memcpy(memory.base_, &head, sizeof head);
   std::copy(brief.begin(), brief.end(), memory.base_ + head.brief);
@@ -113,7 +113,7 @@ SharedMemory SharedMemory::make(std::span<const std::byte> brief, std::size_t tr
 
 SharedMemory SharedMemory::of(Descriptor fd) {
   struct stat status {};
-  const Error wrong = failure("palpa-guard is started by palpa, not by hand");
+  const Error wrong = failure("palpa-guard must be started by palpa, not by hand");
   if (fstat(fd.get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < sizeof(Head)) throw wrong;
   SharedMemory memory(std::move(fd), static_cast<std::size_t>(status.st_size));
   if (memory.head().mark != mark || memory.head().size != memory.size_) throw wrong;
@@ -161,7 +161,7 @@ bool say(int socket, Said said, std::string_view text) {
 Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message) {
   const auto take = [&] { return recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT); };
   ssize_t size = take();
-  if (size < 0 && errno == ECONNRESET) size = take();  // it left without reading everything; its last words are there
+  if (size < 0 && errno == ECONNRESET) size = take();  // it left with unread messages; its last words are there
   if (size < 0) return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;
   if (size == 0) return Heard::gone;
   message = {static_cast<Said>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};

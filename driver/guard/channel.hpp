@@ -1,7 +1,7 @@
 // What a loop and its guard share: memory with the newest drive and the newest plan, and a socket. The loop writes into
-// memory that only it sees, and hands it over in one step: whoever ends it at whatever instant, a guard sees whole
-// drives only. The socket says that there is one, carries a board's notes back, and its end says that the other one is
-// gone.
+// memory that only it sees, and hands it over in one step. A guard therefore sees only whole drives, no matter when the
+// loop is ended. The socket announces a drive and carries a board's notes back. When the socket closes, the other side
+// is gone.
 #pragma once
 
 #include <array>
@@ -34,16 +34,16 @@ class Descriptor {
   int fd_ = -1;
 };
 
-/// Three places for a value in shared memory, taking turns as the writer's, the waiting one and the reader's, as
-/// session::Newest does between threads. Neither waits; what nobody took is replaced.
+/// Three places for a value in shared memory. They take turns as the writer's, the waiting one and the reader's, as
+/// session::Newest does between threads. Neither side waits. A value that was not taken is replaced.
 class TripleBuffer {
  public:
   void init() { waiting_ = 1; }
   struct Committed {
-    std::uint32_t place;  ///< to write at next
-    bool unread;          ///< what waited before was taken by nobody
+    std::uint32_t place;  ///< where to write next
+    bool unread;          ///< the value that waited before was not taken
   };
-  /// Writer: what it has written at `mine` waits from now on.
+  /// Writer: the value that it has written at `mine` waits from now on.
   Committed commit(std::uint32_t mine) {
     const std::uint32_t before = waiting_.exchange(mine | fresh, std::memory_order_acq_rel);
     return {before & place, (before & fresh) != 0};
@@ -63,33 +63,33 @@ class TripleBuffer {
 
 struct DriveHead {
   std::uint64_t slot;
-  double until_s;  ///< how long it may sound at most, on CLOCK_MONOTONIC
+  double until_s;  ///< it may sound until then at most, on CLOCK_MONOTONIC
 };
 struct PlanHead {
   TimedSlots timed;
   std::uint32_t foci;  ///< how many there are, see BoardPlan
 };
 
-/// What the guard tells of drives and plans that sound, for the loop to read at any time.
+/// The guard's counts of drives and plans that sound. The loop may read them at any time.
 class Tally {
  public:
-  /// The guard: `taken` is what it has taken from the loop, the rest its board's.
+  /// For the guard: `taken` is what it has taken from the loop, and `counts` are its board's.
   void tell(const session::Passed& taken, const BoardCounts& counts);
-  /// The loop.
+  /// For the loop.
   session::Carried read() const;
 
  private:
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
-  /// In the order of the hand-overs: drives, then plans of each; then those that came too soon.
+  /// In the order of the hand-overs: drives, then plans of each; then the drives that came too soon.
   std::array<std::atomic<std::uint64_t>, 7> values_;
 };
 
-/// The memory: what the guard is told (Brief), drives, and plans where the board plays any.
+/// The shared memory: the guard's Brief, drives, and plans if the board plays any.
 class SharedMemory {
  public:
-  /// Throws failure() where there is no memory.
+  /// Throws failure() if there is no memory.
   static SharedMemory make(std::span<const std::byte> brief, std::size_t transducers, std::uint32_t most_cycle);
-  /// The other process's. Throws failure() for a descriptor that is none of these.
+  /// The memory that the other process has made. Throws failure() for any other descriptor.
   static SharedMemory of(Descriptor fd);
   SharedMemory(SharedMemory&& other) noexcept;
   SharedMemory& operator=(SharedMemory&&) = delete;
@@ -101,12 +101,12 @@ class SharedMemory {
   template <typename Head>
   struct Place {
     Head& head;
-    std::span<array::TransducerDrive> drives;  ///< all there is room for
+    std::span<array::TransducerDrive> drives;  ///< all that there is room for
   };
   Place<DriveHead> drive(std::uint32_t place) const;
   struct PlanPlace {
     PlanHead& head;
-    std::span<Vec3> foci;  ///< as many as there may be drives
+    std::span<Vec3> foci;  ///< one for each drive that there is room for
     std::span<array::TransducerDrive> drives;
   };
   PlanPlace plan(std::uint32_t place) const;
@@ -128,17 +128,17 @@ class SharedMemory {
   std::size_t size_ = 0;
 };
 
-/// What the two say to each other. One message each.
+/// What loop and guard say to each other. One message each.
 enum class Said : char {
-  drive = 'd',  ///< the loop: there is another drive
-  /// All others are the guard's.
+  drive = 'd',  ///< from the loop: there is another drive
+  /// All others are from the guard.
   opened = 'o',   ///< the board is there
   refused = 'r',  ///< the exit code, then the line of the Error
   warning = 'w',
   info = 'i',
-  asked_to_leave = 't',  ///< SIGTERM: the board is silent, and this is the end
+  asked_to_leave = 't',  ///< SIGTERM: the board is silent, and the guard ends
   silent = 's',          ///< the last thing on the wire was all-off
-  unsure = 'u',          ///< it was to be, but nobody knows whether it got there
+  unsure = 'u',          ///< it should be, but it is not known whether it arrived
 };
 
 struct Message {
@@ -147,7 +147,7 @@ struct Message {
   std::string_view text;
 };
 
-/// Never waits; a message that does not fit is dropped. False: the other one is gone.
+/// Never waits. A message that does not fit is dropped. Returns false if the other side is gone.
 bool say(int socket, Said said, std::string_view text = {});
 enum class Heard { message, nothing, gone };
 /// Takes the next message, if there is one; it stays valid until the next call.

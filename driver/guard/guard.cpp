@@ -35,7 +35,8 @@ void leave(int) {
   asked_to_leave = 1;
 }
 
-/// What may not end it is ignored, what asks it to leave sets a flag and is let through while it waits only.
+/// Signals that must not end the guard are ignored. Signals that ask it to leave set a flag, and are let through only
+/// while it waits.
 void set_signals() {
   struct sigaction action {};
   sigemptyset(&action.sa_mask);
@@ -52,8 +53,9 @@ void set_signals() {
   sigprocmask(SIG_SETMASK, &blocked, nullptr);
 }
 
-/// No page of it waits for a disk from now on, nor what libusb and the C library still take, where the machine allows
-/// that (RLIMIT_MEMLOCK). Not what is mapped later: that would be refused beyond the limit instead of slow.
+/// From now on, no page of the guard waits for a disk, if the machine allows that (RLIMIT_MEMLOCK). This includes
+/// memory that libusb and the C library still take, but not later mappings: beyond the limit, those would be refused
+/// instead of being slow.
 void keep_in_memory() {
   constexpr std::size_t spare = 1 << 20;
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());  // the heap keeps what it has
@@ -63,8 +65,8 @@ void keep_in_memory() {
   static_cast<void>(mlockall(MCL_CURRENT));
 }
 
-/// Before whatever else the machine is busy with, where that is allowed (root, RLIMIT_NICE): it takes little time, and
-/// silence is not to wait.
+/// Runs before everything else on the machine, if that is allowed (root, RLIMIT_NICE). The guard takes little time, and
+/// silence must not wait.
 void go_first() {
   constexpr int niceness = -10;
   if (getpriority(PRIO_PROCESS, 0) > niceness) static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
@@ -76,7 +78,7 @@ class Notes final : public BoardNotes {
   void info(std::string_view line) noexcept override { say(guard_socket, Said::info, line); }
 };
 
-/// Copies what the other process wrote; a transducer that got anything but an amplitude and a phase is silent.
+/// Copies what the other process wrote. A transducer with anything but an amplitude and a phase is silent.
 void copy_sound(std::span<const array::TransducerDrive> from, std::span<array::TransducerDrive> to) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     const auto [amplitude, phase] = from[i];
@@ -85,7 +87,7 @@ void copy_sound(std::span<const array::TransducerDrive> from, std::span<array::T
   }
 }
 
-/// What goes between a loop and a board.
+/// Passes drives and plans from a loop to a board.
 class Guard {
  public:
   Guard(const SharedMemory& memory, bool plays_plans, double slot_s)
@@ -95,7 +97,7 @@ class Guard {
     foci_.resize(memory.plan(0).foci.size());
   }
 
-  /// Until the loop is gone or somebody asks it to leave; leaves the board as it sounds.
+  /// Runs until the loop is gone or a signal asks the guard to leave. Leaves the board as it sounds.
   Said watch(Board& board) {
     while (true) {
       wait(board);
@@ -111,7 +113,7 @@ class Guard {
     }
   }
 
-  /// For the loop to read.
+  /// Tells the board's counts to the loop.
   void tell_counts(const Board& board) const { memory_.tally().tell(taken_, board.counts()); }
 
  private:
@@ -126,7 +128,7 @@ class Guard {
     ppoll(fds.data(), 1 + count, &at_most, &none);
   }
 
-  /// Takes the loop's words, which say no more than that there is something. False: it is gone.
+  /// Takes the loop's messages, which only say that there is something. Returns false if the loop is gone.
   static bool listen() {
     std::array<char, Message::most + 1> buffer{};
     Message message{};
@@ -138,21 +140,22 @@ class Guard {
   }
 
   void play_newest(Board& board) {
-    // The loop tells a plan before the drives that belong to it: taken in the other order none comes before its plan.
+    // The loop writes a plan before the drives that belong to it. Taken in the opposite order, no drive comes before
+    // its plan.
     const std::optional<std::uint32_t> drive = memory_.drive_buffer().take(drive_place_);
     if (plays_plans_) take_plan(board);
     if (!drive) return;
     drive_place_ = *drive;
     heart_beats();
     const auto newest = memory_.drive(drive_place_);
-    if (newest.head.slot < planned_from_) return;  // it came before the plan that is there already
+    if (newest.head.slot < planned_from_) return;  // it is older than the plan that is there already
     until_s_ = newest.head.until_s;
     copy_sound(newest.drives, drive_);
     taken_.drives += session::sounds(drive_) ? 1 : 0;
     board.play(newest.head.slot, drive_);
   }
 
-  /// A plan may make a board sound before its first drive comes.
+  /// Also called for a plan, which may make a board sound before its first drive comes.
   void heart_beats() {
     heard_s_ = monotonic_s();
     sounding_ = true;
@@ -185,9 +188,9 @@ class Guard {
   std::vector<Vec3> foci_;
   std::uint32_t drive_place_ = TripleBuffer::readers_first, plan_place_ = TripleBuffer::readers_first;
   std::uint64_t planned_from_ = 0;  ///< the newest plan's first slot
-  session::Passed taken_;           ///< that sound
+  session::Passed taken_;           ///< those that sound
   double heard_s_ = 0;
-  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest drive's plan may sound
+  double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest drive's plan may sound until then
   bool sounding_ = false;
 };
 
@@ -195,9 +198,9 @@ int hold_board(std::span<const BoardKind> kinds) {
   const SharedMemory memory = SharedMemory::of(Descriptor(guard_memory));
   const Brief brief = brief_from(memory.brief());
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const BoardKind& k) { return k.name == brief.kind; });
-  if (kind == kinds.end()) throw failure("palpa-guard knows no board " + brief.kind);
+  if (kind == kinds.end()) throw failure("palpa-guard does not know the board " + brief.kind);
   Notes notes;
-  Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // all its memory before the board sounds
+  Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // takes all its memory before the board sounds
   const auto board = kind->open(brief.board, notes);
   keep_in_memory();
   Said end = Said::silent;
@@ -206,7 +209,7 @@ int hold_board(std::span<const BoardKind> kinds) {
     say(guard_socket, Said::opened);
     try {
       end = guard.watch(*board);
-    } catch (...) {  // nothing should throw there; what does ends in silence, too
+    } catch (...) {  // nothing should throw there; if something does, it ends in silence, too
       fault = std::current_exception();
     }
   }
@@ -223,7 +226,7 @@ int hold_board(std::span<const BoardKind> kinds) {
 void guard_main(std::span<const BoardKind> kinds) {
   set_signals();
   go_first();
-  close_range(guard_memory + 1, ~0U, 0);  // what else whoever started palpa left open
+  close_range(guard_memory + 1, ~0U, 0);  // descriptors that palpa's parent left open
   int status = 1;
   try {
     status = hold_board(kinds);

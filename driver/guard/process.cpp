@@ -45,9 +45,9 @@ struct Attributes {
   posix_spawnattr_t value;
 };
 
-/// The guard hears no signal until it has said which it ignores.
+/// The guard gets no signal until it has set which ones it ignores.
 pid_t spawn(const std::string& program, int socket, int memory) {
-  // Out of the way of the places that they go to.
+  // Moves both away from the descriptors that they will get.
   const Descriptor socket_there(fcntl(socket, F_DUPFD_CLOEXEC, guard_memory + 1));
   const Descriptor memory_there(fcntl(memory, F_DUPFD_CLOEXEC, guard_memory + 1));
   Actions actions;
@@ -90,7 +90,7 @@ std::string guard_program() {
   for (const auto& program : {beside, installed}) {
     if (!fault && access(program.c_str(), X_OK) == 0) return program.string();
   }
-  throw failure(fmt::format("no board without palpa-guard, which is neither {} nor {}: install palpa as a whole",
+  throw failure(fmt::format("a board needs palpa-guard, which is neither at {} nor at {}: install all of palpa",
                             beside.string(), installed.lexically_normal().string()));
 }
 
@@ -106,7 +106,7 @@ GuardProcess::GuardProcess(const std::string& program, const Brief& brief, std::
 
 GuardProcess::~GuardProcess() {
   hang_up();
-  wake();  // one that was stopped would be left behind, and hold its board
+  wake();  // a stopped guard would be left behind and hold its board
   wait_for_exit(exit_s);
 }
 
@@ -130,7 +130,7 @@ GuardProcess::Exit GuardProcess::wait_for_exit(double at_most_s) {
   if (exit_.ended || !ready(child_handle_.get(), at_most_s)) return exit_;
   int status = 0;
   exit_.ended = true;
-  if (waitpid(child_, &status, 0) != child_) return exit_;  // somebody else has waited for it
+  if (waitpid(child_, &status, 0) != child_) return exit_;  // something else has waited for it
   if (WIFEXITED(status)) exit_.code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) exit_.by_signal = WTERMSIG(status);
   return exit_;

@@ -1,4 +1,4 @@
-// A guard as its loop sees it: started, fed, waited for.
+// A guard as its loop sees it: the loop starts it, feeds it and waits for it.
 #pragma once
 
 #include <sys/types.h>
@@ -12,16 +12,16 @@
 
 namespace palpa::driver {
 
-/// Where the `palpa-guard` that belongs to the running program lies: beside it in a build tree, in libexec when
-/// installed. Throws failure() where there is none.
+/// The path of the `palpa-guard` that belongs to the running program: beside it in a build tree, in libexec when
+/// installed. Throws failure() if there is none.
 std::string guard_program();
 
 class GuardProcess {
  public:
-  /// Starts `program` in a session of its own; it inherits nothing but the two ends here and the working directory. For
-  /// a board that plays plans of up to `most_cycle` drives. Throws failure() where it does not start.
+  /// Starts `program` in its own process session. It inherits only its ends of socket and memory, and the working
+  /// directory. For a board that plays plans of up to `most_cycle` drives. Throws failure() if it does not start.
   GuardProcess(const std::string& program, const Brief& brief, std::uint32_t most_cycle);
-  /// Ends the socket, and waits for its exit as end() does.
+  /// Hangs up, wakes the guard, and waits for its exit.
   ~GuardProcess();
   GuardProcess(const GuardProcess&) = delete;
   GuardProcess& operator=(const GuardProcess&) = delete;
@@ -30,16 +30,16 @@ class GuardProcess {
   int socket() const { return socket_.get(); }
   const SharedMemory& memory() const { return memory_; }
 
-  /// Tells it that the loop is at its end. What it says can still be heard.
+  /// Tells the guard that the loop has ended. Its messages can still be heard.
   void hang_up();
-  /// Lets it go on where it was stopped; and ends it at once, whatever it does.
+  /// wake() continues a guard that was stopped. kill() ends it at once, whatever it does.
   void wake() const;
   void kill() const;
-  /// Waits until it has something to say, or is gone. False: not within `at_most_s`.
+  /// Waits until the guard has a message or is gone. Returns false if neither happens within `at_most_s`.
   bool wait_for_word(double at_most_s) const;
   struct Exit {
     bool ended = false;  ///< in time
-    int code = -1;       ///< -1 where a signal ended it, or nobody knows
+    int code = -1;       ///< -1 if a signal ended it, or if it is not known
     int by_signal = 0;
   };
   Exit wait_for_exit(double at_most_s);

@@ -24,12 +24,11 @@ namespace {
 constexpr double period_s = 25e-6;
 constexpr std::uint8_t usual_divider = 4;
 constexpr double opening_patience_s = 5;
-/// At the end: more than a transfer that gets stuck, the purge after it and a request are waited for, one after the
-/// other.
+/// At the end: longer than the waits for a stuck transfer, the purge after it and a request, one after the other.
 constexpr double closing_patience_s = 0.75, flight_patience_s = 0.1;
 constexpr double asking_s = 2e-3;
 
-/// Formats without allocating; what is too long is cut.
+/// Formats without allocating. Text that is too long is cut.
 template <typename... Args>
 void note(BoardNotes& notes, void (BoardNotes::*level)(std::string_view) noexcept, fmt::format_string<Args...> text,
           Args&&... args) {
@@ -44,14 +43,14 @@ void check_layout(const array::Layout& layout, std::size_t addresses) {
   }
   if (next != layout.transducers.size()) {
     throw bad_usage(
-        fmt::format("the layout {} is not of OpenMPD boards alone: --layout openmpd, openmpd-pair or one whose "
-                    "units are all of type openmpd",
+        fmt::format("the layout {} does not consist of OpenMPD boards only: give --layout openmpd, openmpd-pair or one "
+                    "whose units are all of type openmpd",
                     layout.name));
   }
   if (layout.boards.size() != addresses) {
     throw bad_usage(
-        fmt::format("the layout {} has {} OpenMPD boards, and {} serial numbers are given: one for each, in the "
-                    "layout's order",
+        fmt::format("the layout {} has {} OpenMPD boards, but {} serial numbers are given: give one for each board, in "
+                    "the layout's order",
                     layout.name, layout.boards.size(), addresses));
   }
 }
@@ -67,12 +66,12 @@ std::vector<Address> parse_addresses(const std::string& argument) {
     Address address{one.substr(0, sign), sign == std::string::npos ? "" : one.substr(sign + 1)};
     if (address.serial.empty() || (sign != std::string::npos && address.place.empty())) {
       throw bad_usage(
-          "openmpd: needs the boards' serial numbers, openmpd:SERIAL[,SERIAL...], or SERIAL@BUS-PORT where "
-          "several have the same");
+          "link openmpd needs the boards' serial numbers, openmpd:SERIAL[,SERIAL...], or SERIAL@BUS-PORT if several "
+          "boards have the same one");
     }
     for (const Address& other : addresses) {
       if (other.text() == address.text()) {
-        throw bad_usage(fmt::format("openmpd: the board {} is named twice", printable(address.text(), 80)));
+        throw bad_usage(fmt::format("link openmpd names the board {} twice", printable(address.text(), 80)));
       }
     }
     addresses.push_back(std::move(address));
@@ -85,8 +84,8 @@ std::uint8_t divider_for(double slot_s) {
   const double most = std::floor(slot_s / 2 / period_s + 1e-9);
   if (most < 1) {
     throw bad_usage(
-        fmt::format("OpenMPD boards take a frame every 0.025 ms at best, and a slot must last two: a dwell of {} "
-                    "ms is shorter than 0.05 ms",
+        fmt::format("OpenMPD boards take at most one frame every 0.025 ms, and a slot must last two frames: a dwell of "
+                    "{} ms is shorter than 0.05 ms",
                     1e3 * slot_s));
   }
   return static_cast<std::uint8_t>(std::min<double>(most, usual_divider));
@@ -100,8 +99,7 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
   const double chip_need = frame_bytes / spec.slot_s;
   if (chip_need > chip_bytes_per_s) {
     throw bad_usage(
-        fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, and an FT232H carries {:.0f}: use a longer "
-                    "--dwell",
+        fmt::format("a board needs {:.1f} MB/s at a dwell of {} ms, but an FT232H carries {:.0f}: use a longer --dwell",
                     1e-6 * chip_need, 1e3 * spec.slot_s, 1e-6 * chip_bytes_per_s));
   }
   std::vector<BoardFile> files;
@@ -114,8 +112,8 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
     encoders_.emplace_back(calibration_of(files, address.serial));
     const auto named = [&](const BoardFile& file) { return file.serial == address.serial; };
     if (!files.empty() && std::none_of(files.begin(), files.end(), named)) {
-      note(notes_, &BoardNotes::warning, "no file in {} is of board {}: it plays without calibration", spec.files,
-           address.serial);
+      note(notes_, &BoardNotes::warning, "no file in {} belongs to board {}, so it plays without calibration",
+           spec.files, address.serial);
     }
     wires_.push_back(std::make_unique<Wire>(address, transport, clock, divider));
   }
@@ -150,8 +148,8 @@ std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
     const double need = boards * frame_bytes / slot_s;
     if (need > bus_bytes_per_s) {
       throw bad_usage(
-          fmt::format("{} boards on bus {} need {:.1f} MB/s at a dwell of {} ms, and a USB 2 bus carries {:.0f}: "
-                      "use a dwell of at least {:.3f} ms, or more USB controllers",
+          fmt::format("{} boards on bus {} need {:.1f} MB/s at a dwell of {} ms, but a USB 2 bus carries {:.0f}: use a "
+                      "dwell of at least {:.3f} ms, or more USB controllers",
                       boards, bus, 1e-6 * need, 1e3 * slot_s, 1e-6 * bus_bytes_per_s,
                       1e3 * boards * frame_bytes / bus_bytes_per_s));
     }
@@ -187,7 +185,7 @@ void OpenMpdBoard::all_off() {
 void OpenMpdBoard::begin_silence() {
   waits_ = false;
   std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
-  // Where one is still waiting for its last one nothing has been played since.
+  // If a board is still waiting for its last all-off frame, nothing has been played since.
   if (send_silences()) std::fill(silences_.begin(), silences_.end(), std::uint8_t{1});
 }
 
@@ -201,7 +199,7 @@ void OpenMpdBoard::tend() {
   send_next();
 }
 
-/// Sends what silences to the boards that take it. False: some do not.
+/// Sends the all-off frame to the boards that take it. Returns false if some do not.
 bool OpenMpdBoard::send_silences() {
   bool all = true;
   for (std::size_t i = 0; i < wires_.size(); ++i) {
@@ -218,9 +216,9 @@ bool OpenMpdBoard::send_silences() {
   return all;
 }
 
-/// A drive: all boards or none, they get the same number of frames.
+/// Sends a drive to all boards or to none, so that they get the same number of frames.
 void OpenMpdBoard::send_next() {
-  if (!in_step()) {  // boards on their way back in step are silent, and drives go on coming
+  if (!in_step()) {  // boards on their way back into step are silent, while drives go on coming
     waits_ = false;
     std::fill(silences_.begin(), silences_.end(), std::uint8_t{0});
     std::fill(sounding_.begin(), sounding_.end(), array::TransducerDrive{0.0f, 0.0f});
@@ -256,7 +254,7 @@ void OpenMpdBoard::send_steps(std::size_t board) {
   wires_[board]->send(std::span(frames).first(steps_), true);
 }
 
-/// A drive has come as far as on the board on which it has come least far.
+/// A drive has got as far as on the slowest board.
 BoardCounts OpenMpdBoard::counts() const {
   const auto least = [&](std::uint64_t (Wire::*count)() const) {
     std::uint64_t fewest = (*wires_.front().*count)();
@@ -271,8 +269,8 @@ void OpenMpdBoard::tend_wires(bool may_ask) {
   for (const auto& wire : wires_) {
     if (!wire->asks()) wire->tend();
   }
-  // A device that does not answer keeps whoever asks it: those that are well come first, and of the others the next has
-  // its turn next time.
+  // A device that does not answer holds up its caller. Healthy devices therefore come first, and the others take turns,
+  // one each time.
   const double until_s = clock_.now_s() + (may_ask ? asking_s : 0);
   const auto ask = [&](Wire& wire) {
     while (wire.asks() && clock_.now_s() < until_s)
@@ -289,7 +287,7 @@ void OpenMpdBoard::tend_wires(bool may_ask) {
   tell();
 }
 
-/// Something changed for the worse or the better.
+/// Reports a change for the worse or the better.
 void OpenMpdBoard::tell() {
   if (!troubled_) {
     troubled_ = silent_ = true;
@@ -300,14 +298,14 @@ void OpenMpdBoard::tell() {
              wire->trouble(), wires_.size() > 1 ? "all boards are silent" : "silent");
       }
     }
-    // The others are silenced by the same way: they have had as many frames as the one that is lost when they play
-    // again.
+    // The others are silenced in the same way, so that all have had the same number of frames as the lost one when they
+    // play again.
     for (const auto& wire : wires_)
       wire->resync();
   } else {
     troubled_ = false;
     sent_s_ = clock_.now_s();
-    note(notes_, &BoardNotes::warning, "all boards are in step again after {:.1f} s, and play on",
+    note(notes_, &BoardNotes::warning, "all boards are in step again after {:.1f} s and continue to play",
          sent_s_ - troubled_s_);
   }
 }
@@ -325,12 +323,12 @@ bool OpenMpdBoard::close() {
   for (const auto& wire : wires_)
     wire->hurry();
   for (const double begin_s = clock_.now_s();;) {
-    // What is asked last is waited for within the patience, too.
+    // The wait for the last request must also fit into the patience.
     tend_wires(clock_.now_s() - begin_s < closing_patience_s - usb::request_patience_s);
     send_next();
     if (silenced()) return true;
     const double waited_s = clock_.now_s() - begin_s;
-    // One that is in trouble is given up; bytes that others are taking are not.
+    // A board in trouble is given up, but not the bytes that others are still taking.
     if (waited_s > closing_patience_s + (healthy_wire_flies() ? flight_patience_s : 0)) return false;
     clock_.sleep_s(5e-4);
   }
@@ -338,7 +336,7 @@ bool OpenMpdBoard::close() {
 
 namespace {
 
-/// A board and what it stands on.
+/// A board together with its transport and clock.
 class OpenBoard final : public Board {
  public:
   OpenBoard(const BoardSpec& spec, BoardNotes& notes) : board_(spec, notes, *transport_, clock_) {}

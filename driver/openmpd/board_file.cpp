@@ -31,7 +31,7 @@ class Tokens {
     return at_ == text_.size();
   }
   std::string_view next(std::string_view wanted) {
-    if (ended()) throw fault(fmt::format("ends where {} should stand", wanted));
+    if (ended()) throw fault(fmt::format("the file ends where {} should be", wanted));
     const std::size_t first = at_;
     while (at_ < text_.size() && !parts(text_[at_]))
       ++at_;
@@ -42,19 +42,19 @@ class Tokens {
     double value = 0;
     const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (code != std::errc{} || end != token.data() + token.size() || !(value >= low && value <= high)) {
-      // Before its board was recognised it may be any file, of which nothing is to be shown.
+      // Until it is recognised as a board file, it may be any file, and nothing of it must be shown.
       const std::string there = recognised_ ? fmt::format("\"{}\"", printable(token, 40)) : "something else";
-      throw fault(fmt::format("{} where {} should stand: a number from {} to {}", there, wanted, low, high));
+      throw fault(fmt::format("{} where {} should be, a number from {} to {}", there, wanted, low, high));
     }
     return value;
   }
   int whole(std::string_view wanted, int low, int high) {
     const double value = number(wanted, low, high);
     if (value != std::floor(value))
-      throw fault(fmt::format("something else where {} should stand: a whole number", wanted));
+      throw fault(fmt::format("something else where {} should be, a whole number", wanted));
     return static_cast<int>(value);
   }
-  /// What has been read can only be the beginning of a board file.
+  /// Call when what has been read can only be the beginning of a board file.
   void recognised() { recognised_ = true; }
   Error fault(const std::string& what) const { return bad_input(name_, fmt::format("line {}: {}", line_, what)); }
 
@@ -76,8 +76,7 @@ void read_positions(Tokens& tokens) {
     for (const double there : expected) {
       const double here = tokens.number(fmt::format("the position of transducer {}", t), -1, 1);
       if (std::abs(here - there) > slack) {
-        throw tokens.fault(
-            fmt::format("transducer {} stands at {} m where an OpenMPD board's stands at {} m", t, here, there));
+        throw tokens.fault(fmt::format("transducer {} is at {} m; on an OpenMPD board it is at {} m", t, here, there));
       }
     }
   }
@@ -87,7 +86,7 @@ void read_pins(Tokens& tokens) {
   for (std::size_t t = 0; t < transducers; ++t) {
     const int pin = tokens.whole(fmt::format("the pin of transducer {}", t), 0, 255);
     if (pin != pin_of(t)) {
-      throw tokens.fault(fmt::format("transducer {} is wired to pin {} where an OpenMPD board's is wired to pin {}", t,
+      throw tokens.fault(fmt::format("transducer {} is wired to pin {}; on an OpenMPD board it is wired to pin {}", t,
                                      pin, pin_of(t)));
     }
   }
@@ -113,7 +112,7 @@ BoardFile read_board_file(const std::filesystem::path& file) {
     board.calibration.factors[t] =
         static_cast<float>(tokens.number(fmt::format("the amplitude factor of transducer {}", t), 0, 1));
   }
-  if (!tokens.ended()) throw tokens.fault("goes on where it should end, after 256 amplitude factors");
+  if (!tokens.ended()) throw tokens.fault("the file continues after the 256 amplitude factors, where it should end");
   return board;
 }
 
@@ -125,7 +124,7 @@ std::vector<BoardFile> read_board_files(const std::filesystem::path& folder) {
   }
   if (code)
     throw bad_input(folder.string(), fmt::format("cannot be read as a folder of board files: {}", code.message()));
-  if (names.empty()) throw bad_input(folder.string(), "no board files in it: they are named board_NAME.pat");
+  if (names.empty()) throw bad_input(folder.string(), "has no board files; they are named board_NAME.pat");
   std::sort(names.begin(), names.end());
   std::vector<BoardFile> files;
   files.reserve(names.size());
@@ -141,8 +140,8 @@ Calibration calibration_of(const std::vector<BoardFile>& files, const std::strin
     if (found != nullptr && !(found->calibration == file.calibration)) {
       throw bad_input(
           file.file.string(),
-          fmt::format("has the serial number {}, as {} has, and other values: leave the one that is this board's",
-                      serial, found->file.filename().string()));
+          fmt::format("has the same serial number {} as {}, but other values: keep only the file of that board", serial,
+                      found->file.filename().string()));
     }
     found = &file;
   }

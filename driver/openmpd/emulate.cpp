@@ -43,10 +43,10 @@ struct Emulated {
   Calibration calibration;
   std::optional<emulate::UsbTrace> tap;
   std::unique_ptr<usb::LocalServer> server;
-  std::size_t told = 0;  ///< of its violations
+  std::size_t told = 0;  ///< how many of its violations have been printed
 };
 
-/// What is looked at twice a second, on a thread of its own: the boards have no time for that.
+/// The picture that is shown twice a second, on its own thread, because the boards have no time for that.
 class BoardsPicture {
  public:
   BoardsPicture(const array::Layout& layout, std::span<const std::unique_ptr<Emulated>> boards)
@@ -54,9 +54,9 @@ class BoardsPicture {
           const std::lock_guard lock(mutex_);
           return drive_;
         }) {}
-  /// As LiveSoundPicture has it.
+  /// As LiveSoundPicture::end().
   void end() { view_.end(); }
-  /// What the boards sound now.
+  /// Takes what the boards sound now.
   void take() {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < boards_.size(); ++i) {
@@ -76,9 +76,9 @@ array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
   const std::string name = !options.layout.empty() ? options.layout : boards == 2 ? "openmpd-pair" : "openmpd";
   array::Layout layout = array::load_layout(name);
   if (layout.boards.size() != boards || layout.transducers.size() != boards * transducers) {
-    throw bad_usage(
-        fmt::format("the layout {} is not of {} OpenMPD board{}: name one with --layout that is, or leave --view out",
-                    name, boards, boards == 1 ? "" : "s"));
+    throw bad_usage(fmt::format(
+        "the layout {} does not consist of {} OpenMPD board{}: give --layout one that does, or leave --view out", name,
+        boards, boards == 1 ? "" : "s"));
   }
   return layout;
 }
@@ -111,7 +111,7 @@ void serve(std::span<const std::unique_ptr<Emulated>> boards, BoardsPicture* vie
       taken_s = now_s;
     }
   }
-  // What was let go of in the last moment may sound on only so long.
+  // A board that was released at the last moment may sound on only for this long.
   for (const auto& one : boards)
     one->board.advance(clock.now_s() - begin_s + 0.1);
 }
@@ -141,7 +141,7 @@ std::string to_json(std::span<const std::unique_ptr<Emulated>> boards) {
   return json.take();
 }
 
-/// Throws where anything was wrong.
+/// Throws if anything was wrong.
 void judge(std::span<const std::unique_ptr<Emulated>> boards) {
   for (const auto& one : boards) {
     const auto& violations = one->board.violations();
@@ -154,8 +154,8 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
     const std::uint64_t first = boards[0]->board.fpga().frames_in_step(), its = one->board.fpga().frames_in_step();
     if (its != first) {
       throw failure(
-          fmt::format("{} was shown {} frames and {} {} since they were brought into step: boards of one array get "
-                      "equal numbers",
+          fmt::format("{} received {} frames and {} received {} since they were brought into step: the boards of one "
+                      "array must receive the same number",
                       boards[0]->serial(), first, one->serial(), its));
     }
   }

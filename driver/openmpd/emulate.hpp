@@ -6,9 +6,9 @@
 
 namespace palpa::driver::openmpd {
 
-/// One board for each serial number. Prints their addresses, a line each and nothing before them, what they report as
-/// it happens, and at the end what they were shown. Throws failure() where there were violations, or boards of which
-/// somebody let go got unequal numbers of frames.
+/// Emulates one board for each serial number. Prints their addresses, one line each and nothing before them, then their
+/// reports as they happen, and at the end what they were shown. Throws failure() if there were violations, or if boards
+/// that a program has released got unequal numbers of frames.
 void emulate(const emulate::Options& options, const Outputs& outputs);
 
 }  // namespace palpa::driver::openmpd

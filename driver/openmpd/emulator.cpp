@@ -15,11 +15,11 @@ namespace ftdi = usb::ftdi;
 using usb::Outcome;
 using usb::Setup;
 
-/// What still waits in a full board when it is let go of is shown within that time.
+/// When a full board is released, everything that still waits in it is shown within this time.
 constexpr double last_frames_s = 0.05;
 
-/// Where the transducer of a pin stands: 16 column + row, row 0 at the top. Read off the board, quarter by quarter:
-/// each 64 pins serve four columns, from the right; each 8 of them two rows, from the bottom.
+/// The place of a pin's transducer: 16 column + row, row 0 at the top. Read off the board, quarter by quarter: each 64
+/// pins serve four columns, from the right, and each 8 of them serve two rows, from the bottom.
 std::size_t transducer_at(unsigned pin) {
   constexpr unsigned column_within[] = {1, 0, 3, 2, 1, 0, 2, 3};
   constexpr unsigned row_within[] = {0, 0, 0, 0, 1, 1, 1, 1};
@@ -45,7 +45,8 @@ Outcome EmulatedBoard::control(double now_s, const Setup& setup, std::span<std::
     return Outcome::done;
   }
   const auto follows = [&](Step before, Step after, const char* what) {
-    if (step_ != before) violate(now_s, fmt::format("{} out of order: reset, bit mode, latency, purge is right", what));
+    if (step_ != before)
+      violate(now_s, fmt::format("{} out of order: the right order is reset, bit mode, latency, purge", what));
     step_ = after;
   };
   if (setup == ftdi::reset_request()) {
@@ -75,14 +76,14 @@ Outcome EmulatedBoard::control(double now_s, const Setup& setup, std::span<std::
 std::size_t EmulatedBoard::bulk_out(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) {
   advance(now_s);
   if (endpoint != ftdi::endpoint_out) {
-    violate(now_s, fmt::format("bytes for endpoint {}, which is none", endpoint));
+    violate(now_s, fmt::format("bytes for endpoint {}, which does not exist", endpoint));
     return bytes.size();
   }
   if (step_ != Step::purged) {
     if (!bytes.empty()) violate(now_s, "bytes before the purge: dropped");
     return bytes.size();
   }
-  // In serial mode they leave at a pin that nothing listens to.
+  // In serial mode, the bytes leave at a pin that nothing listens to.
   if (channel_ != ftdi::Channel::fifo) return bytes.size();
   std::size_t taken = waiting_ == 0 ? fpga_.take(now_s, bytes) : 0;
   const std::size_t room = std::min(chip_bytes - waiting_, bytes.size() - taken);
@@ -90,7 +91,7 @@ std::size_t EmulatedBoard::bulk_out(double now_s, std::uint8_t endpoint, std::sp
               chip_.begin() + static_cast<std::ptrdiff_t>(waiting_));
   waiting_ += room;
   if (fpga_.dividers_set() > dividers_at_reset_ + 1) {
-    violate(now_s, "the divider set again since the board was opened");
+    violate(now_s, "the divider was set twice since the board was opened");
     dividers_at_reset_ = fpga_.dividers_set() - 1;
   }
   return taken + room;
@@ -108,7 +109,7 @@ void EmulatedBoard::advance(double now_s) {
   if (waiting_ > 0) drain(now_s);
   if (closed_s_ >= 0 && now_s >= closed_s_ + last_frames_s) {
     closed_s_ = -1;
-    if (fpga_.sounds()) violate(now_s, "left sounding by whoever had it open");
+    if (fpga_.sounds()) violate(now_s, "left sounding by the program that had it open");
   }
 }
 
@@ -118,7 +119,7 @@ void EmulatedBoard::closed(double now_s) {
   closed_s_ = now_s;
 }
 
-/// The chip lives on the cable's power, what stands behind it has its own.
+/// The chip runs on the cable's power; the logic behind it has its own.
 void EmulatedBoard::unplugged(double now_s) {
   advance(now_s);
   step_ = Step::closed;

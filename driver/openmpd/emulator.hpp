@@ -1,5 +1,5 @@
-// An OpenMPD board made of software: an FT232H and what stands behind it. As strict as the board, and more talkative:
-// what the board would bear in silence is a violation.
+// An emulated OpenMPD board: an FT232H and the logic behind it. It is as strict as the board but reports more: what the
+// board would accept silently is a violation.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class EmulatedBoard final : public usb::Peripheral {
 
  private:
   static constexpr std::size_t chip_bytes = 1024;  ///< the FT232H's own buffer towards the board
-  /// What make_ready() asks for, in order.
+  /// What usb::ftdi::ready_requests ask for, in order.
   enum class Step { closed, reset, mode, latency, purged };
 
   void violate(double now_s, const std::string& what) { violations_.add(now_s, what); }
@@ -47,11 +47,11 @@ class EmulatedBoard final : public usb::Peripheral {
   std::array<std::uint8_t, chip_bytes> chip_{};
   std::size_t waiting_ = 0;
   std::uint64_t dividers_at_reset_ = 0;
-  double closed_s_ = -1;  ///< when somebody let go of it; negative: nobody did, or it was looked at since
+  double closed_s_ = -1;  ///< when it was released; negative: it was not, or it was checked since
 };
 
-/// What that board's transducers do, in layout order: each pulse's first harmonic relative to a centred one of half a
-/// period, with the transducer's own offset. A transducer that is off has phase 0.
+/// The drive of that board's transducers, in layout order: each pulse's first harmonic relative to a centred one of
+/// half a period, with the transducer's own offset. A transducer that is off has phase 0.
 array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration);
 
 }  // namespace palpa::driver::openmpd

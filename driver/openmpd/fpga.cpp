@@ -67,7 +67,7 @@ void Fpga::advance(double now_s) {
   step_to(std::max(now_ns_, nanoseconds(now_s)));
 }
 
-/// Goes from event to event: the end of the start, a block that is due, the buffer's clearing.
+/// Goes from event to event: the end of the start, a block that is due, a clear of the buffer.
 void Fpga::step_to(std::int64_t now_ns) {
   constexpr auto never = std::numeric_limits<std::int64_t>::max();
   for (;;) {
@@ -106,7 +106,7 @@ void Fpga::read_block(std::int64_t now_ns) {
     parse(byte, now_ns);
   }
   if (swapping_ && now_ns >= resync_from_ns_ + second_ns) resyncing_ = false;
-  swapping_ = false;  // a swap at the block's end has its clock before the next block comes
+  swapping_ = false;  // a swap at the block's end is over before the next block comes
   used_ -= block_bytes;
   if (used_ < block_bytes) below_since_ns_ = now_ns;
   reader_ = Reader::counting;
@@ -137,7 +137,7 @@ void Fpga::parse(std::uint8_t byte, std::int64_t now_ns) {
         divider_ = divider_bits_;
         ++dividers_set_;
       } else if (divider_bits_ != 0 && !resyncing_) {
-        violate(now_ns, "a frame has bits of the divider and does not set it");
+        violate(now_ns, "a frame has bits of the divider but does not set it");
       }
     }
     if (at_ > divider_apply && bit) violate(now_ns, "a phase of more than 127");
@@ -156,7 +156,7 @@ void Fpga::finish_frame(std::int64_t now_ns) {
   front_ = back_;
   ++frames_;
   if (!resyncing_) ++frames_in_step_;
-  if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before it was resynchronised");
+  if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before the board was resynchronised");
   const std::int64_t edge_ns = (now_ns / period_ns + 1) * period_ns;
   shown_s_ = 1e-9 * static_cast<double>(edge_ns);
   if (shown_) shown_(shown_s_, front_);

@@ -7,8 +7,8 @@
 namespace palpa::driver::openmpd {
 namespace {
 
-/// Finds widths without an arc sine: between two neighbouring entries there is at most one amplitude at which the width
-/// changes, since the last two, at sin(63 pi / 128) and 1, are farther apart than an entry.
+/// Finds widths without an arc sine. Between two neighbouring entries, the width changes at most at one amplitude,
+/// because the last two such amplitudes, sin(63 pi / 128) and 1, are farther apart than an entry.
 struct Widths {
   static constexpr unsigned entries = 4096;
   std::array<std::uint8_t, entries + 1> below{};  ///< the width at i / entries
@@ -50,9 +50,10 @@ void Encoder::encode(std::span<const array::TransducerDrive> drive, Frame& out) 
   for (std::size_t t = 0; t < transducers; ++t) {
     const auto& [pin, factor, offset_steps] = transducers_[t];
     const unsigned width = width_of(drive[t].amplitude * factor);
-    // Within some turns of nothing in double precision: the mask below takes the turns off as well as fract would.
+    // The phase is within a few turns of zero and in double precision, so the mask below removes whole turns as well as
+    // fract would.
     double steps = steps_per_radian * static_cast<double>(drive[t].phase);
-    if (!(std::abs(steps) < 1e6)) steps = 0;  // what no drive has, but a broken loop's memory may
+    if (!(std::abs(steps) < 1e6)) steps = 0;  // no drive has this, but a broken loop's memory may
     const double centring = 0.5 * (full_width - width);
     const auto rounded = static_cast<int>(std::floor(steps + offset_steps + centring));
     out[pin] = static_cast<std::uint8_t>(width == 0 ? 0 : rounded & (phase_steps - 1));

@@ -1,16 +1,16 @@
 // What an OpenMPD board is sent: frames of 512 bytes, one byte per pin, 256 phases and then 256 amplitudes.
 //
 // The board has each transducer on during counts [phase, phase + width) of the 128 of a period, 25 us. A pulse of that
-// width sounds at the amplitude sin(pi width / 128), 64 being full, and at the delay of its middle:
+// width has the amplitude sin(pi width / 128), where 64 is full, and the delay of its middle:
 //
 //   width = trunc(64 (2 / pi) asin(amplitude * factor))
 //   phase = floor(128 (phase / 2 pi - offset / 360) + (64 - width) / 2 + 1/2) mod 128
 //
-// the offset and the factor being the transducer's own (board_file.hpp). A transducer that is off has phase 0, so that
-// an all-zero drive is the all-off frame.
+// Offset and factor are the transducer's own (board_file.hpp). A transducer that is off has phase 0, so an all-zero
+// drive is the all-off frame.
 //
-// Bit 7 of byte 0 starts a frame. Bit 7 of bytes 1 to 34 would set lights and the board's rate, which it remembers; of
-// all frames only the one that with_divider() makes has any of them.
+// Bit 7 of byte 0 starts a frame. Bit 7 of bytes 1 to 34 would set lights and the board's rate, which the board
+// remembers. Only the frame that with_divider() makes has any of these bits.
 #pragma once
 
 #include <array>
@@ -36,10 +36,10 @@ inline constexpr Frame all_off_frame = [] {
   return frame;
 }();
 
-/// The board takes a frame every `divider` periods of 25 us, 1 to 255.
+/// Makes the board take a frame every `divider` periods of 25 us, 1 to 255.
 Frame with_divider(Frame frame, std::uint8_t divider);
 
-/// The pulse width of an amplitude; what is no number or negative is 0, and beyond 1 is 1.
+/// The pulse width of an amplitude. NaN or negative counts as 0, and more than 1 as 1.
 std::uint8_t width_of(float amplitude);
 
 /// Encodes for one board.
@@ -54,7 +54,7 @@ class Encoder {
   struct Transducer {
     std::uint8_t pin;
     float factor;
-    double offset_steps;  ///< and half a step, for the rounding
+    double offset_steps;  ///< plus half a step, for rounding
   };
   std::array<Transducer, transducers> transducers_;
 };

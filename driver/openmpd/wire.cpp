@@ -31,7 +31,7 @@ std::string name_of(const usb::Entry& entry) {
   return printable(entry.serial.empty() ? "(no serial number)@" + entry.place : entry.serial, 80);
 }
 
-/// Throws where it is not exactly one.
+/// Throws if there is not exactly one.
 usb::Entry find(const usb::Listing& listing, const Address& address) {
   std::vector<usb::Entry> found;
   std::string others, places;
@@ -44,13 +44,13 @@ usb::Entry find(const usb::Listing& listing, const Address& address) {
     }
   }
   if (found.empty()) {
-    std::string there = others.empty() ? "no FT232H is plugged in" : "there are: " + shortened(others, 200);
+    std::string there = others.empty() ? "no FT232H is plugged in" : "these are plugged in: " + shortened(others, 200);
     if (!listing.problem.empty()) there += "; " + printable(listing.problem);
     throw failure(fmt::format("no OpenMPD board has the serial number {}: {}", printable(address.text(), 80), there));
   }
   if (found.size() > 1) {
-    throw bad_usage(fmt::format("{} boards have the serial number {}: say which by where they are plugged in: {}",
-                                found.size(), printable(address.serial, 80), shortened(places, 200)));
+    throw bad_usage(fmt::format("{} boards have the serial number {}: choose one by its USB port: {}", found.size(),
+                                printable(address.serial, 80), shortened(places, 200)));
   }
   return found.front();
 }
@@ -94,13 +94,13 @@ void Wire::look_for_device() {
     } else {
       take_device();
     }
-  } catch (const std::exception& error) {  // no memory, too: then later
+  } catch (const std::exception& error) {  // also without memory: try again later
     lose(error.what());
   }
 }
 
-/// Of a device that was just opened what it is, then what readies it. After trouble the purges alone, then what
-/// silences the board however it stands.
+/// For a device that was just opened: asks what it is, then makes it ready. After trouble: only the purges. Then sends
+/// the frames that silence the board in any state.
 void Wire::ask() {
   if (halted_) {
     halted_ = false;
@@ -111,7 +111,7 @@ void Wire::ask() {
   const Outcome outcome = device_->request(ftdi::ready_requests[asked_ - 1]);
   if (outcome != Outcome::done) {
     const bool readied = asked_ > ftdi::first_purge;
-    if (!readied) return lose(FixedText<80>("cannot be readied: {}", usb::text_of(outcome)).view());
+    if (!readied) return lose(FixedText<80>("cannot be set up: {}", usb::text_of(outcome)).view());
     if (outcome == Outcome::gone || outcome == Outcome::failed) return lose(usb::text_of(outcome));
     return start_over(usb::text_of(outcome));
   }
@@ -127,13 +127,13 @@ void Wire::check_channel() {
   ftdi::Channel channel{};
   const Outcome outcome = ftdi::read_channel(*device_, channel);
   if (outcome != Outcome::done)
-    return lose(FixedText<80>("cannot be readied: its EEPROM: {}", usb::text_of(outcome)).view());
+    return lose(FixedText<80>("cannot be set up: its EEPROM: {}", usb::text_of(outcome)).view());
   if (entry_.release != ftdi::release_232h || channel != ftdi::Channel::fifo) {
-    return lose(FixedText<400>("the device at {} is no OpenMPD board, or is not set up as one: its EEPROM says {}, a "
-                               "board's says 245 FIFO (set it with FTDI's FT_PROG, or give the serial number of the "
-                               "board)",
-                               entry_.place, ftdi::text_of(channel))
-                    .view());
+    return lose(
+        FixedText<400>("the device at {} is not an OpenMPD board, or is not set up as one: its EEPROM says {}, but a "
+                       "board's says 245 FIFO (set it with FTDI's FT_PROG, or give the serial number of the board)",
+                       entry_.place, ftdi::text_of(channel))
+            .view());
   }
   asked_ = 1;
 }
@@ -167,7 +167,7 @@ void Wire::tend() {
         state_ = State::asking;
         asked_ = 1 + ftdi::first_purge;
       } else if (flying_ > 0 && now_s - oldest_s() > 10 * transfer_patience_s) {
-        lose("its transfers cannot be ended");
+        lose("its transfers cannot be cancelled");
       }
       break;
     case State::flushing:
@@ -238,7 +238,8 @@ void Wire::reap() {
       fall_out(sent->outcome);
       if (device_ == nullptr) return;
     } else if (pending.sent < pending.length) {
-      // The rest follows at its byte, unless what came after it is on its way already, or there: they end in any order.
+      // The rest of the transfer follows at its byte, unless a later transfer is already on its way or done: they end
+      // in any order.
       if (pending.order != begun_) {
         fall_out(Outcome::failed);
       } else if (!submit(sent->number) && device_ == nullptr) {
@@ -255,10 +256,11 @@ void Wire::fall_out(Outcome outcome) {
 }
 
 void Wire::start_over(std::string_view trouble) {
-  // Out of step again while it is being resynchronised: not at once, or it would be asked without end.
+  // If it falls out of step again during a resynchronisation, wait. Otherwise resynchronisations would follow each
+  // other without a pause.
   due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
   state_ = State::draining;
-  if (trouble_.empty()) trouble_.assign(trouble);  // what came first is why
+  if (trouble_.empty()) trouble_.assign(trouble);  // the first trouble is the reason
   if (flying_ > 0) device_->cancel();
 }
 
@@ -293,7 +295,7 @@ bool Wire::silenced() const {
   return flying_ == 0 && state_ >= State::flushing;
 }
 
-/// Time in which nobody could look, as when the computer was busy or asleep, is not the device's.
+/// Time without calls, because the computer was busy or asleep, does not count against the device.
 void Wire::forgive_absence(double now_s) {
   constexpr double usual_s = 0.02;
   const double absent_s = now_s - std::exchange(tended_s_, now_s);

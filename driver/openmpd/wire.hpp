@@ -1,15 +1,15 @@
-// One OpenMPD board at the end of its cable: takes frames, and is in step or gets there by itself.
+// One OpenMPD board at the end of its cable. It takes frames, and is in step or gets into step by itself.
 //
-// The board never says anything, so nobody can see that it is out of step. Therefore it is resynchronised when it is
-// opened and after every transfer that failed, was cancelled or took too long:
+// The board never sends anything, so it is not visible that it is out of step. Therefore it is resynchronised when it
+// is opened and after every transfer that failed, was cancelled or took too long:
 //
 //   cancel -> purge -> 512 zeros, two all-off frames -> 1 s without a byte -> 512 zeros, an all-off frame -> in step
 //
-// The first burst silences it, wherever in a frame its parser stood; the pause has it drop what is left of a cut frame,
+// The first burst silences it, wherever in a frame its parser was. The pause makes it drop what is left of a cut frame,
 // and the second burst ends the parser's last frame. A device that is gone is looked for until it is back.
 //
-// Requests are the one thing that is waited for, so there is at most one in each tend(): whoever holds several boards,
-// or is to leave, is not kept by one that does not answer. Nothing here allocates but the search for a lost device.
+// Only requests are waited for, so there is at most one in each tend(). A board that does not answer then does not hold
+// up a caller that has several boards or must leave. Only the search for a lost device allocates.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@
 
 namespace palpa::driver::openmpd {
 
-/// Which board: its serial number and, where several have that one, where it is plugged in (usb::Entry::place).
+/// Which board: its serial number and, if several have the same one, where it is plugged in (usb::Entry::place).
 struct Address {
   std::string serial, place;
   std::string text() const { return place.empty() ? serial : serial + "@" + place; }
@@ -36,53 +36,53 @@ struct Address {
 class Wire {
  public:
   static constexpr double transfer_patience_s = 0.25;
-  static constexpr double pause_s = 1.05;  ///< the board's own second is up by then
+  static constexpr double pause_s = 1.05;  ///< the board's own second is over by then
   static constexpr double retry_s = 0.5;
   static constexpr double idle_s = 0.4;          ///< a board clears its buffer every second in which it got nothing
   static constexpr std::size_t most_frames = 8;  ///< in one send()
 
-  /// All of them outlive it. `divider` is set once per opening.
+  /// Transport and clock must outlive this object. `divider` is set once per opening.
   Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
 
-  /// Opens the device and begins to resynchronise it. Throws failure() or bad_usage naming what is wrong and what would
-  /// be right: no such board, several, one that another program has, something else that answers to the same ids.
+  /// Opens the device and begins to resynchronise it. Throws failure() or bad_usage that names what is wrong and what
+  /// would be right: no such board, several, a board that another program has, another device with the same ids.
   void open();
 
-  /// Goes on by a step: transfers that ended, the resynchronisation, a device that is back.
+  /// Continues by a step: transfers that ended, the resynchronisation, a device that is back.
   void tend();
   /// Whether the next tend() waits for the device, for usb::request_patience_s at most.
   bool asks() const;
-  /// Looks at once for what it would look for later: this is the end.
+  /// Takes the next step at once instead of later, because the run ends.
   void hurry();
 
   bool in_step() const { return state_ == State::in_step; }
-  /// Whether send() may be called: in step, and a transfer free.
+  /// Whether send() may be called: in step, and a transfer is free.
   bool takes() const;
-  /// Begins to send, one frame after the other. Trouble with it is for tend(). `sounds`: it is a drive to be counted.
+  /// Begins to send, one frame after the other. tend() handles any trouble. `sounds`: it is a drive to be counted.
   void send(std::span<const Frame> frames, bool sounds = false);
-  /// Of a board in step that waits for another while nothing is sent: zeros, which begin no frame, where nothing has
-  /// left for so long that it might clear its buffer, and cut the next frame.
+  /// For a board in step that waits for another while nothing is sent. If nothing has left for so long that the board
+  /// might clear its buffer and cut the next frame, sends zeros, which begin no frame.
   void keep_awake();
   /// Starts over, if it was in step: silence, and in step again a second later.
   void resync();
 
-  /// Nothing that was sent is on its way any more.
+  /// Whether nothing that was sent is still on its way.
   bool settled() const { return flying_ == 0; }
-  /// Silent as far as anybody can know: what silences it has left, last.
+  /// Whether it is silent, as far as that can be known: the silence has left, as the last thing sent.
   bool silenced() const;
 
   const Address& address() const { return address_; }
-  /// Why it is not in step, for messages; empty where all is as it should be.
+  /// Why it is not in step, for messages; empty if all is well.
   std::string_view trouble() const { return trouble_.view(); }
   unsigned bus() const { return entry_.bus; }
   std::uint64_t frames() const { return frames_; }  ///< given to send()
-  /// Drives that sound: whose transfer was begun, and which the device has taken to the last byte.
+  /// Drives that sound: those whose transfer was begun, and those that the device has taken to the last byte.
   std::uint64_t submitted() const { return submitted_; }
   std::uint64_t completed() const { return completed_; }
 
  private:
-  /// lost: looked for; found: to be opened; asking: what it is and purges; draining: transfers are being ended;
-  /// flushing and ending: the two bursts.
+  /// lost: it is looked for; found: to be opened; asking: requests for what it is, and purges; draining: transfers are
+  /// being ended; flushing and ending: the two bursts.
   enum class State { lost, found, asking, draining, flushing, pausing, ending, in_step };
   struct Pending {
     std::array<std::uint8_t, most_frames * frame_bytes> bytes{};
@@ -119,11 +119,11 @@ class Wire {
   bool halted_ = false;       ///< its endpoint stalled
   bool divider_set_ = false;  ///< since the device was opened
   double due_s_ = 0;          ///< when the state's next step may come
-  double tended_s_ = 0;       ///< when somebody last looked
+  double tended_s_ = 0;       ///< the last tend()
   std::array<Pending, usb::most_in_flight> pending_;
   unsigned flying_ = 0;
-  std::uint64_t begun_ = 0;  ///< pending
-  double begun_s_ = 0;       ///< when the last one was
+  std::uint64_t begun_ = 0;  ///< transfers, in all
+  double begun_s_ = 0;       ///< when the last one was begun
   FixedText<400> trouble_;
   std::uint64_t frames_ = 0;
   std::uint64_t submitted_ = 0, completed_ = 0;

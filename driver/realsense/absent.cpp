@@ -5,7 +5,7 @@ namespace palpa::driver::realsense {
 
 std::unique_ptr<Sdk> make_sdk() {
   throw bad_usage(
-      "source realsense: this palpa is built without librealsense2; take v4l2:/dev/videoN, which needs no SDK, or "
+      "source realsense: this palpa was built without librealsense2; use v4l2:/dev/videoN, which needs no SDK, or "
       "install librealsense2 2.55 or later and build palpa again with -DPALPA_REALSENSE=ON");
 }
 

@@ -45,11 +45,11 @@ std::unique_ptr<cameras::Stream> Device::start(std::unique_ptr<Sensor> sensor) {
   try {
     return std::make_unique<Stream>(host_, std::move(sensor), offer);
   } catch (const Error& error) {
-    throw bad_input(address_, fmt::format("the camera does not begin to stream: {}", error.what()));
+    throw bad_input(address_, fmt::format("the camera does not start to stream: {}", error.what()));
   }
 }
 
-/// Without a rate in the rig the quickest one.
+/// Without a rate in the rig, chooses the highest one.
 cameras::Offer Device::choose(Sensor& sensor) const {
   const std::vector<cameras::Offer> offers = sensor.offers();
   cameras::Offer best;
@@ -62,22 +62,24 @@ cameras::Offer Device::choose(Sensor& sensor) const {
   }
   if (best.rate_hz > 0) return best;
   if (sized) {
-    throw bad_input(address_, fmt::format("does not give Z16 {}x{} at {:.4g} Hz; it has {}: set rate_hz of {} so, or "
-                                          "plug the camera into a USB 3 port",
+    throw bad_input(address_, fmt::format("does not offer Z16 {}x{} at {:.4g} Hz; it has {}: set rate_hz of {} to one "
+                                          "of these, or plug the camera into a USB 3 port",
                                           camera_.width, camera_.height, camera_.rate_hz,
                                           cameras::list_rates(offers, 0, camera_.width, camera_.height), rig_));
   }
   const std::string sizes = cameras::list_sizes(offers, 0);
-  throw bad_input(address_, fmt::format("gives no Z16 of {}x{}; it has {}: set width and height of {} so",
-                                        camera_.width, camera_.height, sizes.empty() ? "none" : sizes, rig_));
+  throw bad_input(address_,
+                  fmt::format("does not offer Z16 of {}x{}; it has {}: set width and height of {} to one of these",
+                              camera_.width, camera_.height, sizes.empty() ? "none" : sizes, rig_));
 }
 
 void Device::set(Sensor& sensor, Option option, double value, const char* what, const char* key) const {
-  if (!sensor.has(option)) throw bad_input(address_, fmt::format("has no {}, which {} of {} is for", what, key, rig_));
+  if (!sensor.has(option))
+    throw bad_input(address_, fmt::format("has no {}, which {} of {} would set", what, key, rig_));
   try {
     sensor.set(option, value);
   } catch (const Error& error) {
-    throw bad_input(address_, fmt::format("does not take {} of {}: {}", key, rig_, error.what()));
+    throw bad_input(address_, fmt::format("does not accept {} of {}: {}", key, rig_, error.what()));
   }
 }
 
@@ -91,7 +93,7 @@ void Device::set_up(Sensor& sensor) const {
   try {
     if (sensor.has(Option::global_time)) sensor.set(Option::global_time, 1);
   } catch (const Error&) {
-    // Frames then count from when they arrive.
+    // The frames' times are then their times of arrival.
   }
 }
 
@@ -100,8 +102,8 @@ void Device::set_depth_unit(Sensor& sensor) {
   const auto is_wanted = [&](double unit_m) { return std::abs(unit_m - wanted_m) <= 1e-3 * wanted_m; };
   if (!sensor.has(Option::depth_unit_m)) {
     if (!std::exchange(trusted_said_, true)) {
-      log::warning(fmt::format("{}: does not say its depth unit; that a step is {:g} mm, as {} says, is taken on trust",
-                               address_, wanted_m * 1e3, rig_));
+      log::warning(fmt::format("{}: does not report its depth unit; palpa assumes {:g} mm, as {} says", address_,
+                               wanted_m * 1e3, rig_));
     }
     return;
   }
@@ -112,7 +114,7 @@ void Device::set_depth_unit(Sensor& sensor) {
   } catch (const Error& error) {
     why = fmt::format(" ({})", error.what());
   }
-  // Ten times too deep is a hand elsewhere.
+  // With depths ten times too large, the hand would be elsewhere.
   const double unit_m = sensor.get(Option::depth_unit_m);
   if (!is_wanted(unit_m)) {
     throw bad_input(address_, fmt::format("keeps its depth unit of {:g} mm{}; set depth_unit_m = {:g} in {}",
@@ -128,8 +130,8 @@ void Device::read_lens(Sensor& sensor, const cameras::Offer& offer) {
     throw bad_input(address_, error.what());
   }
   if (lens_ && lens != *lens_) {
-    throw failure(
-        fmt::format("{}: it was calibrated anew since palpa began, its lens has changed; start palpa anew", address_));
+    throw failure(fmt::format(
+        "{}: its lens has changed: the camera was recalibrated since palpa started; restart palpa", address_));
   }
   lens_ = lens;
 }

@@ -13,7 +13,7 @@
 namespace palpa::driver::realsense {
 namespace {
 
-/// Calls a function of the SDK, whose last argument says where its error goes.
+/// Calls a function of the SDK, whose last argument receives its error.
 template <typename Function, typename... Arguments>
 auto ask(Function function, Arguments... arguments) {
   rs2_error* error = nullptr;
@@ -33,7 +33,7 @@ auto ask(Function function, Arguments... arguments) {
   }
 }
 
-/// The same for what is asked on the way out: its error is nobody's any more.
+/// The same for calls during cleanup, where errors are ignored.
 template <typename Function, typename... Arguments>
 void tell(Function function, Arguments... arguments) noexcept {
   rs2_error* error = nullptr;
@@ -57,7 +57,7 @@ using ProfilesOwner = std::unique_ptr<rs2_stream_profile_list, Free<rs2_delete_s
 
 struct Name {
   rs2_option option;
-  double unit;  ///< of palpa in one of the SDK's
+  double unit;  ///< palpa's unit per unit of the SDK
 };
 Name name_of(Option option) {
   switch (option) {
@@ -75,7 +75,7 @@ Name name_of(Option option) {
   return {RS2_OPTION_GLOBAL_TIME_ENABLED, 1};
 }
 
-/// The SDK's stamps are milliseconds of the system's clock, or of the camera's own.
+/// The SDK's stamps are milliseconds of the system's clock, or of the camera's own clock.
 double age_of(rs2_frame* frame) {
   if (ask(rs2_get_frame_timestamp_domain, frame) == RS2_TIMESTAMP_DOMAIN_HARDWARE_CLOCK) return 0;
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -105,8 +105,9 @@ class DepthSensor final : public Sensor {
     const bool none = std::all_of(std::begin(found.coeffs), std::end(found.coeffs), [](float c) { return c == 0; });
     if (none) return lens;
     if (found.model != RS2_DISTORTION_BROWN_CONRADY) {
-      throw failure(fmt::format("its lens has the distortion {}, which palpa does not have; set calibration = \"file\"",
-                                rs2_distortion_to_string(found.model)));
+      throw failure(
+          fmt::format("its lens has the distortion {}, which palpa does not support; set calibration = \"file\"",
+                      rs2_distortion_to_string(found.model)));
     }
     std::copy(std::begin(found.coeffs), std::end(found.coeffs), lens.distortion.begin());
     return lens;
@@ -163,7 +164,7 @@ class DepthSensor final : public Sensor {
     return found;
   }
 
-  /// On a thread of the SDK's, which is C: nothing may be thrown into it.
+  /// Called on one of the SDK's threads. The SDK has a C interface, so nothing may be thrown into it.
   static void arrived(rs2_frame* frame, void* self) noexcept {
     auto* const sensor = static_cast<DepthSensor*>(self);
     try {
@@ -172,7 +173,7 @@ class DepthSensor final : public Sensor {
       image.width = static_cast<std::uint32_t>(ask(rs2_get_frame_width, frame));
       image.height = static_cast<std::uint32_t>(ask(rs2_get_frame_height, frame));
       image.stride = static_cast<std::uint32_t>(ask(rs2_get_frame_stride_in_bytes, frame));
-      // Of memory that is not the SDK's own, as with devices made of software, it says 0.
+      // For memory that is not the SDK's own, as with software devices, the SDK returns 0.
       const int bytes = ask(rs2_get_frame_data_size, frame);
       image.bytes = bytes > 0 ? static_cast<std::size_t>(bytes) : std::size_t{image.stride} * image.height;
       image.age_s = age_of(frame);
@@ -218,7 +219,7 @@ class Library final : public Sdk {
   }
 
  private:
-  /// `visit(serial, device, depth sensor)` of each until it says that it has enough.
+  /// Calls `visit(serial, device, depth sensor)` for each camera until `visit` says that it has enough.
   template <typename Visitor>
   void each_camera(Visitor visit) {
     const DeviceListOwner devices(ask(rs2_query_devices, context_.get()));

@@ -9,7 +9,7 @@
 
 namespace palpa::driver::realsense {
 
-/// Takes a context over, in which a test has put devices made of software.
+/// Takes over a context into which a test has put software devices.
 std::unique_ptr<Sdk> make_sdk(rs2_context* context);
 
 }  // namespace palpa::driver::realsense

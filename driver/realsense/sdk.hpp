@@ -1,5 +1,6 @@
-// What palpa asks of librealsense2: a handful of questions, of any thread. librealsense.cpp puts them to the SDK where
-// palpa is built with it (CMake's PALPA_REALSENSE), absent.cpp says so where it is not; a test has cameras of its own.
+// What palpa needs from librealsense2: a few calls, from any thread. If palpa is built with the SDK (CMake's
+// PALPA_REALSENSE), librealsense.cpp makes them; otherwise absent.cpp reports that it is not. A test has its own
+// cameras.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +15,12 @@
 
 namespace palpa::driver::realsense {
 
-/// Those of the SDK's options that palpa sets, in its own units.
+/// The SDK's options that palpa sets, in palpa's units.
 enum class Option {
   depth_unit_m,
   exposure_s,
   automatic_exposure,  ///< 0 or 1
-  hardware_preset,     ///< the number that the SDK has
+  hardware_preset,     ///< the SDK's number
   global_time,         ///< 0 or 1: frames are stamped with the host's time, converted from the camera's clock
 };
 
@@ -29,26 +30,26 @@ struct Image {
   const std::byte* depth = nullptr;
   std::size_t bytes = 0;
   std::uint32_t width = 0, height = 0, stride = 0;  ///< pixels; stride in bytes
-  double age_s = 0;  ///< since it was captured; 0 where its time is of the camera's own clock, which says nothing here
+  double age_s = 0;  ///< since it was captured; 0 if its time is on the camera's own clock, which is of no use here
 };
 
-/// The depth sensor of one camera. What fails throws failure() with the SDK's words.
+/// The depth sensor of one camera. Functions that fail throw failure() with the SDK's words.
 class Sensor {
  public:
   virtual ~Sensor() = default;
 
-  /// What it gives as Z16.
+  /// What it delivers as Z16.
   virtual std::vector<cameras::Offer> offers() = 0;
-  /// Throws for a model of distortion that palpa does not have.
+  /// Throws for a distortion model that palpa does not have.
   virtual cameras::Lens lens(const cameras::Offer& offer) = 0;
 
   virtual bool has(Option option) = 0;
   virtual double get(Option option) = 0;
   virtual void set(Option option, double value) = 0;
 
-  /// `taker` gets each frame on a thread of the SDK's, and has to release() it.
+  /// `taker` gets each frame on one of the SDK's threads, and must release() it.
   virtual void start(const cameras::Offer& offer, std::function<void(const Image&)> taker) = 0;
-  /// No frame comes after it.
+  /// No frame comes after this call.
   virtual void stop() noexcept = 0;
   virtual void release(const Image& image) = 0;
   /// Whether it is still plugged in, as far as the SDK has noticed.
@@ -64,7 +65,7 @@ class Sdk {
   virtual std::unique_ptr<Sensor> find(const std::string& serial) = 0;
 };
 
-/// The installed one. Throws bad_usage where palpa was built without it.
+/// The installed SDK. Throws bad_usage if palpa was built without it.
 std::unique_ptr<Sdk> make_sdk();
 
 }  // namespace palpa::driver::realsense

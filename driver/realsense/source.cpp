@@ -11,17 +11,16 @@
 namespace palpa::driver::realsense {
 namespace {
 
-/// Which camera stands where is the rig's to say, so that of several each has to be named.
+/// The rig says which camera stands where, so if there are several, each must be named.
 std::string find_only(Sdk& sdk) {
   const std::vector<std::string> there = sdk.serials();
   if (there.empty()) {
     throw bad_input("realsense:any", "librealsense2 finds no camera; palpa doctor says what is plugged in");
   }
   if (there.size() > 1) {
-    throw bad_usage(
-        fmt::format("source realsense: {} cameras are plugged in; name those of the rig, in its order: "
-                    "realsense:{}",
-                    there.size(), fmt::join(there, ",")));
+    throw bad_usage(fmt::format(
+        "source realsense: {} cameras are plugged in; name the rig's cameras, in the rig's order: realsense:{}",
+        there.size(), fmt::join(there, ",")));
   }
   return there.front();
 }

@@ -13,7 +13,7 @@
 
 namespace palpa::driver::realsense {
 
-/// Opens the cameras with these serial numbers, in the rig's order, or for "any" the only one that is plugged in.
+/// Opens the cameras with these serial numbers, in the rig's order, or, for "any", the only one that is plugged in.
 /// `rig` is the file that describes the cameras, for messages. Throws Error for what is refused: see Device.
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<cameras::Host> host, const std::shared_ptr<Sdk>& sdk,
                                                    std::vector<sensing::Camera> cameras, const std::string& argument,

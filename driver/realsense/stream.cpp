@@ -35,7 +35,7 @@ void Stream::give_back(std::uint32_t slot) {
   sensor_->release(slots_[slot].image);
 }
 
-/// On the SDK's thread.
+/// Called on the SDK's thread.
 void Stream::arrived(const Image& image) {
   const double age_s = image.age_s >= 0 && image.age_s <= oldest_s ? image.age_s : 0;
   const double time_s = host_.now_s() - age_s;

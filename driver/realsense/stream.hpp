@@ -1,4 +1,4 @@
-// Depth frames that the SDK delivers on threads of its own, for whoever takes them when it likes.
+// Depth frames that the SDK delivers on its own threads. They can be taken at any time.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 
 namespace palpa::driver::realsense {
 
-/// Of frames that nobody took in time the newest stay. Neither copied nor moved: the SDK knows its address.
+/// If frames are not taken in time, the newest stay. Neither copied nor moved, because the SDK knows its address.
 class Stream final : public cameras::Stream {
  public:
-  /// Starts the sensor, which is set up. Throws what Sensor::start() does.
+  /// Starts the sensor, which must be set up. Throws what Sensor::start() does.
   Stream(cameras::Host& host, std::unique_ptr<Sensor> sensor, const cameras::Offer& offer);
   ~Stream() override;
   Stream(const Stream&) = delete;
@@ -31,7 +31,7 @@ class Stream final : public cameras::Stream {
   void copy(const cameras::Taken& taken, std::uint16_t* depth) const override;
   void release(const cameras::Taken& taken) override;
 
-  /// A stamp that is older, or of the future, is none: the host's clock was set meanwhile.
+  /// A stamp that is older, or in the future, is ignored: the host's clock was set meanwhile.
   static constexpr double oldest_s = 0.25;
 
  private:
@@ -52,7 +52,7 @@ class Stream final : public cameras::Stream {
   double last_s_ = 0;
   std::string fault_;
 
-  mutable std::mutex mutex_;  ///< of what is below, which the SDK's thread writes, too
+  mutable std::mutex mutex_;  ///< protects what is below, which the SDK's thread also writes
   std::array<Slot, most_buffers> slots_{};
   std::array<std::uint32_t, most_buffers> ready_{};  ///< slots, oldest first
   std::uint32_t ready_count_ = 0;

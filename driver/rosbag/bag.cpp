@@ -20,12 +20,13 @@ constexpr std::uint32_t most_header_bytes = 1u << 16;
 constexpr std::size_t most_connections = 10'000, most_topic_bytes = 256;
 
 void check_header(std::size_t bytes) {
-  if (bytes > most_header_bytes) throw Malformed(fmt::format("a record's header of {} bytes", bytes));
+  if (bytes > most_header_bytes)
+    throw Malformed(fmt::format("a record's header has {} bytes; palpa takes at most {}", bytes, most_header_bytes));
 }
 
 enum Operation : std::uint8_t { message_data = 2, chunk_of_records = 5, connection = 7 };
 
-/// Fills `out`, which has the size that the chunk says, from LZ4 frames.
+/// Fills `out`, which has the size given by the chunk, from LZ4 frames.
 void unpack_lz4(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) {
   LZ4F_dctx* made = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION))) throw Malformed("lz4 cannot be started");
@@ -76,8 +77,8 @@ struct Bag::Header {
 Bag::Bag(const std::string& file) : in_(file), size_(in_.size()) {
   std::vector<std::uint8_t> begin;
   if (!read(begin, magic.size()) || Cursor::as_text(begin) != magic) {
-    throw bad_input(file,
-                    "is no bag of format 2.0, which begins with #ROSBAG V2.0; RealSense Viewer records such bags");
+    throw bad_input(
+        file, "is not a bag of format 2.0: such a file begins with #ROSBAG V2.0; RealSense Viewer records such bags");
   }
 }
 
@@ -86,7 +87,7 @@ void Bag::fault(const std::string& what) const {
 }
 
 bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
-  // What a length says is not believed before the file is known to have it.
+  // A length is not trusted until the file is known to have that many bytes.
   if (bytes > size_ - at_) {
     cut_short_ = true;
     return false;
@@ -120,7 +121,7 @@ void Bag::add_connection(const Header& header) {
 
 void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
   if (!header.size) throw Malformed("a chunk does not say its size");
-  if (*header.size == 0 && bytes == 0) {  // its recorder would have written them at its end
+  if (*header.size == 0 && bytes == 0) {  // its recorder would have written both at its end
     cut_short_ = true;
     return;
   }
@@ -134,8 +135,8 @@ void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
     return;
   }
   if (compression != "lz4") {
-    throw Malformed(fmt::format("a chunk is compressed with {}; palpa reads lz4 and none: run rosbag decompress",
-                                compression.empty() ? "nothing known" : compression));
+    throw Malformed(fmt::format("a chunk is compressed with {}; palpa reads only lz4 and none: run rosbag decompress",
+                                compression.empty() ? "an unknown method" : compression));
   }
   const std::uint32_t unpacked = *header.size;
   if (!read(packed_, bytes)) {

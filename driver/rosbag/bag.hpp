@@ -1,5 +1,5 @@
-// The messages of a ROS bag (format 2.0), in the order in which they lie in the file. It is read once from its
-// beginning to its end and needs no index, so that a bag which was cut short can be read as far as it goes.
+// The messages of a ROS bag (format 2.0), in the order in which they lie in the file. The bag is read once from
+// beginning to end and needs no index, so a bag that was cut short can be read as far as it goes.
 // http://wiki.ros.org/Bags/Format/2.0
 #pragma once
 
@@ -23,20 +23,20 @@ struct Message {
 
 class Bag {
  public:
-  /// A chunk, compressed or not, is held in memory whole. RealSense Viewer's have a few megabytes.
+  /// A chunk, compressed or not, is held in memory whole. RealSense Viewer's chunks have a few megabytes.
   static constexpr std::uint64_t most_chunk_bytes = 64u << 20;
 
-  /// Throws as InputFile does, and bad_input for what is no bag of this format.
+  /// Throws as InputFile does, and bad_input for a file that is not a bag of this format.
   explicit Bag(const std::string& file);
 
-  /// False at the end. Throws bad_input naming file, byte and fault for broken records, chunks above most_chunk_bytes,
-  /// and those compressed with anything but lz4.
+  /// Returns false at the end. Throws bad_input that names file, byte and fault, for broken records, chunks above
+  /// most_chunk_bytes, and chunks compressed with anything but lz4.
   bool next(Message& message);
-  /// The file ends in the middle of a record.
+  /// Whether the file ends in the middle of a record.
   bool cut_short() const { return cut_short_; }
 
   const std::string& file() const { return in_.name(); }
-  /// Where the record began that next() read last, as an Error.
+  /// Throws an Error that names where the record began that next() read last.
   [[noreturn]] void fault(const std::string& what) const;
 
  private:

@@ -1,4 +1,4 @@
-// Reads little-endian values one after the other out of bytes that nobody vouches for.
+// Reads little-endian values one after the other from untrusted bytes.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace palpa::driver::rosbag {
 
-/// There are fewer bytes than a value needs, or a value says what cannot be. Whoever reads a file catches it and adds
-/// the file's name and the place.
+/// There are fewer bytes than a value needs, or a value is impossible. Code that reads a file catches it and adds the
+/// file's name and the place.
 class Malformed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -32,12 +32,12 @@ class Cursor {
     return value;
   }
   std::span<const std::uint8_t> bytes(std::size_t count) {
-    if (count > bytes_.size()) throw Malformed("a value reaches beyond the end of what holds it");
+    if (count > bytes_.size()) throw Malformed("a value extends past the end of its container");
     const auto taken = bytes_.first(count);
     bytes_ = bytes_.subspan(count);
     return taken;
   }
-  /// What a length of 32 bits stands before.
+  /// The bytes that follow a length of 32 bits.
   std::span<const std::uint8_t> counted() { return bytes(take<std::uint32_t>()); }
   std::string_view text() { return as_text(counted()); }
 

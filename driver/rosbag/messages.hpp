@@ -1,5 +1,5 @@
-// The ROS messages that a RealSense recording is read from. Each parser throws Malformed for what does not hold
-// together.
+// The ROS messages that a RealSense recording is read from. Each parser throws Malformed for a message that is not
+// consistent.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@
 
 namespace palpa::driver::rosbag {
 
-/// sensor_msgs/CameraInfo into size, focal lengths, centre and distortion of `camera`; nothing else of it is touched.
-/// Refuses a lens that cannot be undone over the whole image, and models other than Brown-Conrady's that distort.
+/// Reads sensor_msgs/CameraInfo into size, focal lengths, centre and distortion of `camera`, and changes nothing else
+/// in it. Refuses a lens whose distortion cannot be undone over the whole image, and distorting models other than
+/// Brown-Conrady's.
 void read_camera_info(std::span<const std::uint8_t> message, sensing::Camera& camera);
 
 /// std_msgs/Float32.

@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", info_part = "/info",
                            lens_part = "/info/camera_info";
-/// librealsense writes names of options with underscores since 2.20; before, as they are.
+/// Since 2.20, librealsense writes option names with underscores; before that, as they are.
 constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option/Depth Units/value"};
 constexpr std::size_t most_sensors = 64;
 
@@ -42,7 +42,7 @@ bool is_depth(std::string_view topic) {
   return topic.substr(sensor_of(topic).size()).starts_with(depth_part);
 }
 
-/// What the bag says of a sensor that has depth.
+/// What the bag says about a sensor that has depth.
 struct Sensor {
   sensing::Camera camera;
   bool has_lens = false, has_unit = false;
@@ -64,8 +64,9 @@ class BagSource final : public sensing::DepthSource {
                       "record it again, or copy the whole file");
     }
     if (!there_)
-      throw bad_input(file,
-                      "has no depth of a RealSense: no image on a topic like /device_0/sensor_0/Depth_0/image/data");
+      throw bad_input(
+          file,
+          "has no depth of a RealSense: there is no image on a topic such as /device_0/sensor_0/Depth_0/image/data");
     place(posed);
     first_s_ = next_.time_s;
     more_ = read(after_);
@@ -88,7 +89,7 @@ class BagSource final : public sensing::DepthSource {
   }
 
  private:
-  /// Until the next frame is due. Whoever comes late gets the newest; the last one of all is not dropped.
+  /// Waits until the next frame is due. A late caller gets the newest frame, but the very last one is never dropped.
   bool wait(double timeout_s) {
     if (!start_) start_ = Clock::now();
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - *start_).count();
@@ -105,7 +106,7 @@ class BagSource final : public sensing::DepthSource {
     more_ = more_ && read(after_);
   }
 
-  /// The next depth image of the bag; what else there is about its sensor is noted on the way.
+  /// Reads the bag's next depth image, and notes everything about its sensor on the way.
   bool read(Frame& frame) {
     for (Message message; bag_.next(message);) {
       try {
@@ -140,12 +141,13 @@ class BagSource final : public sensing::DepthSource {
   void note_unit(std::string_view topic, std::span<const std::uint8_t> message) {
     Sensor& sensor = sensor_at(topic);
     const double unit_m = static_cast<double>(read_float(message));
-    if (!(unit_m >= 1e-9 && unit_m <= 1)) throw Malformed(fmt::format("a depth unit of {:.4g} m", unit_m));
-    // It is a float in the bag: 0.0001f is meant to be 0.0001.
+    if (!(unit_m >= 1e-9 && unit_m <= 1))
+      throw Malformed(fmt::format("the depth unit is {:.4g} m, not 1e-9 to 1", unit_m));
+    // The bag has it as a float: 0.0001f is meant to be 0.0001.
     const double meant_m = std::round(unit_m * 1e9) * 1e-9;
     if (!chosen_.empty() && sensor_of(chosen_) == sensor_of(topic) && cameras_[0].depth_unit_m != meant_m)
-      throw Malformed(
-          fmt::format("the depth unit becomes {:g} m after an image of {:g} m", meant_m, cameras_[0].depth_unit_m));
+      throw Malformed(fmt::format("the depth unit changes to {:g} m after an image with {:g} m", meant_m,
+                                  cameras_[0].depth_unit_m));
     sensor.camera.depth_unit_m = meant_m;
     sensor.has_unit = true;
   }
@@ -160,8 +162,8 @@ class BagSource final : public sensing::DepthSource {
     const DepthImage image = read_depth_image(message.data);
     const sensing::Camera& camera = cameras_[0];
     if (image.width != camera.width || image.height != camera.height)
-      throw Malformed(fmt::format("an image of {}x{} of a camera of {}x{}", image.width, image.height, camera.width,
-                                  camera.height));
+      throw Malformed(fmt::format("an image has {}x{} pixels, but its camera has {}x{}", image.width, image.height,
+                                  camera.width, camera.height));
     if (read_ > 0 && message.time_s <= last_s_) return false;
     frame.depth.resize(sensing::pixel_count(camera));
     const std::size_t row = std::size_t{image.width} * sizeof(std::uint16_t);
@@ -174,10 +176,10 @@ class BagSource final : public sensing::DepthSource {
   }
 
   void choose(const std::string& topic, const Sensor& sensor) {
-    if (!sensor.has_lens) throw Malformed("an image before the camera_info that describes it");
+    if (!sensor.has_lens) throw Malformed("an image comes before the camera_info that describes it");
     if (!sensor.has_unit)
-      log::warning(
-          fmt::format("{}: does not say its depth unit; 1 mm is taken, as RealSense cameras come", bag_.file()));
+      log::warning(fmt::format("{}: does not say its depth unit; palpa assumes 1 mm, the default of RealSense cameras",
+                               bag_.file()));
     chosen_ = topic;
     cameras_ = {sensor.camera};
     cameras_[0].name = sensor_of(topic);
@@ -186,12 +188,12 @@ class BagSource final : public sensing::DepthSource {
   void place(const sensing::Camera* posed) {
     sensing::Camera& camera = cameras_[0];
     if (!posed) {
-      log::warning(fmt::format(
-          "{0}: where its camera stood is not known, so it stands at the world's origin; give --rig with one "
-          "[[camera]] and its T_world_camera (palpa doctor --write-rig rig.toml --source bag:{0} writes "
-          "one, and palpa calibrate --rig rig.toml --source bag:TARGET.bag --out calibrated.toml finds the "
-          "pose, from a bag of the same camera in the same place that shows the printed target)",
-          bag_.file()));
+      log::warning(
+          fmt::format("{0}: the pose of its camera is not known, so palpa places it at the world's origin; give --rig "
+                      "with one [[camera]] and its T_world_camera (palpa doctor --write-rig rig.toml --source bag:{0} "
+                      "writes one, and palpa calibrate --rig rig.toml --source bag:TARGET.bag --out calibrated.toml "
+                      "finds the pose, from a bag of the same camera in the same place that shows the printed target)",
+                      bag_.file()));
       return;
     }
     camera.name = posed->name;
@@ -201,8 +203,8 @@ class BagSource final : public sensing::DepthSource {
       camera.roi = posed->roi;
       camera.mask = posed->mask;
     } else if (posed->roi || posed->mask) {
-      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, and the rig's roi and mask are for {}x{}: they "
-                                               "cannot be applied; leave them out of the rig, or make them anew",
+      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, but the rig's roi and mask are for {}x{}: leave "
+                                               "them out of the rig, or make new ones",
                                                camera.width, camera.height, posed->width, posed->height));
     }
   }

@@ -1,8 +1,8 @@
 // `--source bag:FILE`: the depth stream that RealSense Viewer, or anything else on librealsense, recorded into a ROS
 // bag.
 //
-// Size, lens, depth unit and rate come from the bag. Where the camera stood it does not say: that is the rig's, where
-// the rig has one camera.
+// Size, lens, depth unit and rate come from the bag. The bag does not say where the camera stood: that comes from the
+// rig, if the rig has one camera.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@
 
 namespace palpa::driver::rosbag {
 
-/// `posed` gives name, pose, nearest range, and, where its size is the bag's, roi and mask; null: the camera stands at
-/// the world's origin. `paced`: frames come as far apart as they were recorded, and late ones are dropped.
+/// `posed` gives name, pose, nearest range, and, if its size is the bag's, roi and mask; null: the camera stands at the
+/// world's origin. `paced`: frames come at the intervals at which they were recorded, and late ones are dropped.
 ///
 /// Throws bad_input as Bag does, and for a bag without a depth stream or without its camera_info. A bag that was cut
 /// short ends where it was cut, with a warning.

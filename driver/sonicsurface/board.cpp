@@ -59,8 +59,8 @@ void check_pace(const BoardSpec& spec, std::size_t boards) {
   const double frame_s = seconds_of(frame_size(boards));
   if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
-      fmt::format("link sonicsurface: a frame takes {:.1f} ms, a slot of {:g} ms is too short; use --dwell {:g}ms, "
-                  "or --method single-focus, which needs none",
+      fmt::format("link sonicsurface: a frame takes {:.1f} ms, so a slot of {:g} ms is too short; use --dwell {:g}ms, "
+                  "or --method single-focus, whose focus does not move",
                   1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 
@@ -70,7 +70,7 @@ bool all_zero(std::span<const array::TransducerDrive> drive) {
 
 class SonicSurface final : public Board {
  public:
-  /// `notes` outlives it.
+  /// `notes` must outlive this object.
   SonicSurface(const BoardSpec& spec, BoardNotes& notes, const Port& port, std::size_t boards)
       : notes_(notes),
         encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers)),
@@ -118,7 +118,8 @@ class SonicSurface final : public Board {
     pump();
   }
 
-  /// A second board behind a single one is silenced when the port is opened; one that was switched on since sounds.
+  /// A second board behind a single one is silenced when the port is opened. If it is switched on after that, it
+  /// sounds.
   void all_off() override {
     sounding_ = drive_waits_ = false;
     if (!silent_) {
@@ -156,8 +157,8 @@ class SonicSurface final : public Board {
   BoardCounts counts() const override { return tally_.counts(); }
 
  private:
-  /// How many drives may pass until a first pattern is there: both buffers silenced, then a frame, and as much again
-  /// for what the line still has.
+  /// How many drives may pass until a first pattern is there: the time to silence both buffers and send a frame, and
+  /// the same again for what the line still has.
   std::uint64_t start_drives() const {
     const double start_s = 2 * seconds_of(all_off_.size() + encoder_.size());
     return slot_s_ > 0 ? static_cast<std::uint64_t>(std::ceil(start_s / slot_s_)) : 0;
@@ -173,7 +174,7 @@ class SonicSurface final : public Board {
     if (!silent_) fall_silent(own_off_);
   }
 
-  /// What waits is dropped, in the kernel, too; then all off, in both buffers.
+  /// Drops what waits, in the kernel, too. Then sends all off for both buffers.
   void fall_silent(std::span<const std::uint8_t> off) {
     tally_.gone();
     on_its_way_ = Load::none;
@@ -192,7 +193,7 @@ class SonicSurface final : public Board {
     sent_ = 0;
     line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
   }
-  /// Behind silence that is on its way: to begin that anew would only make it come later.
+  /// Queues bytes behind a silence that is on its way, because starting that again would only delay it.
   void say_more(std::span<const std::uint8_t> bytes) {
     out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(sent_));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
@@ -200,7 +201,7 @@ class SonicSurface final : public Board {
     line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
   }
 
-  /// Goes on until the line is busy or nothing is to be done; sets the timer for what comes next.
+  /// Continues until the line is busy or there is nothing to do. Sets the timer for what comes next.
   void pump() {
     while (true) {
       const double now_s = monotonic_s();
@@ -217,7 +218,7 @@ class SonicSurface final : public Board {
     }
   }
 
-  /// False: nothing is to be said now.
+  /// Returns false if there is nothing to send now.
   bool next(double now_s) {
     if (drive_waits_) {
       drive_waits_ = false;
@@ -230,11 +231,11 @@ class SonicSurface final : public Board {
       if (differs) load(still_, now_s, Load::plan);
       return differs;
     }
-    if (!front_off_ && !back_off_) {  // what came before was no modulation
+    if (!front_off_ && !back_off_) {  // there was no modulation before
       fall_silent(own_off_);
       return true;
     }
-    // Only behind a silent front can a pattern be written without being heard half.
+    // Only behind a silent front buffer can a pattern be written without being heard half-written.
     if (differs && front_off_ && (silent_ || now_s >= loaded_s_ + refresh_s)) {
       load(still_, now_s, Load::plan);
       toggle_s_ = line_free_s_ + 0.5 / hz_;
@@ -247,7 +248,7 @@ class SonicSurface final : public Board {
     std::swap(front_off_, back_off_);
     say(swap_byte_);
     toggle_s_ += 0.5 / hz_;
-    if (toggle_s_ < now_s) toggle_s_ = now_s + 0.5 / hz_;  // late: no burst
+    if (toggle_s_ < now_s) toggle_s_ = now_s + 0.5 / hz_;  // late: skip, so that there is no burst
     return true;
   }
 
@@ -264,7 +265,7 @@ class SonicSurface final : public Board {
     silent_ = all_silent_ = false;
   }
 
-  /// What was loaded has left, by the line's speed.
+  /// Called when the loaded data has left, according to the line's speed.
   void has_arrived() {
     const Load what = std::exchange(on_its_way_, Load::none);
     if (what == Load::plan) tally_.there();
@@ -288,14 +289,14 @@ class SonicSurface final : public Board {
     if (!std::exchange(lost_, true)) notes_.warning("the serial port is gone");
   }
 
-  /// Before anything else comes silence.
+  /// Silence comes before anything else.
   bool come_back(double now_s) {
     if (now_s < retry_at_s_) return false;
     retry_at_s_ = now_s + retry_s;
     if (!line_.reopen()) return false;
     lost_ = false;
     fall_silent(all_off_);
-    notes_.warning("the serial port is there again");
+    notes_.warning("the serial port is back");
     return true;
   }
 
@@ -307,9 +308,9 @@ class SonicSurface final : public Board {
   Descriptor timer_;
   std::array<pollfd, 2> watched_{};
 
-  // What is to sound.
+  // What should sound.
   bool sounding_ = false;
-  bool has_still_ = false;            ///< a plan of one drive
+  bool has_still_ = false;            ///< there is a plan of one drive
   std::vector<std::uint8_t> still_;   ///< as a frame
   std::vector<std::uint8_t> newest_;  ///< the newest drive that no such plan has
   bool drive_waits_ = false;
@@ -320,13 +321,13 @@ class SonicSurface final : public Board {
   // What the boards do.
   std::vector<std::uint8_t> loaded_;
   double loaded_hz_ = 0, loaded_s_ = 0, toggle_s_ = 0;
-  bool front_off_ = true, back_off_ = true;  ///< the buffers
-  bool silent_ = false;                      ///< all off has been said, and nothing since
+  bool front_off_ = true, back_off_ = true;  ///< states of the buffers
+  bool silent_ = false;                      ///< all off has been sent, and nothing since
   bool all_silent_ = false;                  ///< to every board that may be there
   std::vector<std::uint8_t> all_off_, own_off_, out_;
   bool own_are_all_;  ///< there can be no board but the layout's
   std::size_t sent_ = 0;
-  double line_free_s_ = 0;  ///< when all that was said has left, by the line's speed
+  double line_free_s_ = 0;  ///< when everything sent has left, according to the line's speed
   bool lost_ = false;
   double retry_at_s_ = 0;
   PlanTally tally_;
@@ -344,20 +345,21 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
     in.str(read_file(file, most_bytes));
   } catch (const Error& error) {
     if (error.code() != Exit::bad_input) throw;
-    throw bad_input(file, fmt::format("cannot be read; it has {} numbers, one per transducer, in degrees", count));
+    throw bad_input(file,
+                    fmt::format("cannot be read; it must have {} numbers, one per transducer, in degrees", count));
   }
   std::vector<float> degrees;
   for (float value = 0; in >> value;) {
     if (!(std::abs(value) <= 360)) {
-      // Where no phase came before, it may be any file, of which nothing is to be shown.
-      const std::string what = degrees.empty() ? "its first number is" : fmt::format("{} degrees are", value);
-      throw bad_input(file, what + " no phase from -360 to 360");
+      // If no phase came before, it may be any file, and nothing of it must be shown.
+      const std::string what = degrees.empty() ? "its first number is" : fmt::format("{} degrees is", value);
+      throw bad_input(file, what + " not a phase from -360 to 360");
     }
     degrees.push_back(value);
   }
-  if (!in.eof()) throw bad_input(file, fmt::format("number {} is none", degrees.size() + 1));
+  if (!in.eof()) throw bad_input(file, fmt::format("value {} is not a number", degrees.size() + 1));
   if (degrees.size() != count)
-    throw bad_input(file, fmt::format("has {} numbers; the boards have {} transducers", degrees.size(), count));
+    throw bad_input(file, fmt::format("has {} numbers, but the boards have {} transducers", degrees.size(), count));
   return degrees;
 }
 

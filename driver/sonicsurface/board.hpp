@@ -1,9 +1,9 @@
-// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile]`, one or, where the layout has two, a primary and
-// a secondary one. docs/boards.md says how their transducers' polarity is told (--board-files).
+// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile]`, one board or, if the layout has two, a primary
+// and a secondary one. docs/boards.md says how the polarity of their transducers is given (--board-files).
 //
-// A frame takes 11.3 ms, so foci that run faster cannot be played. What stands still and is modulated, a single focus
-// or several at once, can: its pattern lies in one buffer, nothing in the other, and one byte lets them change places.
-// A pattern that has changed comes over 16 times a second at most, in a pause of the modulation.
+// A frame takes 11.3 ms, so foci that run faster cannot be played. Foci that stand still and are modulated, a single
+// focus or several at once, can be played: one buffer holds their pattern, the other silence, and one byte swaps the
+// two. A pattern that has changed is sent at most 16 times a second, in a pause of the modulation.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace palpa::driver::sonicsurface {
 
-/// A pattern that has changed is brought over that often at most, while the boards modulate.
+/// The shortest time between two transfers of a changed pattern, while the boards modulate.
 inline constexpr double refresh_s = 60e-3;
 
 /// The degrees of `sonicsurface.txt` in that folder, one number per transducer of all boards; "": none. Throws

@@ -21,7 +21,7 @@ array::Layout layout_of(const emulate::Options& options) {
   const std::size_t boards = layout.boards.size();
   if (boards == 0 || boards > (options.tactile ? 1 : 2) ||
       boards * EmulatedBoards::slots != layout.transducers.size()) {
-    throw bad_usage(fmt::format("the layout {} is not of {}: name one with --layout that is", options.layout,
+    throw bad_usage(fmt::format("the layout {} does not consist of {}: give --layout one that does", options.layout,
                                 options.tactile ? "one SonicSurface board" : "one or two SonicSurface boards"));
   }
   return layout;
@@ -44,7 +44,7 @@ array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> d
 void emulate(const emulate::Options& options, const Outputs& outputs) {
   const array::Layout layout = layout_of(options);
   const std::vector<float> degrees = read_degrees(options.files, layout.transducers.size());
-  const emulate::Stop ends;  // until all is said
+  const emulate::Stop ends;  // until everything is printed
   const double begin_s = monotonic_s();
   EmulatedBoards machine(layout.boards.size(), options.tactile);
   const Pty pty;

@@ -6,8 +6,8 @@
 
 namespace palpa::driver::sonicsurface {
 
-/// One board, or a primary and a secondary one where the layout has two. Prints the serial port's path, what the boards
-/// find wrong as it happens, and at the end what they were told. Throws failure() where there were violations.
+/// Emulates one board, or a primary and a secondary one if the layout has two. Prints the serial port's path, errors as
+/// the boards find them, and at the end what the boards were sent. Throws failure() if there were violations.
 void emulate(const emulate::Options& options, const Outputs& outputs);
 
 }  // namespace palpa::driver::sonicsurface

@@ -20,11 +20,11 @@
 namespace palpa::driver::sonicsurface {
 namespace {
 
-/// Keeps other programs from the line until this one closes it or is gone; errno's value where one of them has it.
+/// Keeps other programs from the line until this one closes it or is gone. Returns an errno if another program has it.
 int take_alone(int fd) {
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK ? EBUSY : errno;
-  // Programs that ask for no lock are kept out by the kernel. Not of a pseudo terminal: it would stay closed to
-  // ordinary users for as long as its emulator lives.
+  // The kernel keeps out programs that ask for no lock. Not used for a pseudo terminal, because it would stay closed to
+  // ordinary users as long as its emulator lives.
   struct stat status {};
   constexpr unsigned first_pty = 136, last_pty = 143;
   if (fstat(fd, &status) != 0) return errno;
@@ -62,7 +62,7 @@ int Line::open() {
   setting.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | HUPCL | CSTOPB | PARENB);
   cfsetspeed(&setting, B230400);
   if (tcsetattr(fd.get(), TCSANOW, &setting) != 0) return errno;
-  // What a line cannot do it leaves undone without a word.
+  // A line silently ignores settings that it does not support.
   if (tcgetattr(fd.get(), &setting) != 0) return errno;
   if (cfgetospeed(&setting) != B230400) return EINVAL;
   fd_ = std::move(fd);

@@ -8,11 +8,11 @@
 namespace palpa::driver::sonicsurface {
 namespace {
 
-// Apart from the encoder's numbers.
+// Written down independently of the encoder's numbers.
 constexpr std::uint8_t phases_follow = 0xfe, exchange = 0xfd, stop_shifting = 150, start_shifting = 151,
                        first_board = 192, second_board = 193, no_sound = 0x20;
 
-/// Which transducer a wire's slot drives: the columns in fours, the rows in pairs, and within these a fixed order.
+/// The transducer that a slot on the wire drives: columns in fours, rows in pairs, and a fixed order within these.
 std::size_t transducer_at(std::size_t slot) {
   // (column, row) of the eight places of four columns and two rows.
   constexpr std::array<std::array<std::size_t, 2>, 8> inside{
@@ -61,7 +61,7 @@ void EmulatedBoards::take_byte(std::uint8_t byte) {
     for (std::size_t i = 0; i < boards_.size(); ++i)
       boards_[i].selected = (i == 0) == (byte == first_board);
   } else if (!tactile_ && (byte == stop_shifting || byte == start_shifting)) {
-    violations_.add(now_s_, fmt::format("command {}, which nobody should send", byte));
+    violations_.add(now_s_, fmt::format("command {}, which must not be sent", byte));
   } else if (tactile_ && (byte >> 5) == 5) {
     violations_.add(now_s_, fmt::format("0x{:02x} sets the speed of the modulation", byte));
   } else {
@@ -72,11 +72,11 @@ void EmulatedBoards::take_byte(std::uint8_t byte) {
 }
 
 void EmulatedBoards::take_phase(Board& board, std::uint8_t byte) {
-  if (byte > no_sound) violations_.add(now_s_, fmt::format("phase {}", byte));
+  if (byte > no_sound) violations_.add(now_s_, fmt::format("phase {} is out of range", byte));
   if (tactile_ && byte < no_sound && byte % 2 != 0)
     violations_.add(now_s_, fmt::format("phase {}, whose last bit is dropped", byte));
   if (board.counter >= slots) {
-    violations_.add(now_s_, "a phase for no slot");
+    violations_.add(now_s_, "more phases than slots");
     board.counter = 0;
   }
   board.buffers[board.front ^ 1][board.counter++] = byte == no_sound ? no_sound : byte & 0x1f;

@@ -1,6 +1,6 @@
-// SonicSurface boards made of software, on one serial line: a primary one, and a secondary one that hears what the
-// primary repeats. They read bytes as the firmware's state machine does, and tell what sounds. What the boards would
-// bear although nobody can have meant it is a violation.
+// Emulated SonicSurface boards on one serial line: a primary one, and a secondary one that hears what the primary
+// repeats. They read bytes as the firmware's state machine does, and report what sounds. Input that the boards would
+// accept although it cannot be intended is a violation.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ class EmulatedBoards {
 
   EmulatedBoards(std::size_t boards, bool tactile);
 
-  /// The line's speed, as whoever opened it has set it. The boards' own is 227556 baud; 3 % they bear.
+  /// The line's speed, as set by the program that opened it. The boards' own speed is 227556 baud; they tolerate 3 %.
   void set_baud(double now_s, double baud);
   void take(double now_s, std::span<const std::uint8_t> bytes);
 
-  /// Of a transducer in layout order (16 r + c, r from the top): its phase in 1/32 turns, or `silent`.
+  /// The phase of a transducer in layout order (16 r + c, r from the top), in 1/32 turns, or `silent`.
   int sounding(std::size_t board, std::size_t transducer) const;
   bool all_silent() const;
-  /// What is heard after the next swap is nothing, too.
+  /// Whether nothing is heard after the next swap either.
   bool all_silent_behind() const;
   std::uint64_t swaps() const { return swaps_; }
   std::uint64_t bytes() const { return bytes_; }

@@ -43,7 +43,7 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
   std::array<char, 64> name{};
   if (!master_ || grantpt(master_.get()) != 0 || unlockpt(master_.get()) != 0 ||
       ptsname_r(master_.get(), name.data(), name.size()) != 0)
-    throw failure(fmt::format("no pseudo terminal: {}", std::strerror(errno)));
+    throw failure(fmt::format("cannot open a pseudo terminal: {}", std::strerror(errno)));
   path_ = name.data();
   termios raw{};
   tcgetattr(master_.get(), &raw);
@@ -54,12 +54,12 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
 void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
                 const std::function<void(std::span<const std::uint8_t>)>& heard) const {
   std::array<std::uint8_t, 4096> bytes{};
-  bool listened = false;  // of a line that was opened and closed the speed need not be the next one's
+  bool listened = false;  // after the line was closed, the next program's speed may be different
   while (!stop) {
     pollfd one{master_.get(), POLLIN, 0};
     if (poll(&one, 1, look_ms) <= 0) continue;
     const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
-    if (size <= 0) {  // nobody has the other end open
+    if (size <= 0) {  // no program has the other end open
       listened = false;
       std::this_thread::sleep_for(std::chrono::milliseconds(look_ms));
       continue;

@@ -15,13 +15,13 @@ namespace palpa::driver::sonicsurface {
 
 class Pty {
  public:
-  /// Throws failure() where the system has none left.
+  /// Throws failure() if the system has none left.
   Pty();
-  /// The end for programs, such as /dev/pts/3.
+  /// The end that programs open, such as /dev/pts/3.
   const std::string& path() const { return path_; }
 
-  /// Gives the boards what comes until `stop`, which it looks at 50 times a second. `heard` gets it before they do;
-  /// `lock` is held while they are used.
+  /// Passes incoming bytes to the boards until `stop`, which it checks 50 times a second. `heard` gets the bytes before
+  /// the boards do. `lock` is held while the boards are used.
   void serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
              const std::function<void(std::span<const std::uint8_t>)>& heard = {}) const;
 

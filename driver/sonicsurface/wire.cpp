@@ -11,7 +11,7 @@ namespace palpa::driver::sonicsurface {
 Encoder::Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees)
     : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)), places_(boards * transducers) {
   degrees_.resize(places_.size());
-  // A lattice in the plane: whatever part of the transducers is on, they lie evenly.
+  // A lattice in the plane: whatever share of the transducers is on, they are evenly spread.
   constexpr double along_row = 0.7548776662466927, along_column = 0.5698402909980532;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     const std::size_t row = t % transducers / 16, column = t % 16;
@@ -50,7 +50,7 @@ void Encoder::encode(std::span<const array::TransducerDrive> drive, std::span<st
   });
 }
 
-/// In both buffers of the boards that are selected one after the other.
+/// Adds all off for both buffers of the boards, which are selected one after the other.
 void Encoder::add_off(std::vector<std::uint8_t>& bytes, std::initializer_list<std::uint8_t> selections) const {
   for (int times = 0; times < 2; ++times) {
     for (const std::uint8_t selection : selections) {
@@ -72,10 +72,10 @@ std::vector<std::uint8_t> Encoder::own_off() const {
 }
 
 std::vector<std::uint8_t> Encoder::all_off() const {
-  std::vector<std::uint8_t> bytes = own_off();  // first: no swap makes them sound after that
+  std::vector<std::uint8_t> bytes = own_off();  // first, so that no later swap makes them sound
   if (firmware_ != Firmware::plain) return bytes;
   if (boards_ == 1) add_off(bytes, {secondary});
-  // The tactile firmware takes a selection for a phase, which would wait in its hidden buffer: it is overwritten there.
+  // The tactile firmware takes a selection as a phase, which would wait in its hidden buffer. It is overwritten there.
   bytes.insert(bytes.end(), {primary, begin, off});
   return bytes;
 }

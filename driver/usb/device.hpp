@@ -1,5 +1,5 @@
-// A USB device as a driver sees it, whoever carries its bytes: libusb (libusb.hpp), a socket to an emulator
-// (local.hpp), or a test's own memory (in_process.hpp). No driver knows which.
+// A USB device as a driver sees it. Its bytes are carried by libusb (libusb.hpp), by a socket to an emulator
+// (local.hpp), or by a test's own memory (in_process.hpp). No driver knows which.
 #pragma once
 
 #include <cstddef>
@@ -12,38 +12,38 @@
 
 namespace palpa::driver::usb {
 
-/// What became of a transfer or a request.
+/// The result of a transfer or a request.
 enum class Outcome {
-  done,       ///< all of it, or of a transfer what its `bytes` say
-  stalled,    ///< the device refuses it, and a transfer's endpoint until clear_halt()
+  done,       ///< all of it; for a transfer, what its `bytes` say
+  stalled,    ///< the device refuses it; a transfer's endpoint refuses all until clear_halt()
   timed_out,  ///< a request: no answer within the patience
   cancelled,
-  gone,  ///< there is no such device any more
+  gone,  ///< the device is not there any more
   failed,
 };
 const char* text_of(Outcome outcome);  ///< "stalled", for messages
 
-/// A vendor request without data, or with data from the device where bit 7 of request_type is set.
+/// A vendor request without data, or with data from the device if bit 7 of request_type is set.
 struct Setup {
   std::uint8_t request_type = 0x40, request = 0;
   std::uint16_t value = 0, index = 0;
   bool operator==(const Setup&) const = default;
 };
 
-/// One that is plugged in.
+/// A device that is plugged in.
 struct Entry {
   std::uint16_t vendor = 0, product = 0;
   std::uint16_t release = 0;  ///< bcdDevice
   unsigned bus = 0, address = 0;
   std::string place;       ///< BUS-PORT[.PORT...], as the kernel names it: where it is plugged in
-  std::string serial;      ///< empty where it has none or may not be read
-  std::string refusal;     ///< why it cannot be opened; empty if it can, or if nobody tried
-  bool forbidden = false;  ///< the refusal is a matter of permissions
+  std::string serial;      ///< empty if it has none or may not be read
+  std::string refusal;     ///< why it cannot be opened; empty if it can, or if that was not tried
+  bool forbidden = false;  ///< it cannot be opened for lack of permission
 };
 
 struct Listing {
   std::vector<Entry> entries;  ///< in the order of bus and address
-  std::string problem;         ///< why there is no list, or not all of it; empty if there is
+  std::string problem;         ///< why the list is missing or incomplete; empty if it is complete
 };
 
 using Wanted = bool (*)(std::uint16_t vendor, std::uint16_t product);
@@ -52,46 +52,47 @@ using Wanted = bool (*)(std::uint16_t vendor, std::uint16_t product);
 struct Sent {
   unsigned number = 0;
   Outcome outcome = Outcome::done;
-  std::size_t bytes = 0;  ///< that the device took, fewer than were given where the outcome is not `done`, and
-                          ///< sometimes where it is: what is left is the caller's to send
+  std::size_t bytes = 0;  ///< that the device took: fewer than were given if the outcome is not `done`, and sometimes
+                          ///< if it is. The caller must send what is left
 };
 
 inline constexpr unsigned most_in_flight = 4;       ///< transfers of a device
-inline constexpr double request_patience_s = 0.25;  ///< that a request is waited for
+inline constexpr double request_patience_s = 0.25;  ///< the time that a request is waited for
 
-/// An open device with one bulk endpoint to write to. Nothing here throws; only request(), clear_halt() and the end
-/// wait.
+/// An open device with one bulk endpoint to write to. Nothing here throws. Only request(), clear_halt() and the
+/// destructor wait.
 class Device {
  public:
   /// Ends what is in flight, and closes.
   virtual ~Device() = default;
 
-  /// Fills `in` where data comes from the device, and says in `received` how much came.
+  /// If data comes from the device, fills `in` and says in `received` how much came.
   virtual Outcome request(const Setup& setup, std::span<std::uint8_t> in, std::size_t& received) = 0;
   Outcome request(const Setup& setup) {
     std::size_t none = 0;
     return request(setup, {}, none);
   }
 
-  /// Begins to send; transfers arrive in the order in which they were begun. `number` is below most_in_flight and not
-  /// in flight; `bytes` stay where they are until reap() returns it. Where the outcome is not `done` nothing was begun.
+  /// Begins to send. Transfers arrive in the order in which they were begun. `number` must be below most_in_flight and
+  /// not in flight. `bytes` must stay where they are until reap() returns the transfer. If the outcome is not `done`,
+  /// nothing was begun.
   virtual Outcome submit(unsigned number, std::span<const std::uint8_t> bytes) = 0;
-  /// One that has ended, in whatever order; nothing: none has. Never waits.
+  /// A transfer that has ended, in any order; nullopt if none has. Never waits.
   virtual std::optional<Sent> reap() = 0;
-  /// Ends all that are in flight; each is still to be reaped.
+  /// Ends all transfers in flight. Each must still be reaped.
   virtual void cancel() = 0;
-  /// After a transfer that stalled.
+  /// Call after a transfer that stalled.
   virtual Outcome clear_halt() = 0;
 };
 
-/// A way to devices.
+/// A way to reach devices.
 class Transport {
  public:
   virtual ~Transport() = default;
-  /// Looks into the devices for which `wanted` says so, to read their serial numbers; touches no other. Devices that
-  /// came or went since the last call are noticed.
+  /// Looks into the devices for which `wanted` is true, to read their serial numbers, and touches no other. Notices
+  /// devices that came or went since the last call.
   virtual Listing list(Wanted wanted) = 0;
-  /// Opens one of list()'s, to write to its bulk endpoint `endpoint`. Throws failure() naming the reason.
+  /// Opens a device from list(), to write to its bulk endpoint `endpoint`. Throws failure() that names the reason.
   virtual std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) = 0;
 };
 

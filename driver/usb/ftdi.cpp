@@ -17,9 +17,9 @@ const char* text_of(Channel channel) {
     case Channel::ft1284:
       return "FT1284";
     case Channel::blank:
-      return "nothing: its EEPROM is blank, which is serial (UART)";
+      return "nothing: it is blank, which means serial (UART)";
   }
-  return "something unknown";
+  return "an unknown mode";
 }
 
 Outcome read_channel(Device& device, Channel& channel) {

@@ -1,5 +1,5 @@
-// The requests that FTDI's chips know, as far as boards need them. Each chip is in many things: whoever opens one knows
-// it by its serial number, never by its ids alone.
+// The requests to FTDI's chips that boards need. Each chip is in many kinds of devices, so a device is identified by
+// its serial number, never by its ids alone.
 #pragma once
 
 #include <array>
@@ -42,10 +42,10 @@ const char* text_of(Channel channel);  ///< "serial (UART)"
 /// Reads it into `channel`.
 Outcome read_channel(Device& device, Channel& channel);
 
-/// What readies a chip, in this order: reset, plain mode, latency of 2 ms (with 1 ms bytes were seen to be lost), both
-/// purges.
+/// The requests that make a chip ready, in this order: reset, plain mode, latency of 2 ms (with 1 ms, bytes were seen
+/// to be lost), both purges.
 inline constexpr std::array<Setup, 5> ready_requests{reset_request(), plain_mode_request(), latency_request(2),
                                                      purge_to_device_request(), purge_to_host_request()};
-inline constexpr std::size_t first_purge = 3;  ///< of these; the purges alone after trouble
+inline constexpr std::size_t first_purge = 3;  ///< index into these; after trouble, only the purges
 
 }  // namespace palpa::driver::usb::ftdi

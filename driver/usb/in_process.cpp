@@ -66,7 +66,7 @@ class InProcessDevice final : public Device {
     Outcome outcome = Outcome::done;
   };
 
-  /// A device that was unplugged stays gone for whoever had it open, also when it is plugged in again.
+  /// A device that was unplugged stays gone for the object that had it open, even when it is plugged in again.
   bool gone() {
     if (!gone_ && socket_.faults.unplugged) {
       gone_ = true;
@@ -84,7 +84,7 @@ class InProcessDevice final : public Device {
     }
   }
 
-  /// Brings to the device what it takes.
+  /// Passes to the device what it takes.
   void carry() {
     Faults& faults = socket_.faults;
     if (!gone()) socket_.peripheral->advance(clock_.now_s());

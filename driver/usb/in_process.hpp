@@ -1,4 +1,4 @@
-// Peripherals on a bus in this process's own memory, with faults to order.
+// Peripherals on a bus in this process's own memory, with faults on demand.
 #pragma once
 
 #include <deque>
@@ -11,27 +11,27 @@
 
 namespace palpa::driver::usb {
 
-/// What is to go wrong with a device, and what did.
+/// What should go wrong with a device, and what it got.
 struct Faults {
   bool unplugged = false;
   bool stalled = false;                                     ///< the bulk endpoint, until clear_halt()
   bool takes_nothing = false;                               ///< every bulk packet is put off
   bool refuses_requests = false;                            ///< they are not answered within the patience
-  double request_s = 0;                                     ///< that long each request takes
-  std::size_t unplug_after = static_cast<std::size_t>(-1);  ///< that many more bulk bytes have come
-  /// Transfers end as done when that many bytes of them are sent, or all of them; 0: at their end.
+  double request_s = 0;                                     ///< the time that each request takes
+  std::size_t unplug_after = static_cast<std::size_t>(-1);  ///< after this many more bulk bytes
+  /// Transfers end as done when this many of their bytes, or all, are sent; 0: at their end.
   std::size_t cut_at = 0;
   bool cuts_once = false;
-  bool reaped_backwards = false;  ///< of transfers that have ended the one that was begun last is reaped first
-  std::size_t bulk_bytes = 0;     ///< that came
+  bool reaped_backwards = false;  ///< of ended transfers, the one begun last is reaped first
+  std::size_t bulk_bytes = 0;     ///< that have come
 };
 
 class InProcessBus final : public Transport {
  public:
   explicit InProcessBus(Clock& clock) : clock_(clock) {}
 
-  /// Plugs it in; it is at bus `bus`, at the next free port, and outlives the transport. The faults are the caller's to
-  /// set.
+  /// Plugs the peripheral in at bus `bus`, at the next free port. It must outlive the transport. The caller may set the
+  /// faults.
   Faults& plug(Peripheral& peripheral, unsigned bus = 1);
 
   Listing list(Wanted wanted) override;

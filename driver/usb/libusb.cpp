@@ -31,7 +31,7 @@ class Bus {
     }
     count_ = libusb_get_device_list(context_, &devices_);
     if (count_ < 0) {
-      problem_ = fmt::format("no list of USB devices: {}", text_of_error(static_cast<int>(count_)));
+      problem_ = fmt::format("USB devices cannot be listed: {}", text_of_error(static_cast<int>(count_)));
       count_ = 0;
     }
   }
@@ -53,7 +53,7 @@ class Bus {
   std::string problem_;
 };
 
-/// As the kernel names it, "1-4.2".
+/// The place as the kernel names it, "1-4.2".
 std::string place_of(libusb_device* device) {
   std::array<std::uint8_t, 8> ports{};
   const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
@@ -64,7 +64,7 @@ std::string place_of(libusb_device* device) {
   return name;
 }
 
-/// The kernel keeps the serial number for everyone to read, also where the device may not be opened.
+/// Everyone can read the serial number from the kernel, even if the device may not be opened.
 std::string serial_in_sysfs(const std::string& place) {
   std::string serial;
   if (place.empty()) return serial;
@@ -131,7 +131,7 @@ class LibusbDevice final : public Device {
   }
   ~LibusbDevice() override {
     cancel();
-    // Each transfer comes back, from a device that is gone too; without it its memory may not be given back.
+    // Each transfer comes back, even from a device that is gone. Until then, its memory must not be freed.
     for (int i = 0; i < 25 && flying(); ++i)
       handle_events(10000);
     if (flying()) {
@@ -156,7 +156,7 @@ class LibusbDevice final : public Device {
   Outcome submit(unsigned number, std::span<const std::uint8_t> bytes) override {
     Pending& pending = pending_[number];
     if (pending.transfer == nullptr) return Outcome::failed;
-    // libusb takes what it sends as it takes what it fills.
+    // libusb has the same parameter for data that it sends and data that it fills.
     libusb_fill_bulk_transfer(pending.transfer, handle_, endpoint_, const_cast<std::uint8_t*>(bytes.data()),
                               static_cast<int>(bytes.size()), &LibusbDevice::ended, &pending, 0);
     pending.landed = false;
@@ -191,7 +191,7 @@ class LibusbDevice final : public Device {
  private:
   struct Pending {
     libusb_transfer* transfer = nullptr;
-    bool flies = false;   ///< begun, and not reaped yet
+    bool flies = false;   ///< begun but not reaped yet
     bool landed = false;  ///< ended
   };
 
@@ -251,10 +251,10 @@ std::unique_ptr<Device> LibusbTransport::open(const Entry& entry, std::uint8_t e
       throw failure(fmt::format("USB device {} at {} cannot be opened: {} (palpa doctor says more)", entry.serial,
                                 entry.place, text_of_error(opened)));
     }
-    libusb_set_auto_detach_kernel_driver(handle, 1);  // where that can be done at all
+    libusb_set_auto_detach_kernel_driver(handle, 1);  // if the platform supports it
     if (const int claimed = libusb_claim_interface(handle, 0); claimed != LIBUSB_SUCCESS) {
       libusb_close(handle);
-      throw failure(fmt::format("USB device {} at {} cannot be taken: {}; another program or a kernel driver has it",
+      throw failure(fmt::format("USB device {} at {} cannot be claimed: {}; another program or a kernel driver has it",
                                 entry.serial, entry.place, text_of_error(claimed)));
     }
     return std::make_unique<LibusbDevice>(std::move(bus), handle, endpoint);

@@ -1,5 +1,5 @@
-// Devices on this machine's USB, by libusb. Every list is of a context of its own, made anew: a device that comes back
-// is found without udev, too.
+// Devices on this machine's USB, by libusb. Every list makes its own new context, so a device that comes back is found
+// even without udev.
 #pragma once
 
 #include "driver/usb/device.hpp"

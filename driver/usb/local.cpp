@@ -23,7 +23,7 @@
 namespace palpa::driver::usb {
 namespace {
 
-/// Emulators are on a bus of their own each, beyond all real ones.
+/// Each emulator is on its own bus, beyond all real ones.
 constexpr unsigned first_bus = 1000;
 
 class Connection {
@@ -61,7 +61,7 @@ class Connection {
     connected_ = false;
     return Result::gone;
   }
-  /// How much came behind the message is in `filled`.
+  /// `filled` gets the number of bytes that came behind the message.
   Result receive(LocalMessage& message, std::span<std::uint8_t> into, std::size_t& filled) {
     iovec parts[]{{&message, sizeof message}, {into.data(), into.size()}};
     msghdr packet{};
@@ -160,7 +160,7 @@ class LocalDevice final : public Device {
     Sent sent{};
   };
 
-  /// Hands over what waits, in order.
+  /// Sends what waits, in order.
   void push() {
     for (;;) {
       Pending* next = nullptr;
@@ -187,7 +187,7 @@ class LocalDevice final : public Device {
   Outcome ask(const LocalMessage& message, std::span<std::uint8_t> in, std::size_t& received) {
     received = 0;
     if (connection_.send(message) != Connection::Result::done) return Outcome::gone;
-    // Transfers that end meanwhile answer in between.
+    // Answers of transfers that end meanwhile come in between.
     for (int tries = 0; tries < 200; ++tries) {
       LocalMessage answer;
       switch (connection_.receive(answer, in, received)) {
@@ -235,14 +235,14 @@ std::filesystem::path address_of(unsigned number) {
 std::filesystem::path runtime_folder() {
   std::filesystem::path folder = runtime_place();
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    throw failure(fmt::format("{}: cannot be made for the emulators' sockets: {}", folder.string(),
+    throw failure(fmt::format("{}: cannot be created for the emulators' sockets: {}", folder.string(),
                               std::generic_category().message(errno)));
   }
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != getuid() ||
       (status.st_mode & 0077) != 0) {
     throw failure(
-        fmt::format("{}: must be a folder of yours with mode 0700, for the emulators' sockets", folder.string()));
+        fmt::format("{}: must be a folder that you own, with mode 0700, for the emulators' sockets", folder.string()));
   }
   return folder;
 }
@@ -254,7 +254,7 @@ bool is_emulated(const Entry& entry) {
 Listing LocalTransport::list(Wanted wanted) {
   Listing listing;
   std::error_code code;
-  if (!std::filesystem::exists(runtime_place(), code)) return listing;  // nobody listens, and nothing is made for it
+  if (!std::filesystem::exists(runtime_place(), code)) return listing;  // nothing listens, and no folder is made
   std::filesystem::path folder;
   try {
     folder = runtime_folder();
@@ -262,7 +262,7 @@ Listing LocalTransport::list(Wanted wanted) {
     listing.problem = error.what();
     return listing;
   }
-  // Whoever does not answer is left out, and all of them together keep nobody for longer than one device does.
+  // An emulator that does not answer is left out. All of them together take no longer than one device may.
   double patience_s = request_patience_s;
   const SteadyClock clock;
   for (std::filesystem::directory_iterator file(folder, code), end; !code && file != end; file.increment(code)) {
@@ -301,7 +301,7 @@ std::unique_ptr<Device> LocalTransport::open(const Entry& entry, std::uint8_t en
   }
   auto device = std::make_unique<LocalDevice>(std::move(connection));
   if (const Outcome outcome = device->claim(endpoint); outcome != Outcome::done) {
-    throw failure(fmt::format("emulated device {} at {} cannot be taken: {}", entry.serial, entry.place,
+    throw failure(fmt::format("emulated device {} at {} cannot be claimed: {}", entry.serial, entry.place,
                               outcome == Outcome::stalled ? "another program has it" : text_of(outcome)));
   }
   return device;

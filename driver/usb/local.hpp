@@ -1,5 +1,5 @@
 // Emulated devices of other processes: each listens on a socket in this user's runtime folder, and is listed and opened
-// as real ones are. `palpa emulate` is the other side (local_server.hpp).
+// like real ones. `palpa emulate` is the other side (local_server.hpp).
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@
 namespace palpa::driver::usb {
 
 /// $XDG_RUNTIME_DIR/palpa, or without that variable palpa-UID in the folder for temporary files; made with mode 0700 if
-/// it is not there. Throws failure() where it cannot be made, or belongs to somebody else.
+/// it is not there. Throws failure() if it cannot be made or belongs to another user.
 std::filesystem::path runtime_folder();
 
-/// Whether it is one of LocalTransport's.
+/// Whether the entry is one of LocalTransport's.
 bool is_emulated(const Entry& entry);
 
 class LocalTransport final : public Transport {
@@ -23,10 +23,10 @@ class LocalTransport final : public Transport {
   std::unique_ptr<Device> open(const Entry& entry, std::uint8_t endpoint) override;
 };
 
-/// What goes over the socket, one packet each: this, then the bytes that belong to it.
+/// What goes over the socket. Each packet is this, followed by the bytes that belong to it.
 struct LocalMessage {
   enum Kind : std::uint32_t { describe, claim, request, bulk, cancel, clear_halt };
-  std::uint32_t kind = describe;  ///< an answer has its question's
+  std::uint32_t kind = describe;  ///< an answer has the kind of its question
   std::uint32_t number = 0;       ///< of a transfer; of a claim: the endpoint
   Outcome outcome = Outcome::done;
   std::uint32_t bytes = 0;  ///< that were sent, or are wanted

@@ -24,8 +24,8 @@ namespace {
 constexpr unsigned most_emulators = 64;
 constexpr std::size_t most_clients = 16;
 
-/// Held by whoever looks for a free address: an address that nobody answers at is taken away, and must not be another's
-/// that has just come.
+/// Held while looking for a free address. An address at which nothing answers is removed, and it must not belong to a
+/// server that has just come.
 class AddressLock {
  public:
   explicit AddressLock(const std::filesystem::path& folder)
@@ -43,7 +43,7 @@ class AddressLock {
   int file_;
 };
 
-/// Whether nobody listens there any more.
+/// Whether nothing listens there any more.
 bool dead(const sockaddr* address, socklen_t size) {
   const int probe = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool refused = connect(probe, address, size) != 0 && errno == ECONNREFUSED;
@@ -114,7 +114,7 @@ void LocalServer::answer(const Client& client, const LocalMessage& message, std:
   msghdr packet{};
   packet.msg_iov = parts;
   packet.msg_iovlen = 2;
-  // Whoever does not read its answers loses them.
+  // A client that does not read its answers loses them.
   static_cast<void>(sendmsg(client.fd, &packet, MSG_NOSIGNAL));
 }
 
@@ -146,14 +146,14 @@ void LocalServer::carry(Client& client, double now_s) {
   }
 }
 
-/// One packet; false: nothing more to hear. A client that is gone has no descriptor any more.
+/// Handles one packet. Returns false if there is no more. A client that is gone has no descriptor any more.
 bool LocalServer::hear(Client& client, double now_s) {
   const ssize_t came = recv(client.fd, packet_.data(), packet_.size(), 0);
   if (came < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (came < static_cast<ssize_t>(sizeof(LocalMessage))) {
     close(std::exchange(client.fd, -1));
     if (std::exchange(client.owner, false)) {
-      // What it had not brought over when it died never comes.
+      // Data that the client had not transferred when it died never comes.
       client.transfers.clear();
       peripheral_.closed(now_s);
     }

@@ -1,4 +1,5 @@
-// A peripheral at a socket, for the drivers of other processes (local.hpp): many may ask who it is, one has it open.
+// A peripheral at a socket, for the drivers of other processes (local.hpp): many may ask who it is, but only one has it
+// open.
 #pragma once
 
 #include <poll.h>
@@ -15,7 +16,7 @@
 
 namespace palpa::driver::usb {
 
-/// Everything that crossed the wire, as it ended. For traces.
+/// Gets everything that crossed the wire, when it ended. For traces.
 class Wiretap {
  public:
   virtual ~Wiretap() = default;
@@ -25,18 +26,19 @@ class Wiretap {
 
 class LocalServer {
  public:
-  /// Listens at the next free address. The peripheral and the tap, which may be none, outlive it. Throws failure().
+  /// Listens at the next free address. The peripheral and the tap, which may be null, must outlive this object. Throws
+  /// failure().
   LocalServer(Peripheral& peripheral, Wiretap* tap);
   ~LocalServer();
   LocalServer(const LocalServer&) = delete;
   LocalServer& operator=(const LocalServer&) = delete;
 
   const std::filesystem::path& address() const { return address_; }
-  /// Appends what to wait on.
+  /// Appends the descriptors to wait on.
   void watch(std::vector<pollfd>& watched) const;
   /// Whether bytes wait for the peripheral to have room.
   bool waits() const;
-  /// Goes on with everybody, never waiting.
+  /// Serves all clients without waiting.
   void go_on(double now_s);
 
  private:

@@ -1,5 +1,5 @@
-// The far end of the cable: a device made of software, as an emulator is. It is told everything with the time at which
-// it happens, and knows no clock of its own, so that tests need not wait.
+// The far end of the cable: a device made of software, such as an emulator. Each call gives the time at which it
+// happens, and the device has no clock of its own, so tests need not wait.
 #pragma once
 
 #include <cstddef>
@@ -25,11 +25,11 @@ class Peripheral {
   virtual Outcome control(double now_s, const Setup& setup, std::span<std::uint8_t> in, std::size_t& filled) = 0;
   /// Takes bytes from the front of `bytes`, as many as it has room for; the others are offered again later.
   virtual std::size_t bulk_out(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) = 0;
-  /// Goes on as far as that time.
+  /// Advances to that time.
   virtual void advance(double now_s) = 0;
-  /// Whoever had it open has let go of it.
+  /// The program that had it open has closed it.
   virtual void closed(double now_s) = 0;
-  /// Its cable was pulled, in the middle of whatever.
+  /// Its cable was pulled, in the middle of anything.
   virtual void unplugged(double now_s) = 0;
 };
 

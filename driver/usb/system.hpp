@@ -1,6 +1,6 @@
-// Which USB devices boards are looked for among: those of this machine, and beside them this user's emulators. A guard
-// that opens a board goes through here, so this is the one place that decides that it looks for emulators, too: it is
-// how `palpa run --link openmpd:EMU1` finds a board that `palpa emulate` plays.
+// The USB devices among which boards are looked for: those of this machine, and this user's emulators. A guard that
+// opens a board comes through here, so only this place decides that emulators are looked for, too. This is how `palpa
+// run --link openmpd:EMU1` finds a board that `palpa emulate` plays.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,9 @@
 
 namespace palpa::driver::usb {
 
-/// The devices of both, `real` ones first. Where there are emulated ones a problem of `real` is not named: a machine
-/// without USB can play to emulators. Opens each with the one of the two that has listed it, see is_emulated().
+/// The devices of both, `real` ones first. If there are emulated ones, a problem of `real` is not named, because a
+/// machine without USB can play to emulators. Opens each device with the transport that has listed it, see
+/// is_emulated().
 std::unique_ptr<Transport> with_emulators(std::unique_ptr<Transport> real, std::unique_ptr<Transport> emulated);
 
 /// libusb's devices, and the emulators that listen in the runtime folder (local.hpp).

@@ -34,7 +34,7 @@ constexpr std::size_t table_header_bytes = 16, crc_at = 12, lenses_at = 256, len
 struct Size {
   std::uint32_t width, height;
 };
-/// In the order in which the calibration has them.
+/// In the calibration's order.
 constexpr Size sizes[]{{1920, 1080}, {1280, 720}, {640, 480}, {848, 480},  {640, 360},
                        {424, 240},   {320, 240},  {480, 270}, {1280, 800}, {960, 540}};
 
@@ -58,7 +58,7 @@ void query(Kernel& kernel, int fd, std::uint8_t selector, std::uint8_t kind, std
   request.query = kind;
   request.size = static_cast<__u16>(data.size());
   request.data = data.data();
-  constexpr int attempts = 5;  // it is busy now and then
+  constexpr int attempts = 5;  // the camera is sometimes busy
   int result = 0;
   for (int i = 0; i < attempts; ++i) {
     result = kernel.ioctl(fd, UVCIOC_CTRL_QUERY, &request);
@@ -69,7 +69,7 @@ void query(Kernel& kernel, int fd, std::uint8_t selector, std::uint8_t kind, std
     throw failure(fmt::format("the camera does not {}: {}", what, std::generic_category().message(-result)));
 }
 
-/// What the camera answers to `opcode`, without the echo of it.
+/// The camera's answer to `opcode`, without the echoed opcode.
 std::vector<std::uint8_t> ask(Kernel& kernel, int fd, Opcode opcode, std::uint32_t parameter,
                               std::span<const std::uint8_t> data, const char* what) {
   std::array<std::uint8_t, monitor_bytes> bytes{};
@@ -92,7 +92,7 @@ std::vector<std::uint8_t> ask(Kernel& kernel, int fd, Opcode opcode, std::uint32
 }
 
 std::vector<std::uint8_t> read_depth_table(Kernel& kernel, int fd) {
-  const char* what = "tell its depth unit";
+  const char* what = "report its depth unit";
   std::vector<std::uint8_t> table = ask(kernel, fd, get_advanced, depth_table, {}, what);
   if (table.size() < depth_table_bytes)
     throw failure(fmt::format("the camera does not {}: its answer has {} bytes", what, table.size()));
@@ -124,11 +124,11 @@ double read_depth_unit(Kernel& kernel, int fd) {
 void write_depth_unit(Kernel& kernel, int fd, double metres) {
   std::vector<std::uint8_t> table = read_depth_table(kernel, fd);
   put_at(table, 0, static_cast<std::uint32_t>(std::lround(metres * 1e6)));
-  ask(kernel, fd, set_advanced, depth_table, table, "take a depth unit");
+  ask(kernel, fd, set_advanced, depth_table, table, "accept a depth unit");
 }
 
 cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32_t height) {
-  const char* what = "tell its calibration";
+  const char* what = "report its calibration";
   const std::vector<std::uint8_t> table = ask(kernel, fd, read_calibration, coefficients_table, {}, what);
   const auto size = std::find_if(std::begin(sizes), std::end(sizes),
                                  [&](const Size& s) { return s.width == width && s.height == height; });
@@ -153,16 +153,16 @@ cameras::Lens read_lens(Kernel& kernel, int fd, std::uint32_t width, std::uint32
 
 void write_exposure(Kernel& kernel, int fd, double seconds) {
   std::array<std::uint8_t, 1> automatic{static_cast<std::uint8_t>(seconds == 0)};
-  query(kernel, fd, auto_exposure, UVC_SET_CUR, automatic, "take an exposure");
+  query(kernel, fd, auto_exposure, UVC_SET_CUR, automatic, "accept an exposure");
   if (seconds == 0) return;
   std::array<std::uint8_t, 4> microseconds{};
   put_at(microseconds, 0, static_cast<std::uint32_t>(std::lround(seconds * 1e6)));
-  query(kernel, fd, exposure, UVC_SET_CUR, microseconds, "take an exposure");
+  query(kernel, fd, exposure, UVC_SET_CUR, microseconds, "accept an exposure");
 }
 
 void write_hardware_preset(Kernel& kernel, int fd, std::uint8_t preset) {
   std::array<std::uint8_t, 1> value{preset};
-  query(kernel, fd, hardware_preset, UVC_SET_CUR, value, "take a hardware preset");
+  query(kernel, fd, hardware_preset, UVC_SET_CUR, value, "accept a hardware preset");
 }
 
 }  // namespace palpa::driver::v4l2::d400

@@ -42,7 +42,7 @@ Seen look_at(Kernel& kernel, const Node& node) {
     try {
       seen.depth_unit_m = d400::read_depth_unit(kernel, fd);
     } catch (const Error&) {
-      // It is busy, or no D400: then nobody knows.
+      // It is busy, or not a D400, so this is not known.
     }
   }
   kernel.close(fd);
@@ -74,17 +74,16 @@ std::string advice_for(const Seen& seen, const std::vector<Seen>& all) {
   if (!seen.gives_depth()) return advice;
   add(advice, "depth: --source v4l2:" + seen.node.path);
   if (seen.depth_unit_m && *seen.depth_unit_m >= coarse_m) {
-    add(advice,
-        fmt::format("its depth unit is {:g} mm, coarse against a shell of 1.5 mm: with depth_unit_m = 0.0001 in "
-                    "the rig palpa sets 0.1 mm",
-                    *seen.depth_unit_m * 1e3));
+    add(advice, fmt::format("its depth unit is {:g} mm, which is coarse for a shell of 1.5 mm: with depth_unit_m = "
+                            "0.0001 in the rig, palpa sets 0.1 mm",
+                            *seen.depth_unit_m * 1e3));
   }
   if (seen.node.mbit_s > 0 && seen.node.mbit_s < usb3_mbit_s)
-    add(advice,
-        fmt::format("runs at {:g} Mbit/s, too slow for 848x480 at 90 Hz: a USB 3 port and cable", seen.node.mbit_s));
+    add(advice, fmt::format("runs at {:g} Mbit/s, too slow for 848x480 at 90 Hz: use a USB 3 port and cable",
+                            seen.node.mbit_s));
   if (seen.node.controller.empty()) return advice;
   if (const std::string others = sharing(seen, all); !others.empty()) {
-    add(advice, fmt::format("shares the USB controller {} with {}, {:.0f} MB/s each at 848x480 and 90 Hz: where frames "
+    add(advice, fmt::format("shares the USB controller {} with {}, {:.0f} MB/s each at 848x480 and 90 Hz: if frames "
                             "are missing, plug them into ports of different controllers",
                             seen.node.controller, others, stream_mb_s));
   }

@@ -1,5 +1,5 @@
-// What `palpa doctor` says of video nodes: what they deliver, and what a lab finds out too late otherwise: a coarse
-// depth unit, a slow port, cameras that share a USB controller.
+// What `palpa doctor` reports on video nodes: what they deliver, and problems that a lab would otherwise find too late,
+// such as a coarse depth unit, a slow port, or cameras that share a USB controller.
 #pragma once
 
 #include <vector>

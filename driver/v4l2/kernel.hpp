@@ -1,5 +1,5 @@
-// What palpa asks of the kernel about cameras: a handful of system calls, of any thread. A test has cameras of its own
-// behind it.
+// What palpa needs from the kernel for cameras: a few system calls, from any thread. A test has its own cameras behind
+// it.
 #pragma once
 
 #include <cstddef>
@@ -19,16 +19,16 @@ class Kernel : public cameras::Host {
   virtual int open(const std::string& path) = 0;
   virtual void close(int fd) = 0;
   virtual int ioctl(int fd, unsigned long request, void* argument) = 0;
-  /// Null where it cannot be had.
+  /// Null if the memory cannot be mapped.
   virtual const std::byte* map(int fd, std::size_t length, std::size_t offset) = 0;
   virtual void unmap(const std::byte* memory, std::size_t length) = 0;
   /// Every video node of the machine.
   virtual std::vector<Node> nodes() = 0;
-  /// The node's own name of a path that may be a link, such as those of /dev/v4l/by-id.
+  /// The node's own name, for a path that may be a link, such as those in /dev/v4l/by-id.
   virtual std::string resolve(const std::string& path) = 0;
 };
 
-/// The machine's.
+/// The machine's kernel.
 std::unique_ptr<Kernel> make_kernel();
 
 }  // namespace palpa::driver::v4l2

@@ -25,7 +25,7 @@ Number read_number(const fs::path& file, int base) {
   return value;
 }
 
-/// "video12" -> 12; below 0 for what is no video node.
+/// "video12" -> 12; below 0 if it is not a video node.
 int node_number(const std::string& name) {
   constexpr std::string_view stem = "video";
   if (!name.starts_with(stem)) return -1;
@@ -35,7 +35,7 @@ int node_number(const std::string& name) {
   return fault == std::errc{} && rest == end ? number : -1;
 }
 
-/// Fills in what the folders above a USB interface's say: the device, its bus, the bus's controller.
+/// Fills in the values from the folders above a USB interface: the device, its bus, the bus's controller.
 void read_usb(const fs::path& interface, Node& node) {
   std::error_code ignored;
   const fs::path device = interface.parent_path();
@@ -93,7 +93,7 @@ std::string find_again(const Identity& identity, std::span<const Node> nodes) {
   std::string elsewhere;
   for (const Node& node : nodes) {
     if (!same_part(node) || node.serial != was.serial) continue;
-    // Two cameras may share a serial number, or have none: then the port decides.
+    // If two cameras share a serial number or have none, the port decides.
     if (node.place == was.place) return node.path;
     if (!was.serial.empty() && elsewhere.empty()) elsewhere = node.path;
   }

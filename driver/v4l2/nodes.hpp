@@ -1,4 +1,4 @@
-// The video nodes that the kernel has made for cameras, and which device is behind each, as sysfs tells it.
+// The video nodes that the kernel has made for cameras, and which device is behind each, according to sysfs.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,15 @@ struct Node {
 /// All nodes, by their number. `sys` is /sys, or a test's own; nodes are named as if in /dev.
 std::vector<Node> find_nodes(const std::filesystem::path& sys);
 
-/// What stays of a node whose device is unplugged and comes back, perhaps under another number and another port.
+/// What stays the same for a node whose device is unplugged and comes back, perhaps with another number and on another
+/// port.
 struct Identity {
   std::string path;  ///< as on the command line
-  Node node;         ///< as it was when it was opened; its path is empty where sysfs does not know it
+  Node node;         ///< as it was when it was opened; its path is empty if sysfs does not know it
 };
 
-/// The path under which it is now: the node with the same serial number (without one: on the same port) and the same
-/// place in its device. Empty where there is none. Where sysfs did not know it, the path itself.
+/// The path of the node now: the node with the same serial number (without one: on the same port) and the same place in
+/// its device. Empty if there is none. If sysfs did not know the node, the path itself.
 std::string find_again(const Identity& identity, std::span<const Node> nodes);
 
 }  // namespace palpa::driver::v4l2

@@ -6,7 +6,7 @@
 namespace palpa::driver::v4l2 {
 namespace {
 
-/// No device has more; one that never ends its list is not believed.
+/// No device has more. A device whose list does not end is not trusted.
 constexpr std::uint32_t most_entries = 64;
 
 void add_rates(Kernel& kernel, int fd, Offer offer, std::vector<Offer>& offers) {

@@ -13,12 +13,12 @@ namespace palpa::driver::v4l2 {
 
 using cameras::Offer;
 
-/// In the device's order. Of sizes and rates that it gives as ranges, the largest.
+/// The offers in the device's order. If sizes or rates are given as ranges, only the largest.
 std::vector<Offer> list_offers(Kernel& kernel, int fd);
 
-/// "Z16", the four characters without what cannot be printed and without blanks at the end.
+/// "Z16", the four characters without unprintable ones and without blanks at the end.
 std::string format_name(std::uint32_t format);
-/// The formats: "Z16, GREY"; "nothing" where there are none.
+/// The formats: "Z16, GREY"; "nothing" if there are none.
 std::string list_formats(std::span<const Offer> offers);
 
 }  // namespace palpa::driver::v4l2

@@ -24,9 +24,11 @@ struct Setup {
     const sensing::DeviceSetting& setting = description.setting;
     if (!d400::is_realsense(node)) {
       if (setting.own_lens || setting.exposure_s || setting.preset) {
-        throw bad_input(path, fmt::format("is no RealSense on USB, which calibration = \"device\", exposure_s and "
-                                          "hardware_preset of {} are for",
-                                          description.rig));
+        throw bad_input(
+            path,
+            fmt::format(
+                "is not a RealSense on USB: calibration = \"device\", exposure_s and hardware_preset of {} need one",
+                description.rig));
       }
       return;
     }
@@ -45,8 +47,8 @@ struct Setup {
     const cameras::Lens lens = d400::read_lens(kernel, fd, description.wanted.width, description.wanted.height);
     if (known.lens && lens != *known.lens) {
       throw failure(
-          "this is another camera than the one that was here, or it was calibrated anew: its lens has changed; plug "
-          "the first one in again, or start palpa anew");
+          "its lens has changed: this is not the camera that was here before, or it was recalibrated; plug the first "
+          "camera in again, or restart palpa");
     }
     known.lens = lens;
   }
@@ -60,8 +62,8 @@ struct Setup {
       unit_m = d400::read_depth_unit(kernel, fd);
       if (!whole) {
         throw bad_input(path,
-                        fmt::format("keeps its depth unit in whole micrometres, and depth_unit_m of {} is {:g} of "
-                                    "them; set depth_unit_m = {:g}",
+                        fmt::format("keeps its depth unit in whole micrometres, but depth_unit_m of {} is {:g} "
+                                    "micrometres; set depth_unit_m = {:g}",
                                     description.rig, wanted_um, std::fmax(1, std::round(wanted_um)) * micrometre));
       }
       if (!is_wanted(unit_m)) {
@@ -71,13 +73,13 @@ struct Setup {
     } catch (const Error& error) {
       if (unit_m != 0 || known.unit_read) throw bad_input(path, error.what());
       if (!std::exchange(known.trusted_said, true)) {
-        log::warning(fmt::format("{}: {}; that a step is {:g} mm, as {} says, is taken on trust", path, error.what(),
+        log::warning(fmt::format("{}: {}; palpa assumes a depth unit of {:g} mm, as {} says", path, error.what(),
                                  wanted_m * 1e3, description.rig));
       }
       return;
     }
     known.unit_read = true;
-    // Ten times too deep is a hand elsewhere.
+    // With depths ten times too large, the hand would be elsewhere.
     if (!is_wanted(unit_m)) {
       throw bad_input(path, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
                                         unit_m, description.rig));

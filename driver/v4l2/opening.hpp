@@ -1,4 +1,4 @@
-// A camera made ready: opened, set up as the rig says where it is a RealSense, and streaming.
+// Makes a camera ready: opened, set up as the rig says if it is a RealSense, and streaming.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace palpa::driver::v4l2 {
 
-/// What the command line and the rig say of a camera.
+/// What the command line and the rig say about a camera.
 struct Description {
   std::string name;  ///< the rig's
   std::string path;  ///< as on the command line
@@ -22,16 +22,16 @@ struct Description {
   sensing::DeviceSetting setting{};
 };
 
-/// What a camera has told of itself. One that comes back has to tell the same.
+/// What a camera has reported about itself. One that comes back must report the same.
 struct Known {
-  std::optional<cameras::Lens> lens;  ///< of its own calibration, where the setting asks for that
-  bool unit_read = false;             ///< a camera that has answered once is not trusted again
+  std::optional<cameras::Lens> lens;  ///< of its own calibration, if the setting asks for that
+  bool unit_read = false;             ///< after that, a camera that does not answer is not trusted
   bool trusted_said = false;
 };
 
-/// `node` is what sysfs knows of `path`. Throws bad_input as Stream does, where the camera keeps another depth unit
-/// than the rig says or can keep none like it, and where its lens is not the one that is known. May take seconds where
-/// the device does not answer.
+/// `node` is what sysfs knows of `path`. Throws bad_input as Stream does, if the camera keeps another depth unit than
+/// the rig says or cannot keep that one, and if its lens is not the known one. May take seconds if the device does not
+/// answer.
 std::unique_ptr<Stream> open_camera(Kernel& kernel, const Description& description, const std::string& path,
                                     const Node& node, Known& known);
 

@@ -24,7 +24,7 @@ constexpr std::uint32_t usual_width = 848, usual_height = 480;
 constexpr double usual_unit_m = 1e-4, nearest_m = 0.28;
 constexpr double guessed_view = 65 * std::numbers::pi / 180;
 
-/// 848x480 where there is that, else the largest; of its rates the quickest.
+/// 848x480 if available, else the largest size; the highest of its rates.
 std::optional<Offer> best_of(const std::vector<Offer>& offers) {
   const auto rank = [](const Offer& offer) {
     const bool usual = offer.width == usual_width && offer.height == usual_height;
@@ -44,10 +44,10 @@ void guess_lens(sensing::Camera& camera) {
   camera.cy = (camera.height - 1) / 2.0;
 }
 
-/// What is known of the lens, for people.
+/// Describes what is known of the lens, as text.
 std::string read_lens(Kernel& kernel, int fd, const Node& node, sensing::Camera& camera) {
   guess_lens(camera);
-  std::string why = "only a RealSense tells it";
+  std::string why = "only a RealSense reports them";
   if (d400::is_realsense(node)) {
     try {
       const cameras::Lens lens = d400::read_lens(kernel, fd, camera.width, camera.height);
@@ -62,7 +62,7 @@ std::string read_lens(Kernel& kernel, int fd, const Node& node, sensing::Camera&
       why = error.what();
     }
   }
-  return fmt::format("fx, fy, cx and cy are a guess ({}): put those of a calibration here", why);
+  return fmt::format("fx, fy, cx and cy are a guess ({}): replace them by those of a calibration", why);
 }
 
 }  // namespace

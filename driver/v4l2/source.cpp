@@ -41,19 +41,18 @@ class Camera final : public cameras::Device {
   Kernel& kernel_;
   const Description description_;
   Identity identity_;
-  std::string path_;  ///< under which it is now
+  std::string path_;  ///< the node's path now
   Known known_;
 };
 
-/// One camera has several names: the links of /dev/v4l/by-id beside /dev/videoN.
+/// One camera has several names: /dev/videoN and the links in /dev/v4l/by-id.
 void refuse_twice(Kernel& kernel, const std::vector<std::string>& nodes) {
   std::map<std::string, std::string> named;
   for (const std::string& node : nodes) {
     const auto [before, first] = named.emplace(kernel.resolve(node), node);
     if (first) continue;
     throw bad_usage(
-        fmt::format("source v4l2 names one camera twice: {} and {} are both {}; each camera of the rig has "
-                    "its own",
+        fmt::format("source v4l2 names one camera twice: {} and {} are both {}; name each camera of the rig once",
                     before->second, node, before->first));
   }
 }

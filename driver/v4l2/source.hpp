@@ -1,5 +1,5 @@
 // `--source v4l2:/dev/videoN[,/dev/videoM...]`: depth cameras through the kernel's own driver, as a DepthSource
-// (driver/cameras). One that was unplugged is found again by its serial number, under whatever number it comes back.
+// (driver/cameras). One that was unplugged is found again by its serial number, under any number.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace palpa::driver::v4l2 {
 
-/// The nodes of "/dev/video0,/dev/video2". Throws bad_usage for none, an empty one and one that is named twice
-/// in the same words; open_cameras() finds out about others.
+/// The nodes of "/dev/video0,/dev/video2". Throws bad_usage for no node, an empty one, and one that is named twice in
+/// the same words; open_cameras() finds other repetitions.
 std::vector<std::string> parse_nodes(const std::string& argument);
 
 /// Opens one node per camera, in this order, and starts them. `rig` is the file that describes the cameras, for

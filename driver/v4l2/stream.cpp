@@ -17,7 +17,7 @@ namespace palpa::driver::v4l2 {
 namespace {
 
 constexpr std::uint32_t capture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-constexpr std::uint32_t asked_buffers = 6;  ///< two or three wait to be matched, the others are the camera's
+constexpr std::uint32_t asked_buffers = 6;  ///< two or three wait to be matched, the camera has the others
 constexpr std::uint32_t fewest_buffers = 3;
 
 std::string say(int error) {
@@ -35,7 +35,7 @@ std::string refusal(int error) {
     case EPERM:
       return "no permission: add yourself to the group video (usermod -aG video $USER) and log in again";
     case EBUSY:
-      return "another program has this camera; end it first";
+      return "another program uses this camera; close it first";
     default:
       return fmt::format("cannot be opened: {}", say(error));
   }
@@ -82,13 +82,13 @@ void Stream::check_node() {
   v4l2_capability capability{};
   if (const int result = kernel_.ioctl(fd_, VIDIOC_QUERYCAP, &capability); result < 0) {
     const bool other = result == -ENOTTY || result == -EINVAL;
-    throw bad_input(path_, other ? "is no video device; palpa doctor lists depth cameras" : refusal(-result));
+    throw bad_input(path_, other ? "is not a video device; palpa doctor lists depth cameras" : refusal(-result));
   }
   const std::uint32_t able =
       capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps : capability.capabilities;
   if (able & V4L2_CAP_META_CAPTURE)
-    throw bad_input(path_, "has a camera's metadata, no images; the camera's stream is the node before it");
-  if (!(able & V4L2_CAP_VIDEO_CAPTURE)) throw bad_input(path_, "is no camera; palpa doctor lists depth cameras");
+    throw bad_input(path_, "has a camera's metadata, not its images; the camera's stream is the node before it");
+  if (!(able & V4L2_CAP_VIDEO_CAPTURE)) throw bad_input(path_, "is not a camera; palpa doctor lists depth cameras");
   if (!(able & V4L2_CAP_STREAMING)) throw bad_input(path_, "is a camera whose driver does not stream into memory");
 }
 
@@ -100,10 +100,10 @@ void Stream::set_format(const Wanted& wanted, const std::string& rig) {
   format.fmt.pix.height = wanted.height;
   format.fmt.pix.field = V4L2_FIELD_NONE;
   const int result = kernel_.ioctl(fd_, VIDIOC_S_FMT, &format);
-  // A driver that has no such format takes another, or says EINVAL; anything else is another trouble.
+  // A driver without this format takes another, or returns EINVAL. Anything else is another problem.
   if (result < 0 && result != -EINVAL) {
     const bool known = result == -EBUSY || result == -ENODEV || result == -EACCES || result == -EPERM;
-    throw bad_input(path_, known ? refusal(-result) : fmt::format("the camera takes no format: {}", say(-result)));
+    throw bad_input(path_, known ? refusal(-result) : fmt::format("the camera accepts no format: {}", say(-result)));
   }
   const v4l2_pix_format& given = format.fmt.pix;
   const bool depth = result >= 0 && given.pixelformat == V4L2_PIX_FMT_Z16;
@@ -111,12 +111,15 @@ void Stream::set_format(const Wanted& wanted, const std::string& rig) {
     const std::vector<Offer> offers = list_offers(kernel_, fd_);
     const std::string sizes = cameras::list_sizes(offers, V4L2_PIX_FMT_Z16);
     if (sizes.empty()) {
-      throw bad_input(path_, fmt::format("gives no depth, which is the format Z16, but {}; palpa doctor names the "
-                                         "camera's other nodes",
-                                         list_formats(offers)));
+      throw bad_input(
+          path_,
+          fmt::format(
+              "does not give depth, which is the format Z16, but {}; palpa doctor names the camera's other nodes",
+              list_formats(offers)));
     }
-    throw bad_input(path_, fmt::format("gives no Z16 of {}x{}; it has {}: set width and height of {} so", wanted.width,
-                                       wanted.height, sizes, rig));
+    throw bad_input(path_,
+                    fmt::format("does not offer Z16 of {}x{}; it has {}: set width and height of {} to one of these",
+                                wanted.width, wanted.height, sizes, rig));
   }
   width_ = given.width;
   height_ = given.height;
@@ -129,17 +132,17 @@ void Stream::set_rate(double rate_hz, const std::string& rig) {
   v4l2_fract& period = parameters.parm.capture.timeperframe;
   if (rate_hz > 0) {
     period = {1'000'000, static_cast<std::uint32_t>(std::lround(std::min(rate_hz, 1000.0) * 1e6))};
-    ask(VIDIOC_S_PARM, &parameters, "take a frame rate");
+    ask(VIDIOC_S_PARM, &parameters, "accept a frame rate");
   } else {
-    ask(VIDIOC_G_PARM, &parameters, "tell its frame rate");
+    ask(VIDIOC_G_PARM, &parameters, "report its frame rate");
   }
   const double given = period.numerator == 0 ? 0 : static_cast<double>(period.denominator) / period.numerator;
-  if (!(given > 0)) throw bad_input(path_, fmt::format("does not say how often it delivers; set rate_hz of {}", rig));
+  if (!(given > 0)) throw bad_input(path_, fmt::format("does not report its frame rate; set rate_hz of {}", rig));
   if (rate_hz > 0 && std::abs(given - rate_hz) > 0.02 * rate_hz) {
     const std::string rates = cameras::list_rates(list_offers(kernel_, fd_), V4L2_PIX_FMT_Z16, width_, height_);
     throw bad_input(
-        path_, fmt::format("does not give Z16 {}x{} at {:.4g} Hz; it has {}: set rate_hz of {} so, or plug "
-                           "the camera into a USB 3 port",
+        path_, fmt::format("does not offer Z16 {}x{} at {:.4g} Hz; it has {}: set rate_hz of {} to one of these, or "
+                           "plug the camera into a USB 3 port",
                            width_, height_, rate_hz, rates.empty() ? fmt::format("{:.3g} Hz", given) : rates, rig));
   }
   period_s_ = 1 / given;
@@ -152,13 +155,13 @@ void Stream::map_buffers() {
   request.count = asked_buffers;
   ask(VIDIOC_REQBUFS, &request, "make buffers");
   if (request.count < fewest_buffers)
-    throw bad_input(path_, fmt::format("the camera has {} buffers, fewer than {}", request.count, fewest_buffers));
+    throw bad_input(path_, fmt::format("the camera has {} buffers; palpa needs {}", request.count, fewest_buffers));
   buffer_count_ = std::min(request.count, most_buffers);
   for (std::uint32_t i = 0; i < buffer_count_; ++i) {
     v4l2_buffer buffer = mapped_buffer(i);
-    ask(VIDIOC_QUERYBUF, &buffer, "tell where its buffers are");
+    ask(VIDIOC_QUERYBUF, &buffer, "report where its buffers are");
     if (buffer.length < std::size_t{stride_} * height_) {
-      throw bad_input(path_, fmt::format("the camera's buffers hold {} bytes, fewer than the {} of {} rows of {}",
+      throw bad_input(path_, fmt::format("the camera's buffers hold {} bytes, but an image takes {}, {} rows of {}",
                                          buffer.length, std::size_t{stride_} * height_, height_, stride_));
     }
     buffers_[i] = {kernel_.map(fd_, buffer.length, buffer.m.offset), buffer.length};
@@ -169,16 +172,16 @@ void Stream::map_buffers() {
 void Stream::start() {
   for (std::uint32_t i = 0; i < buffer_count_; ++i) {
     v4l2_buffer buffer = mapped_buffer(i);
-    ask(VIDIOC_QBUF, &buffer, "take its buffers");
+    ask(VIDIOC_QBUF, &buffer, "accept its buffers");
   }
   std::uint32_t type = capture;
   const int result = kernel_.ioctl(fd_, VIDIOC_STREAMON, &type);
   if (result == -ENOSPC) {
     throw bad_input(path_,
                     "the USB controller has no room for this stream: plug the cameras into ports of different "
-                    "controllers (palpa doctor names them), or take a lower rate_hz");
+                    "controllers (palpa doctor names them), or set a lower rate_hz");
   }
-  if (result < 0) throw bad_input(path_, fmt::format("the camera does not begin to stream: {}", say(-result)));
+  if (result < 0) throw bad_input(path_, fmt::format("the camera does not start to stream: {}", say(-result)));
 }
 
 void Stream::stop() noexcept {
@@ -209,7 +212,7 @@ Take Stream::take(Taken& taken) {
   v4l2_buffer buffer = mapped_buffer(0);
   if (const int result = kernel_.ioctl(fd_, VIDIOC_DQBUF, &buffer); result < 0) {
     if (result == -EAGAIN) return Take::nothing;
-    // A device that goes while it is asked says EINVAL once, and ENODEV from then on.
+    // A device that disappears during a request returns EINVAL once, and ENODEV from then on.
     v4l2_capability capability{};
     const int now = kernel_.ioctl(fd_, VIDIOC_QUERYCAP, &capability);
     return lost(now < 0 ? -now : -result);

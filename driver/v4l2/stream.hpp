@@ -21,11 +21,11 @@ struct Wanted {
 using cameras::Take;
 using cameras::Taken;
 
-/// Neither copied nor moved: its buffers are mapped.
+/// Neither copied nor moved, because its buffers are mapped.
 class Stream final : public cameras::Stream {
  public:
-  /// Throws Error: what is wrong with the device, the format that it has, what would be right. `rig` is the file that
-  /// asks for it. `configure` gets the open device before it streams; what it throws is thrown.
+  /// Throws Error with what is wrong with the device, the format that it has, and what would be right. `rig` is the
+  /// file that asks for it. `configure` gets the open device before it streams; its exceptions are passed on.
   Stream(Kernel& kernel, const std::string& path, const Wanted& wanted, const std::string& rig,
          const std::function<void(int fd)>& configure = {});
   ~Stream() override;

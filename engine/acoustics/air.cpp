@@ -16,7 +16,7 @@ constexpr double gas_constant = 287.05;  // of dry air, J/(kg K)
 /// Throws bad_usage outside the range, and for NaN.
 void check(double value, double low, double high, const char* what, const char* unit) {
   if (value >= low && value <= high) return;
-  throw bad_usage(fmt::format("{} of {} {} is not taken: give {} to {}", what, value, unit, low, high));
+  throw bad_usage(fmt::format("{} of {} {} is out of range: give {} to {}", what, value, unit, low, high));
 }
 
 double absorption_np_m(const Weather& weather, double hz) {

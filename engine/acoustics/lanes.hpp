@@ -1,43 +1,11 @@
-// Several floats at a time in compiler vectors, and the two functions that waves need. The arithmetic is the same for
-// any width. The calling code compiles its loop for several kinds of processor and chooses one at run time
-// (galerkin_kernels.cpp).
+// The two functions that waves need of several floats at a time (base/lanes.hpp).
 #pragma once
 
-#include <cstdint>
 #include <cstring>
 
-// Vectors wider than the processor's registers are only passed within one inlined function, so no ABI is affected.
-#pragma GCC diagnostic ignored "-Wpsabi"
+#include "base/lanes.hpp"
 
 namespace palpa::acoustics {
-
-struct Lanes4 {
-  static constexpr int width = 4;
-  using Float [[gnu::vector_size(16)]] = float;
-  using Bits [[gnu::vector_size(16)]] = std::int32_t;
-};
-struct Lanes8 {
-  static constexpr int width = 8;
-  using Float [[gnu::vector_size(32)]] = float;
-  using Bits [[gnu::vector_size(32)]] = std::int32_t;
-};
-struct Lanes16 {
-  static constexpr int width = 16;
-  using Float [[gnu::vector_size(64)]] = float;
-  using Bits [[gnu::vector_size(64)]] = std::int32_t;
-};
-
-template <class L>
-[[gnu::always_inline]] inline typename L::Float load(const float* from) {
-  typename L::Float value;
-  std::memcpy(&value, from, sizeof(value));
-  return value;
-}
-
-template <class L>
-[[gnu::always_inline]] inline void store(const typename L::Float& value, float* to) {
-  std::memcpy(to, &value, sizeof(value));
-}
 
 /// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, then three Newton steps.
 template <class L>

@@ -20,8 +20,8 @@ inline constexpr Word<Directivity> directivity_words[] = {
 /// value at 90 degrees to 0 at 180 as (1 + cosine)^2, so that a transducer that faces away contributes little.
 double directivity(Directivity kind, double cosine, double ka);
 
-/// The solvers use a lookup table: samples at the cosines -1 + 2 i / table_steps, i = 0 .. table_steps, linearly
-/// interpolated. Within 5e-5 of `directivity` for ka up to 10.
+/// The solvers use a lookup table: samples at the cosines -1 + 2 i / directivity_steps, i = 0 .. directivity_steps,
+/// linearly interpolated. Within 5e-5 of `directivity` for ka up to 10.
 inline constexpr std::size_t directivity_steps = 2048;
 std::vector<double> directivity_table(Directivity kind, double ka);
 

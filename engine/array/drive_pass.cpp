@@ -90,7 +90,8 @@ std::uint32_t DriveMemory::fitting_slots(const gpu::Device& device, std::size_t 
 DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
                          std::uint32_t most_slots, std::uint32_t most_foci)
     : layout_(layout), options_(options), reach_(layout), most_slots_(most_slots), most_foci_(most_foci) {
-  if (options.transfer) throw bad_usage("a device knows the free field only: foci on a finger are driven on the host");
+  if (options.transfer)
+    throw bad_usage("a device computes the free field only: foci on a finger are driven on the host");
   const double turns_per_metre = options.medium.turns_per_metre();
   const std::uint32_t fitting = fitting_slots(device, layout.transducers.size());
   if (most_slots > fitting || layout.transducers.size() > max_transducers) {

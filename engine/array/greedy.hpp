@@ -10,7 +10,7 @@
 //          root of the mean over the foci of |g_m|^2
 //
 // The sequence of transducers covers the whole array, in steps of greedy_stride in layout order. Every amplitude is 1,
-// so the constraint has no effect. Of equally good phases, the first is taken.
+// so the constraint has no effect. If several phases are equally good, the first is taken.
 #pragma once
 
 #include <cstdint>

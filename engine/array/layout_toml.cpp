@@ -30,8 +30,8 @@ Vec3 read_position(TomlTable& table) {
   const std::vector<double> position = table.numbers("position_m", 3);
   for (const double metres : position) {
     if (std::abs(metres) > most_metres) {
-      throw table.fault("position_m",
-                        fmt::format("position_m has {} m; at most {} m from the origin", metres, most_metres));
+      throw table.fault("position_m", fmt::format("position_m has {} m; it must be at most {} m from the origin",
+                                                  metres, most_metres));
     }
   }
   return {position[0], position[1], position[2]};
@@ -54,7 +54,7 @@ void read_unit(TomlTable& table, Layout& layout) {
   const Transform pose = read_pose(table);
   table.done();
   if (!add_board(layout, type, pose)) {
-    throw table.fault("type", fmt::format("type is no known board; known: {}", fmt::join(board_types(), ", ")));
+    throw table.fault("type", fmt::format("type is not a known board; known: {}", fmt::join(board_types(), ", ")));
   }
 }
 
@@ -116,7 +116,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
     layout.source_level_pa_m = top.number("source_level_pa_m");
     if (!(layout.source_level_pa_m > 0 && layout.source_level_pa_m <= 1e4)) {
       throw top.fault("source_level_pa_m",
-                      fmt::format("source_level_pa_m is {}; above 0 and at most 10000 Pa m, such as 4.386",
+                      fmt::format("source_level_pa_m is {}; it must be above 0 and at most 10000 Pa m, such as 4.386",
                                   layout.source_level_pa_m));
     }
   }
@@ -124,7 +124,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
     layout.transducer_radius_m = top.number("transducer_radius_m");
     if (!(layout.transducer_radius_m > 0 && layout.transducer_radius_m <= 0.1)) {
       throw top.fault("transducer_radius_m",
-                      fmt::format("transducer_radius_m is {}; above 0 and at most 0.1 m, such as 0.0045",
+                      fmt::format("transducer_radius_m is {}; it must be above 0 and at most 0.1 m, such as 0.0045",
                                   layout.transducer_radius_m));
     }
   }

@@ -16,8 +16,8 @@ struct FocusPair {
 };
 
 /// The pairs that are closer than the array resolves: heard_part is gs_pat_crowded or more. In order; empty for one
-/// focus, and for more than most_solved_foci. Foci that are not drivable belong to no pair. Of the options, medium,
-/// weighting, directivity and transfer matter.
+/// focus, and for more than most_solved_foci. Foci that are not drivable belong to no pair. Only the options
+/// medium, weighting, directivity and transfer matter.
 std::vector<FocusPair> unresolved_pairs(const Layout& layout, std::span<const SlotFocus> foci,
                                         const DriveOptions& options);
 

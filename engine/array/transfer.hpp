@@ -66,7 +66,7 @@ struct FocusMatrix {
 /// Fills `matrix` from all columns, keeping its storage.
 void multiply(const Columns& columns, FocusMatrix& matrix);
 
-/// The source of columns. Twin: shaders/transfer_*.glsl.
+/// The source of columns. Twin: shaders/array/drive/transfer_*.glsl.
 class Transfer {
  public:
   virtual ~Transfer() = default;

@@ -18,9 +18,9 @@ std::string unusual_place(const Layout& layout, const Box& box) {
     before = before || ahead.x + ahead.y + ahead.z > 0;
     nearest = std::min(nearest, glm::distance(position, glm::clamp(position, box.low, box.high)));
   }
-  if (!before) return "lies behind the array, where no transducer sounds to";
+  if (!before) return "lies behind the array, where no transducer points";
   if (nearest <= most_usual_distance_m) return {};
-  return fmt::format("lies {:.3g} m from the nearest transducer; beyond {} m hardly anything of a focus is left",
+  return fmt::format("lies {:.3g} m from the nearest transducer; beyond {} m, hardly anything is left of a focus",
                      nearest, most_usual_distance_m);
 }
 

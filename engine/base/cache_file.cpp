@@ -119,7 +119,8 @@ std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheK
   if (file.get() < 0 || fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return nullptr;
   const auto size = static_cast<std::size_t>(info.st_size);
   const auto unusable = [&]() -> std::shared_ptr<const CacheFile> {
-    log::debug(fmt::format("{}: not a whole cache file of this version; its contents are made anew", path.string()));
+    log::debug(
+        fmt::format("{}: not a complete cache file of this version; palpa makes its contents again", path.string()));
     return nullptr;
   };
   if (size < sizeof(Header)) return unusable();

@@ -50,7 +50,7 @@ int wait_for_reader(const std::filesystem::path& file, const OutputPlace& place,
     if (patience && waited > std::chrono::duration<double>(*patience))
       throw failure(place.name + ": nobody reads this pipe: start its reader first");
     if (signalled || (ends_waiting != nullptr && *ends_waiting))
-      throw WaitEnded(Exit::failed, place.name + ": ended before anybody read this pipe");
+      throw WaitEnded(Exit::failed, place.name + ": palpa was ended before anybody read this pipe");
     if (!patience && waited > told_after && !std::exchange(told, true))
       log::at_once(place.name + ": palpa waits for somebody to read this pipe");
   }

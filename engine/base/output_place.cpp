@@ -117,8 +117,9 @@ void refuse_unwritable(const OutputPlace& place) {
 }
 
 Error write_failure(const std::string& name, int code) {
-  return failure(fmt::format("{}: cannot be written: {}", name,
-                             code ? std::generic_category().message(code) : std::string("the write came up short")));
+  return failure(
+      fmt::format("{}: cannot be written: {}", name,
+                  code ? std::generic_category().message(code) : std::string("it was not written completely")));
 }
 
 }  // namespace palpa

@@ -59,8 +59,8 @@ bool ReferenceFolder::holds(const fs::path& path) {
 fs::path ReferenceFolder::find(const std::string& reference, const std::string& what) {
   fs::path path = folder_ / reference;
   if (outside_allowed || holds(path)) return path;
-  throw bad_input(naming_, fmt::format("{}: \"{}\" leads out of the folder of this file; --allow-outside lets it", what,
-                                       printable(reference, 60)));
+  throw bad_input(naming_, fmt::format("{}: \"{}\" leads out of the folder of this file; --allow-outside permits that",
+                                       what, printable(reference, 60)));
 }
 
 }  // namespace palpa

@@ -37,11 +37,11 @@ std::string missing() {
   }
   if (processes != RLIM_INFINITY) {
     return fmt::format(
-        "memory is short, or there are as many threads as the limit of {} (ulimit -u) or the container "
-        "allows; raise it, or end other programs",
+        "memory is short, or the limit of {} threads (ulimit -u) or that of the container is reached; raise it, or end "
+        "other programs",
         processes);
   }
-  return "memory is short, or the machine or its container has as many threads as it may; end other programs";
+  return "memory is short, or the machine or its container has reached its limit of threads; end other programs";
 }
 
 }  // namespace

@@ -70,11 +70,11 @@ std::string rigidity_fault(const Transform& pose) {
   }
   const Vec3 turned(x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x);
   if (turned.x * z.x + turned.y * z.y + turned.z * z.z < 0) {
-    return "is not rigid: it mirrors";
+    return "is not rigid: it is a mirror image";
   }
   constexpr double world = 1e4;  // metres
   for (int i = 0; i < 3; ++i) {
-    if (std::abs(pose[3][i]) > world) return fmt::format("lies more than {} m away", world);
+    if (std::abs(pose[3][i]) > world) return fmt::format("lies more than {} m from the origin", world);
   }
   return "";
 }

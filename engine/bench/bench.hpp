@@ -1,4 +1,5 @@
-// How fast this machine does what palpa does. Every case checks its result against the C++ twins before it is timed.
+// The speed of palpa's computations on this machine. Every case checks its result against the C++ twins before it is
+// timed.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace palpa::bench {
 struct Context {
   const gpu::Device& device;
   std::uint32_t runs = 200;
-  std::string scene;  ///< a further model for measure_surface; may be empty
+  std::string scene;  ///< an additional model for measure_surface; may be empty
   std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };
 
@@ -26,15 +27,15 @@ void measure_array(const Context& context, std::vector<Row>& rows);
 void measure_solvers(const Context& context, std::vector<Row>& rows);
 /// The sound of a drive on a plane, on the device and on the host.
 void measure_field(const Context& context, std::vector<Row>& rows);
-/// Scattering by spheres, by the finger and by the hand, on the host: how exact, then how long.
+/// Scattering by spheres, by the finger and by the hand, on the host: first the accuracy, then the time.
 void measure_scattering(const Context& context, std::vector<Row>& rows);
 /// Skin points to foci.
 void measure_touch(const Context& context, std::vector<Row>& rows);
 /// Methods and tuning, on the host.
 void measure_methods(const Context& context, std::vector<Row>& rows);
 
-/// Solids of many faces: how long and how much memory it takes to prepare one, from scratch and from the cache, and the
-/// contacts of a full three-camera frame against those of the cube.
+/// Solids of many faces: time and memory for preparing one, from scratch and from the cache, and the contacts of a full
+/// three-camera frame compared with those of the cube.
 void measure_surface(const Context& context, std::vector<Row>& rows);
 
 /// Highest resident memory of this process so far, in bytes.

@@ -31,7 +31,7 @@ double now_ms() {
   throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", what));
 }
 
-/// Times of each pass over many runs.
+/// The times of each pass over many runs.
 class StageSamples {
  public:
   void add(std::span<const gpu::PassTime> passes) {
@@ -70,7 +70,7 @@ bool same_drives(const session::Plan& a, const session::Plan& b) {
   if (a.cycle.length != b.cycle.length || a.drives.size() != b.drives.size() || a.drives.empty()) return false;
   for (std::size_t i = 0; i < a.drives.size(); ++i) {
     const double turn = std::remainder(a.drives[i].phase - b.drives[i].phase, 2 * M_PI);
-    // The foci themselves agree within a micrometre, 0.7 mrad.
+    // The foci agree only within a micrometre, that is 0.7 mrad.
     if (std::abs(a.drives[i].amplitude - b.drives[i].amplitude) > 1e-4 || std::abs(turn) > 2e-3) return false;
   }
   return true;
@@ -156,7 +156,7 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
     const auto drive = buffers.drive(slot);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const double turn = std::remainder(drive[i].phase - expected[i].phase, 2 * M_PI);
-      // The phase of a sum that almost vanishes means nothing.
+      // The phase of a sum that is almost zero is meaningless.
       if (std::abs(drive[i].amplitude - expected[i].amplitude) > 1e-3 ||
           (expected[i].amplitude > 0.05 && std::abs(turn) > 2e-2)) {
         wrong(name);
@@ -226,7 +226,7 @@ void measure_loop(const Context& context, std::vector<Row>& rows) {
   measure_frame(context, "finger in cube", setup::load_solids(setup::find_asset("cube.glb"), {}), skin, lowered, rows);
   measure_frame(context, "finger in semi-sphere", setup::load_solids(setup::find_asset("semi-sphere.glb"), {}), skin,
                 lowered, rows);
-  // Everything that the cameras see but the boards lies in this box: the touch takes a tenth of it.
+  // This box contains everything that the cameras see except the boards; the touch uses a tenth of it.
   measure_frame(context, "hand in large box", box_solid(Vec3(-0.18, -0.18, -0.15), Vec3(0.18, 0.18, 0.15)),
                 load_mesh("hand-point.glb"), Transform(1.0), rows);
 }
@@ -247,8 +247,8 @@ void measure_touch(const Context& context, std::vector<Row>& rows) {
     measure_points(context, fmt::format("finger in {}", object),
                    setup::load_solids(setup::find_asset(fmt::format("{}.glb", object)), {}), points, rows);
   }
-  // A large plate of skin: many contacts, one finger. And as loose as leaves most contacts with four or five others
-  // within the gap: clusters of any size that wind through each other.
+  // A large plate of skin: many contacts, one finger. Also a scattered plate, where most contacts have four or five
+  // others within the gap: clusters of any size that wind through each other.
   for (const auto& [kind, apart_m] : {std::pair{"", 5e-4}, std::pair{", scattered", 4.2e-3}}) {
     for (const std::uint32_t contacts : {20'000u, 100'000u}) {
       std::mt19937 random(contacts);
@@ -261,7 +261,7 @@ void measure_touch(const Context& context, std::vector<Row>& rows) {
                      box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(side + 0.1, 0, side + 0.1)), plate, rows);
     }
   }
-  // As many fingers as there can be, side by side.
+  // The maximum number of fingers, side by side.
   std::mt19937 random(64);
   std::uniform_real_distribution<double> across(-5e-3, 5e-3), deep(1e-5, 1.4e-3);
   std::vector<glm::vec3> patches;

@@ -24,7 +24,7 @@ using Complex = std::complex<double>;
 
 constexpr std::uint32_t side = 512;
 constexpr double side_m = 0.06;
-constexpr std::size_t judged_every = 1009;  // of the points: a prime, so that all columns have their turn
+constexpr std::size_t judged_every = 1009;  // step between checked points: a prime, so that all columns are covered
 constexpr double most_error = 1e-4;
 
 struct Case {
@@ -63,7 +63,7 @@ void check_within(const char* what, double value, double least, double most) {
   throw failure(fmt::format("bench: {} is {:.4g}, not {:.4g} to {:.4g}; nothing was timed", what, value, least, most));
 }
 
-/// How wide foci are, and how much one presses, beside what is known of such arrays (docs/acoustics.md).
+/// The width of foci and the force of one, compared with published values of such arrays (docs/acoustics.md).
 void measure_foci(std::vector<Row>& rows) {
   const auto begin = std::chrono::steady_clock::now();
   const auto row = [&](const char* name, std::string note) {

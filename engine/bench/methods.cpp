@@ -1,4 +1,4 @@
-// What the methods and the tuning cost on the host, for one finger of a frame.
+// The cost of the methods and of tuning on the host, for one finger of a frame.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -34,7 +34,8 @@ Row timed(const Context& context, const std::string& name, const std::string& st
   return make_row("touch", name, stage, samples);
 }
 
-/// Foci lie among the contacts: within their farthest distance from the centroid, an ellipse's a little beyond.
+/// Foci must lie among the contacts: within the contacts' farthest distance from the centroid, those of an ellipse a
+/// little beyond it.
 bool plausible(const touch::Touch& touch, const touch::Finger& finger, const touch::Placement& placement) {
   float farthest = 0;
   for (const touch::Contact& contact : touch.contacts)
@@ -68,7 +69,7 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   touch::place_foci(touch, finger, {}, placement);
   const acoustics::Ring ring{touch::perimeter_of(placement), 10, 3, 1.5e-3};
   rows.push_back(timed(context, name, "tune", [&] { acoustics::tune(ring); }));
-  // In the loop a finger that has rested is looked at in every frame.
+  // In the loop, a finger that has rested is evaluated in every frame.
   acoustics::StrideTuner strides;
   double time_s = 0;
   rows.push_back(timed(context, name, "stride", [&] { strides.stride_for(0, ring, time_s += 1); }));
@@ -84,7 +85,7 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   const acoustics::TuneOptions tuning{.spectrum = spectrum};
   rows.push_back(timed(
       context, of_array, "tune", [&] { acoustics::tune(ring, tuning, voice.foci); }, 1));
-  // In the loop a thread does it beside the frames, for a finger twice a second.
+  // In the loop, a separate thread does this beside the frames, twice a second for each finger.
   rows.push_back(timed(
       context, of_array, "stride", [&] { acoustics::PathField(field, voice.foci).harmonics(10); }, 1));
 }

@@ -1,4 +1,4 @@
-// A row of what `palpa bench` reports, for whoever measures something: the engine, or a room above it.
+// A row of the report of `palpa bench`. The engine and the rooms above it make rows for their measurements.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace palpa::bench {
 
-/// A stage of a case, or the whole of it ("total").
+/// A stage of a case, or the complete case ("total").
 struct Row {
   std::string suite, name, stage;
   double median_ms = 0, p99_ms = 0, least_ms = 0;
   std::uint32_t runs = 0;
-  double value = 0;  ///< a rate at the median, a size or a ratio, in `unit`; 0 where the times say it all
+  double value = 0;  ///< a rate at the median, a size or a ratio, in `unit`; 0 if the times are sufficient
   std::string unit;
-  std::string note;  ///< how good the result was, where that is part of the measure
+  std::string note;  ///< the quality of the result, if that is part of the measurement
 };
 
 /// Median, 99th percentile and least of `samples_ms` as a row.

@@ -1,4 +1,4 @@
-// Scattering by rigid bodies: how exact by the sphere's series, then how long.
+// Scattering by rigid bodies: first the accuracy, by the sphere's series, then the time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -65,12 +65,12 @@ double plane_wave_error(const RigidBody& body) {
   throw failure(fmt::format("bench: {}; nothing was timed", what));
 }
 
-/// What takes long is done once.
+/// Long cases run only once.
 std::uint32_t runs_of(const Context& context, std::size_t faces) {
   return faces > 10'000 ? 1 : std::clamp(context.runs, 1u, most_runs);
 }
 
-/// Y_p that the radiation pressure of a plane wave comes to.
+/// The Y_p that results from the radiation pressure of a plane wave.
 double force_function(const RigidBody& body) {
   acoustics::Air air = acoustics::without_absorption(acoustics::air_of({}));
   air.medium.frequency = body.wave_number() * air.medium.sound_speed / (2 * std::numbers::pi);
@@ -81,7 +81,7 @@ double force_function(const RigidBody& body) {
   return acoustics::load_on(body.mesh(), pressure.langevin, {}).force.z / unit;
 }
 
-/// The largest error beside the median one, of wave numbers near one at which a sphere's inside resonates.
+/// The ratio of the largest to the median error, for wave numbers near one at which a sphere's inside resonates.
 double worst_by_median(double resonance) {
   std::vector<double> errors;
   for (double ka = resonance * 0.99; ka < resonance * 1.01; ka += 0.005)

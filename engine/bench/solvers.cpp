@@ -1,5 +1,5 @@
-// The solvers' part of the benchmark: ten foci at once, far apart and as near to each other as those of a fingertip;
-// how many solves per second and how good they are.
+// The solvers' part of the benchmark: ten foci at once, far apart, and as near to each other as on a fingertip.
+// Measures solves per second and their quality.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using array::Constraint;
 using array::Solver;
 
 constexpr std::uint32_t sets = 100;       // slots of a batch
-constexpr std::uint32_t far_judged = 10;  // of which so many are compared and heard
+constexpr std::uint32_t far_judged = 10;  // number of slots that are compared and evaluated
 constexpr std::size_t foci_per_set = 10;
 constexpr double cube_m = 0.06, apart_m = 8e-3;
 
@@ -81,7 +81,7 @@ std::vector<std::vector<array::SlotFocus>> near_sets(const Vec3& centre) {
   return slots;
 }
 
-/// How loud the judged slots are and how even the least even of them is.
+/// The loudness of the evaluated slots, and the evenness of the least even one.
 struct Heard {
   double mean_pa = 0, evenness = 1;
   std::vector<double> weakest_pa, even;  ///< slot by slot
@@ -113,7 +113,7 @@ constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise}
                        {"gs-pat uniform", Solver::gs_pat, Constraint::uniform},
                        {"gs-pat clamp", Solver::gs_pat, Constraint::clamp}};
 
-/// What the figures are relative to: naive's under the same constraint, and greedy's.
+/// The references for the figures: those of naive under the same constraint, and those of greedy.
 struct Yardsticks {
   double naive_pa[3] = {}, greedy_pa = 0;
   std::vector<double> greedy_weakest_pa, greedy_even;
@@ -130,7 +130,7 @@ std::string quality(const Case& which, const Heard& heard, const Yardsticks& yar
     least = std::min(least, heard.weakest_pa[s] / yardsticks.greedy_weakest_pa[s]);
     behind += heard.even[s] < yardsticks.greedy_even[s];
   }
-  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets less even than greedy's", least,
+  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets are less even than greedy's", least,
                             behind, heard.even.size());
 }
 
@@ -164,7 +164,7 @@ void on_device(const Context& context, const array::Layout& layout, const Case& 
   batch();
   const Heard heard = listen(layout, slots, judged, [&](std::uint32_t s) { return buffers.drive(s); });
   keep(which, heard, yardsticks);
-  // Factors and phases may differ where several are as good; what is heard may not.
+  // Factors and phases may differ if several are equally good; the resulting sound may not.
   const Heard expected =
       listen(layout, slots, judged, [&](std::uint32_t s) { return array::drive_for(layout, slots[s], options); });
   if (std::abs(heard.mean_pa / expected.mean_pa - 1) > apart || std::abs(heard.evenness - expected.evenness) > 0.02)
@@ -185,7 +185,7 @@ void on_device(const Context& context, const array::Layout& layout, const Case& 
   rows.push_back(row);
 }
 
-/// The twins, a thread per core, each with every so-manieth slot.
+/// The twins, with one thread per core; the slots are interleaved among the threads.
 void on_host(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
              const std::vector<std::vector<array::SlotFocus>>& slots, const Yardsticks& yardsticks,
              std::vector<Row>& rows) {
@@ -241,7 +241,7 @@ void measure_near(const Context& context, const std::string& name, const Vec3& c
   const auto slots = near_sets(centre);
   Yardsticks yardsticks;
   for (const Case& which : cases) {
-    // Several drives serve near foci as well: device and twin may choose different ones.
+    // For near foci, several drives are equally good; device and twin may choose different ones.
     on_device(context, layout, which, fmt::format("{} near {}", name, which.name), slots,
               static_cast<std::uint32_t>(slots.size()), 0.05, yardsticks, rows);
   }

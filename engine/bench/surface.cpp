@@ -41,7 +41,7 @@ geometry::Mesh dented_ball(std::uint32_t faces) {
   };
   geometry::Mesh mesh;
   const auto add = [&](const Vec3& n) {
-    mesh.positions.emplace_back(glm::vec3(radius(n) * n - Vec3(0, 0.05, 0)));  // as a file has it
+    mesh.positions.emplace_back(glm::vec3(radius(n) * n - Vec3(0, 0.05, 0)));  // rounded as in a file
   };
   add({0, 1, 0});
   for (std::uint32_t i = 1; i < rings; ++i) {
@@ -64,7 +64,7 @@ geometry::Mesh dented_ball(std::uint32_t faces) {
   return mesh;
 }
 
-/// Lets peak_resident_bytes() begin anew, where the system allows it.
+/// Resets peak_resident_bytes(), if the system allows it.
 void reset_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
@@ -77,7 +77,7 @@ std::uint64_t resident_bytes() {
   return 0;
 }
 
-/// Sets a variable of the environment for a while.
+/// Sets an environment variable temporarily.
 class Environment {
  public:
   Environment(const char* name, const char* value) : name_(name) {
@@ -129,7 +129,7 @@ void measure_preparation(const Context& context, const std::string& name, const 
   row.value = megabytes / 1e6;
   row.unit = "MB";
   rows.push_back(row);
-  // A cache of its own, so that what is measured is what was just written.
+  // A separate cache, so that only newly written entries are measured.
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("palpa-bench-{}", getpid());
   {
     const Environment on("PALPA_CACHE", "on"), here("XDG_CACHE_HOME", folder.c_str());

@@ -86,9 +86,9 @@ void run(const BenchCommand& o, const Extensions& extensions) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   refuse_output_as_input(o.scene);  // it is read late
   if (o.common.backend == setup::Backend::cpu)
-    throw bad_usage("bench measures the GPU's passes; --backend cpu has none");
+    throw bad_usage("bench measures the GPU's passes, which --backend cpu does not have");
   if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
-    throw bad_usage("--scene goes with --suite surface, or all");
+    throw bad_usage("--scene goes with --suite surface or --suite all");
   const gpu::Device device(setup::device_options(o.common));
   std::vector<bench::Row> rows;
   std::unique_ptr<setup::Progress> bar;

@@ -50,16 +50,14 @@ void write_target(const CalibrateCommand& o) {
   const std::string kind = std::filesystem::path(o.target).extension();
   if (kind != ".stl" && kind != ".glb")
     throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
-  if (!o.out.empty() || o.nudge)
-    throw bad_usage("--target writes the model and does no more: leave --out and --nudge out");
+  if (!o.out.empty() || o.nudge) throw bad_usage("--target only writes the model: leave out --out and --nudge");
   refuse_nudge_options(o);
   if (!o.source.empty() || o.frames != 0 || o.noise_free || !o.common.json.empty()) {
-    throw bad_usage(
-        "--target writes the model and does no more: leave --source, --frames, --noise-free and --json out");
+    throw bad_usage("--target only writes the model: leave out --source, --frames, --noise-free and --json");
   }
   if (kind == ".stl" && (!o.at.empty() || o.turn_deg != 0))
     throw bad_usage(
-        "--at and --turn place a model in the world, as .glb has it: a printer's .stl lies as it is printed");
+        "--at and --turn place a model in the world, so they go with .glb: a printer's .stl lies as it is printed");
   setup::refuse_gpu_options(o.common, "palpa calibrate --target uses no GPU");
   const Outputs outputs({{"--target", o.target}});
   const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
@@ -91,8 +89,8 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
                                   .target = {o.at, o.turn_deg}};
   check(task);
   if (!o.out.empty() && o.source.empty())
-    throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig says already");
-  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, but for --nudge");
+    throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig already has");
+  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, except with --nudge");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   std::optional<setup::Progress> progress;
   const auto opened = [&](std::uint64_t frames) {

@@ -1,4 +1,4 @@
-// What the two parts of `palpa calibrate` share: the poses of cameras, and --nudge.
+// Shared by the two parts of `palpa calibrate`: the poses of cameras, and --nudge.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace palpa::cli {
 
-/// The options of both; a nudge is a live run.
+/// The options of both parts; a nudge is a live run.
 struct CalibrateCommand : setup::LiveOptions {
-  CalibrateCommand() { source.clear(); }  // not given: a rehearsal
+  CalibrateCommand() { source.clear(); }  // if not given: a rehearsal
 
   std::string target;  ///< model to write
   std::string out;     ///< rig to write
-  std::string at;      ///< where the target stands, if not on its mount
+  std::string at;      ///< place of the target, if not on its mount
   double turn_deg = 0;
   bool nudge = false;
   std::string keys;
@@ -25,7 +25,7 @@ void write_rig(const std::string& file, const sensing::Rig& rig);
 
 /// `palpa calibrate --nudge`.
 void add_nudge_options(CLI::App& app, CalibrateCommand& options);
-/// Throws bad_usage where one of them is given without --nudge.
+/// Throws bad_usage if one of these options is given without --nudge.
 void refuse_nudge_options(const CalibrateCommand& options);
 void run_nudge(const Extensions& extensions, const CalibrateCommand& options);
 

@@ -1,4 +1,4 @@
-// The subcommands of `palpa` that the engine has, and the program that they make.
+// The engine's subcommands of `palpa`, and the main program.
 #pragma once
 
 #include "cli/command.hpp"

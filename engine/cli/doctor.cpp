@@ -71,7 +71,7 @@ void append_text(std::string& out, const DoctorSection& section) {
     out += fmt::format("  {} {}", item.ok ? "ok" : "--", item.title);
     const char* before = " (";
     for (const auto& [name, fact] : item.facts) {
-      // Index, name and verdict stand in the title already.
+      // Index, name and verdict are already in the title.
       const auto* text = std::get_if<std::string>(&fact);
       if (!text || text->empty() || item.title.find(*text) != std::string::npos) continue;
       out += fmt::format("{}{} {}", before, name, *text);
@@ -111,7 +111,7 @@ std::string to_json(const std::vector<DoctorSection>& sections, bool ok) {
   return json.take();
 }
 
-/// Says what it has written.
+/// Returns a message about the written file.
 std::string write_rig(const DoctorOptions& options, const Extensions& extensions) {
   const CamerasThere there = cameras_there(extensions, options.source);
   write_file(options.write_rig, rig_of(there, options.write_rig));

@@ -1,5 +1,5 @@
-// What `palpa doctor` reports. A probe looks at one kind of thing and says what it found; rooms above the engine bring
-// their own.
+// The report of `palpa doctor`. A probe looks for one kind of thing and reports what it found. Rooms above the engine
+// add their own probes.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ using Fact = std::variant<std::string, std::int64_t, bool>;
 struct DoctorItem {
   std::string title;                                ///< "0 llvmpipe (LLVM 15.0.6, 256 bits)"
   bool ok = true;                                   ///< false: palpa cannot use it
-  std::string advice;                               ///< what to do about it, or a remark; may be empty
+  std::string advice;                               ///< what the user can do about it, or a remark; may be empty
   std::vector<std::pair<std::string, Fact>> facts;  ///< for --json, and shown after the title
 };
 
@@ -27,23 +27,23 @@ struct DoctorSection {
   std::string key;      ///< in --json: "gpus", "boards", "cameras"
   std::string heading;  ///< for people: "Boards"
   std::vector<DoctorItem> items;
-  std::string note;  ///< what is to be said besides, e.g. why nothing was found; may be empty
+  std::string note;  ///< an additional remark, e.g. why nothing was found; may be empty
 };
 
-/// A depth camera, as a rig can have it. Its pose is not known.
+/// A depth camera for a rig. Its pose is unknown.
 struct CameraThere {
   sensing::Camera camera;
-  std::string note;  ///< one line: which it is, and how much of it is known
+  std::string note;  ///< one line: which camera it is, and which of its values are known
 };
 
 /// Depth cameras in the order in which a source names them.
 struct CamerasThere {
   std::string source;  ///< as on the command line: "v4l2:/dev/video0,/dev/video4"
   std::vector<CameraThere> cameras;
-  std::string problem;  ///< what could not be opened; may be empty
+  std::string problem;  ///< the devices that could not be opened; may be empty
 };
 
-/// Never throws for what the machine lacks: that is what the section's note is for.
+/// Never throws because of missing hardware; the section's note reports it.
 using DoctorProbe = std::function<DoctorSection()>;
 
 }  // namespace palpa::cli

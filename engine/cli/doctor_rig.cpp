@@ -40,8 +40,8 @@ CamerasThere cameras_there(const Extensions& extensions, const std::string& sour
   if (!source.empty()) return cameras_of(extensions, source);
   CamerasThere there = extensions.cameras ? extensions.cameras() : CamerasThere{};
   if (there.cameras.empty()) {
-    throw failure(fmt::format("--write-rig: no depth camera is plugged in that can be opened{}",
-                              there.problem.empty() ? "" : ": " + there.problem));
+    throw failure(
+        fmt::format("--write-rig: no depth camera can be opened{}", there.problem.empty() ? "" : ": " + there.problem));
   }
   return there;
 }

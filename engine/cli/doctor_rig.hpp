@@ -1,4 +1,4 @@
-// `palpa doctor --write-rig`: a rig file for the cameras that are there, to be calibrated.
+// `palpa doctor --write-rig`: a rig file for the available cameras, to be calibrated.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace palpa::cli {
 
-/// The cameras of `source`, a recording or a bag; of none those that are plugged in. Throws failure() where there are
-/// none, bad_usage for a source that does not say itself what its cameras are.
+/// The cameras of `source`, which is a recording or a bag; if `source` is empty, the cameras that are plugged in.
+/// Throws failure() if there are none, bad_usage for a source that does not describe its cameras.
 CamerasThere cameras_there(const Extensions& extensions, const std::string& source);
 
-/// The rig as TOML, with a comment on what is known of each camera and on how their poses are found. `file`: under
-/// which name it will be written.
+/// The rig as TOML, with comments on what is known about each camera and on how to find the poses. `file`: the name
+/// under which it will be written.
 std::string rig_of(const CamerasThere& there, const std::string& file);
 
 }  // namespace palpa::cli

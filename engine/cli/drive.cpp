@@ -46,18 +46,18 @@ void add_options(CLI::App& app, DriveCommand& o) {
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
 }
 
-/// Closer than the array resolves: said of the two that are heard at each other the most.
+/// A message about foci that are closer than the array resolves. It names the two that affect each other the most.
 std::string unresolved_line(const setup::DriveResult& result) {
   const std::vector<array::FocusPair>& pairs = result.unresolved;
   const array::FocusPair& worst = *std::ranges::max_element(pairs, {}, &array::FocusPair::part);
   return fmt::format(
-      "{} of foci closer than this array resolves there: of what focus {} gives, {:.2f} is heard {:.2f} mm away at "
-      "focus {}\n",
+      "{} of foci closer than this array resolves there: the sound of focus {} has {:.2f} of its pressure {:.2f} mm "
+      "away, at focus {}\n",
       pairs.size() == 1 ? "1 pair" : fmt::format("{} pairs", pairs.size()), worst.first + 1, worst.part,
       glm::distance(result.foci[worst.first].position, result.foci[worst.second].position) * 1e3, worst.second + 1);
 }
 
-/// What is different on a finger.
+/// The differences on a finger.
 std::string finger_line(const setup::DriveResult& result, std::size_t focus) {
   const Vec3& at = result.aimed[focus];
   std::string text = "  on the finger";
@@ -65,7 +65,7 @@ std::string finger_line(const setup::DriveResult& result, std::size_t focus) {
     text = fmt::format("  on the nearest skin, at ({:.2f}, {:.2f}, {:.2f}) mm", at.x * 1e3, at.y * 1e3, at.z * 1e3);
   }
   if (!result.over_free_field.empty())
-    text += fmt::format("; {:.2f} times what the drive for free air gives there", result.over_free_field[focus]);
+    text += fmt::format("; {:.2f} times the pressure of the drive for free air", result.over_free_field[focus]);
   return text + "\n";
 }
 
@@ -87,7 +87,7 @@ std::string summary(const setup::DriveResult& result) {
     if (!result.aimed.empty()) text += finger_line(result, j);
   }
   if (foci.size() > 1)
-    fmt::format_to(std::back_inserter(text), "weakest to strongest focus: {:.3f} of what was asked\n",
+    fmt::format_to(std::back_inserter(text), "weakest to strongest focus, relative to what was asked: {:.3f}\n",
                    result.pressure.evenness);
   if (!result.unresolved.empty()) text += unresolved_line(result);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",

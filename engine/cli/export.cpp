@@ -37,7 +37,8 @@ void run(const Extensions& extensions, const setup::ExportTask& o) {
                          {"--drives", o.drives},
                          {"--events", o.events.starts_with("udp:") ? "" : o.events}});
   setup::ExportRun task(o, extensions.sources, setup::Interrupt::flag());
-  const setup::Interrupt interrupt("ended without finishing, a second after the signal: a frame or a disk took longer");
+  const setup::Interrupt interrupt(
+      "ended without finishing, one second after the signal: a frame or a disk took longer");
   log::release_warnings();
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
   setup::Progress progress("frames", o.frames, o.common.quiet);

@@ -39,7 +39,7 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
   double most = 0;
   for (const acoustics::Line& line : spectrum.lines)
     most = std::max(most, acoustics::felt_as_vibration(line));
-  // What is not felt at all would only hide the rest.
+  // Lines that are not felt at all would only hide the others.
   for (const acoustics::Line& line : spectrum.lines) {
     if (acoustics::felt_as_vibration(line) < 0.02 * most) continue;
     fmt::format_to(out, "  {:6.1f}  {:8.3f}  {:6.2f}  {:6.3f}  {:6.3f}\n", line.frequency_hz, line.amplitude,
@@ -51,7 +51,7 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
 std::string tune_line(std::uint32_t finger, const acoustics::Tuned& tuned) {
   const acoustics::Ring& ring = tuned.ring;
   if (!tuned.changed) {
-    return fmt::format("finger {}: {} foci, stride {} and {} ms stay, {}: {}\n", finger, ring.foci, ring.stride,
+    return fmt::format("finger {}: keeps {} foci, stride {} and {} ms, {}: {}\n", finger, ring.foci, ring.stride,
                        ring.dwell_s * 1e3, field_text(tuned.field), shares(tuned.after));
   }
   return fmt::format(

@@ -1,4 +1,4 @@
-// What skin feels in time, for people: --spectrum, and what --tune chose.
+// Text about what skin feels over time: --spectrum, and the values that --tune chose.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace palpa::cli {
 
-/// A few lines of text, of what was asked for. `spectra`: one for each finger, or none.
+/// A few lines of text about the requested results. `spectra`: one for each finger, or none.
 std::string felt_lines(std::span<const session::ScheduledFinger> fingers, std::span<const acoustics::Spectrum> spectra);
 
 }  // namespace palpa::cli

@@ -47,7 +47,7 @@ void add_options(CLI::App& app, FieldCommand& o) {
   setup::add_air_options(app, o.task.air);
 }
 
-/// What is computed in single precision is printed as such.
+/// Values computed in single precision are printed in single precision.
 void write_csv(const std::string& file, const setup::FieldResult& field) {
   OutputFile out(file);
   std::string text = "x,y,z,re,im\n";

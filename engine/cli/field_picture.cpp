@@ -19,7 +19,7 @@
 namespace palpa::cli {
 namespace {
 
-/// "3.2" for 3.2 mm; what differs from it by nanometres is it.
+/// "3.2" for 3.2 mm, also for values that differ from it by nanometres.
 std::string in_mm(double metres) {
   const double mm = std::round(metres * 1e9) / 1e6;
   return fmt::format("{:g}", mm == 0 ? 0 : mm);

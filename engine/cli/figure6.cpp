@@ -36,7 +36,7 @@ std::string table(const std::vector<setup::Figure6Touch>& touches) {
   return text;
 }
 
-/// The paper's method: where the foci are, and below them the pressures. The objects' tops are at y = 0.
+/// For the paper's method: the foci, and below them the pressures. The objects' tops are at y = 0.
 drawing::Pixels pictures(const std::vector<setup::Figure6Touch>& touches) {
   std::vector<drawing::Pixels> foci, pressures;
   for (const auto& [object, result] : touches) {

@@ -54,7 +54,7 @@ void add_options(CLI::App& app, LinkCommand& o) {
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "of the one that sounds");
 }
 
-/// One transducer sounds, or none, for some slots. False once the end is asked for.
+/// Sounds one transducer, or none, for some slots. Returns false once the end is requested.
 class Sweep {
  public:
   Sweep(session::SafeLink& link, std::size_t transducers, double dwell_s)
@@ -78,7 +78,7 @@ class Sweep {
       if (setup::Interrupt::flag()) return false;
       link_.send(slot_, drive_);
       clock_.sleep_until(static_cast<double>(++slot_) * dwell_s_);
-      // Slots that were overslept are left out, as in the loop.
+      // Missed slots are skipped, as in the loop.
       slot_ = std::max(slot_, static_cast<std::uint64_t>(clock_.now() / dwell_s_));
     }
     return true;
@@ -94,15 +94,15 @@ class Sweep {
 };
 
 void run(const Extensions& extensions, const LinkCommand& o) {
-  if (o.what != "test") throw bad_usage("palpa link test: there is nothing else to try out");
-  if (o.link.empty()) throw bad_usage("--link: which one? as of palpa run, such as null or a board");
+  if (o.what != "test") throw bad_usage("give palpa link test: nothing else can be tried out");
+  if (o.link.empty()) throw bad_usage("--link is missing: give a link of palpa run, such as null or a board");
   setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
   const std::vector<session::LinkKind> links = setup::with_builtin(extensions.links);
   std::string layout_name = o.layout;
   if (layout_name.empty()) {
     layout_name = session::layout_of_link(o.link, links);
-    if (layout_name.empty()) throw bad_usage("--layout: which array is it? such as openmpd");
-    log::info(fmt::format("--link {}: the array is its own, --layout {}", o.link, layout_name));
+    if (layout_name.empty()) throw bad_usage("--layout is missing: give the link's array, such as openmpd");
+    log::info(fmt::format("--link {}: palpa uses the link's own array, --layout {}", o.link, layout_name));
   }
   const array::Layout own = array::load_layout(layout_name);
   const array::Layout layout = array::transformed(own, own.default_T_world_layout);
@@ -120,7 +120,7 @@ void run(const Extensions& extensions, const LinkCommand& o) {
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, setting);
 
   std::optional<log::Relay> relay(std::in_place);
-  setup::Interrupt interrupt("ended without finishing, a second after the signal: the link did not answer");
+  setup::Interrupt interrupt("ended without finishing, one second after the signal: the link did not answer");
   log::release_warnings();
   session::SafeLink safe(*link, layout.transducers.size(), {}, o.dwell_s);
   Sweep sweep(safe, layout.transducers.size(), o.dwell_s);

@@ -13,7 +13,7 @@
 namespace palpa::cli {
 namespace {
 
-/// The formatter leaves two empty lines between groups; one screen has none to spare.
+/// The formatter leaves two empty lines between groups, but the help should fit on one screen.
 std::string tidy_help(std::string text) {
   for (std::size_t at = 0; (at = text.find("\n\n\n", at)) != std::string::npos;)
     text.erase(at, 1);
@@ -72,7 +72,7 @@ CLI::App& add_command(Program& program, const CommandText& text) {
 
 void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action) {
   setup::add_common(command, common);
-  // Set again, after the command's own options: groups are shown in the order of their first option.
+  // Set again after the command's own options, because groups are shown in the order of their first option.
   command.set_help_flag("-h,--help", "show this help and exit")->group("Common options");
   command.callback([&program, &common, action = std::move(action)] {
     program.action = action;

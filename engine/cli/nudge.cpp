@@ -1,4 +1,4 @@
-// `palpa calibrate --nudge`: a focus at the fingertip that is seen, moved by keys until it is felt there.
+// `palpa calibrate --nudge`: a focus at the visible fingertip, moved by keys until it is felt there.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -34,11 +34,11 @@ namespace palpa::cli {
 namespace {
 
 constexpr double step_m = 1e-3, fine_step_m = 1e-4;
-constexpr double farthest_m = 0.05;  // along each axis: more is no nudge
+constexpr double farthest_m = 0.05;  // limit along each axis: more is not a nudge
 constexpr const char* no_terminal =
-    "--nudge: stdin is no terminal, so there are no keys to press; give them as --keys \"right*3 enter\"";
+    "--nudge: stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
 
-/// What the keys say.
+/// The state that the keys determine.
 class Nudge {
  public:
   enum class End { none, save, leave };
@@ -95,12 +95,12 @@ class Nudge {
     steps_ = glm::clamp(steps_ + way * (fine || fine_ ? 1.0 : step_m / fine_step_m), Vec3(-most), Vec3(most));
   }
 
-  Vec3 steps_{0};  ///< whole fine ones, so that going back ends where it began
+  Vec3 steps_{0};  ///< whole fine steps, so that moving back ends exactly at the start
   bool fine_ = false;
   End end_ = End::none;
 };
 
-/// On a terminal, as soon as there is room for it.
+/// Shows the state on a terminal, as soon as there is room for it.
 class Shown {
  public:
   explicit Shown(bool quiet) : on_(!quiet && isatty(STDERR_FILENO) != 0) {}
@@ -118,24 +118,24 @@ class Shown {
   std::string drawn_;
 };
 
-/// The keys' hand on the array: keys come by time, on a thread of their own, and frames follow what they say.
+/// Applies the keys to the array. Keys arrive by time, on a separate thread, and frames use the resulting state.
 class Hand {
  public:
   Hand(Nudge& nudge, std::atomic<bool>& stop, bool quiet) : nudge_(&nudge), stop_(&stop), shown_(quiet) {}
 
-  /// There is a frame: what is pressed from now on can be felt.
+  /// There is a frame, so keys from now on have an effect that can be felt.
   void begin() {
     const std::lock_guard lock(mutex_);
     begun_ = true;
   }
   void press(const setup::KeyPress& press) {
     const std::lock_guard lock(mutex_);
-    if (nudge_->end() != Nudge::End::none) return;  // the first word counts
+    if (nudge_->end() != Nudge::End::none) return;  // the first decision counts
     if (!begun_ && press.key != setup::Key::leave) return;
     nudge_->press(press);
     if (nudge_->end() != Nudge::End::none) *stop_ = true;
   }
-  /// Where it stands, if that is not what is shown already.
+  /// Shows the current state, if it has changed.
   void show() {
     const std::lock_guard lock(mutex_);
     if (begun_) shown_.show(nudge_->line());
@@ -153,7 +153,7 @@ class Hand {
   bool begun_ = false;
 };
 
-/// The terminal's keys, whether frames come or not. What was typed before is nobody's.
+/// Reads the terminal's keys, whether frames come or not. Earlier input is discarded.
 class Typing {
  public:
   explicit Typing(Hand& hand) : terminal_(no_terminal), hand_(&hand) {
@@ -188,13 +188,14 @@ class Typing {
   std::thread thread_;
 };
 
-/// Sound that came `offset` from where it was to be was right there: so the array stands as much the other way.
+/// If sound is in the right place with `offset` added, the array is displaced by the same amount in the opposite
+/// direction.
 void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout, const Vec3& offset) {
   array.T_world_layout = glm::translate(Transform(1.0), -offset) * T_world_layout;
 }
 
 void check(const CalibrateCommand& o) {
-  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the rig that comes of it");
+  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
   if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
@@ -209,11 +210,11 @@ std::string to_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
   return json.take();
 }
 
-/// Until Enter or q, or whatever else ends it.
+/// Runs until Enter or q, or until the run ends otherwise.
 void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge) {
   const log::Relay relay;
   const setup::Interrupt interrupt(
-      "ended without finishing, a second after the signal: what it waited for did not answer");
+      "ended without finishing, one second after the signal: a link, device or file did not answer");
   Hand hand(nudge, stop, o.common.quiet);
   std::optional<Typing> typing;
   std::vector<setup::KeyPress> script;
@@ -263,7 +264,7 @@ void refuse_nudge_options(const CalibrateCommand& o) {
         std::pair("--board-files", !o.board_files.empty()), std::pair("--keys", !o.keys.empty()),
         std::pair("--hold", o.hold_s != usual.hold_s), std::pair("--ceiling", o.safety.ceiling != usual.safety.ceiling),
         std::pair("--ramp", o.safety.ramp_s != usual.safety.ramp_s),
-        std::pair("how fast sound is", !(o.drive.medium == usual.drive.medium))}) {
+        std::pair("--temperature, --sound-speed or --frequency", !(o.drive.medium == usual.drive.medium))}) {
     if (given) throw bad_usage(fmt::format("{} goes with --nudge", name));
   }
 }
@@ -271,13 +272,13 @@ void refuse_nudge_options(const CalibrateCommand& o) {
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   CalibrateCommand o = given;
   check(o);
-  // Before anything is opened.
+  // Check before anything is opened.
   if (!o.keys.empty() && setup::parse_keys("--keys", o.keys).empty())
-    throw bad_usage("--keys names no key: for example \"right*3 enter\"");
+    throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
   if (o.source.empty()) o.source = "synthetic";
   if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");
   o.touch.method.method = touch::Method::single_focus;
-  o.every_frame = !o.keys.empty();  // a script's keys take as many frames as there are keys
+  o.every_frame = !o.keys.empty();  // a script takes as many frames as it has keys
   setup::check(o);
   const Outputs outputs({{"--json", o.common.json},
                          {"--out", o.out},
@@ -291,13 +292,13 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
     setup::LiveRun live(o, extensions.sources, extensions.links, stop);
     run_until_end(live, o, stop, nudge);
   } catch (const Error& error) {
-    // What was confirmed is not lost with a link that ends badly.
+    // A confirmed result is not lost if the link fails at the end.
     if (nudge.end() != Nudge::End::save) throw;
     fault = error;
   }
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
-  if (!saves && !left) throw failure("--nudge: nothing is saved, for it ended before Enter was pressed");
+  if (!saves && !left) throw failure("--nudge: nothing is saved, because it ended before Enter was pressed");
   sensing::Rig rig = setup::rig_to_write(posed, o.rig);
   move_array(*rig.array, posed.T_world_layout, nudge.offset());
   if (saves) write_rig(o.out, rig);

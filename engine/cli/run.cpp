@@ -34,7 +34,7 @@ void add_options(CLI::App& app, RunCommand& o) {
   add_session_options(app, o);
 }
 
-/// All that is written; --stats and --json are the same where both go to stdout.
+/// All outputs; --stats and --json are the same if both go to stdout.
 std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::LinkKind> links) {
   std::vector<Output> outputs = setup::outputs_of(o, links);
   if (o.stats == StatsFormat::json && o.common.json != "-") outputs.insert(outputs.begin() + 1, {"--stats", "-"});
@@ -50,15 +50,14 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   }
 }
 
-/// What is said where something keeps palpa from ending.
+/// The message if something keeps palpa from ending.
 std::string late_line(const RunCommand& o) {
-  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a frame that takes long";
+  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a slow frame";
   for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
                                        std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
     if (!target.empty() && target != "null") waits += fmt::format(", {} {}", option, target);
   }
-  return fmt::format("ended without finishing, a second after the signal: what it waited for did not answer ({})",
-                     waits);
+  return fmt::format("ended without finishing, one second after the signal: one of these did not answer: {}", waits);
 }
 
 void run(const Extensions& extensions, const RunCommand& o) {
@@ -81,7 +80,7 @@ void run(const Extensions& extensions, const RunCommand& o) {
   const session::LoopStats stats = live.run(looking);
   preparing.reset();
   interrupt.reset();
-  relay.reset();  // its last lines must not come between those of the results
+  relay.reset();  // its last lines must not be mixed with those of the results
   report(o, outputs, stats);
 }
 

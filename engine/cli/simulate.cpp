@@ -79,9 +79,10 @@ void check(const SimulateCommand& o) {
     if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
         o.task.touch.method.method != touch::Method{})
       throw bad_usage(
-          "--figure6 is the paper's objects by every method: --scene, --method, --csv and --vtu are of one touch");
+          "--figure6 computes the paper's objects by every method: --scene, --method, --csv and --vtu belong to a "
+          "single touch");
     if (o.solids.surface != geometry::SurfaceKind::mesh || o.solids.parts || o.solids.internal_faces)
-      throw bad_usage("--surface, --parts and --internal-faces go with --scene: --figure6 has the meshes themselves");
+      throw bad_usage("--surface, --parts and --internal-faces go with --scene: --figure6 uses the meshes themselves");
     return;
   }
   if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched, or --figure6");

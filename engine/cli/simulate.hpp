@@ -21,10 +21,10 @@ struct SimulateCommand {
   setup::SimulateOptions task;
 };
 
-/// The finger of --finger, for the air of the options.
+/// The finger given by --finger, for the air of the options.
 setup::FingerBody load_finger(const SimulateCommand& o);
 
-/// The paper's objects, one after the other, by every method: table, --json, --png.
+/// The paper's objects, one after the other, with every method: table, --json, --png.
 void run_figure6(const SimulateCommand& o);
 
 }  // namespace palpa::cli

@@ -108,7 +108,7 @@ std::optional<std::string> promise_fault(std::span<const std::uint8_t> png) {
   for (std::size_t at = signature; png.size() - at >= around;) {
     const std::size_t length = big_endian(png.data() + at), left = png.size() - at - around;
     const std::string name(reinterpret_cast<const char*>(png.data() + at + 4), 4);
-    if (length > left) return fmt::format("chunk {} promises {} bytes, {} are left", one_line(name), length, left);
+    if (length > left) return fmt::format("chunk {} promises {} bytes, but {} are left", one_line(name), length, left);
     if (name == "IEND") break;
     at += around + length;
   }
@@ -215,13 +215,14 @@ std::string PngValues::kind() const {
 }
 
 void PngValues::read_grey(std::span<std::uint8_t> values) {
-  if (!is_grey(8) || values.size() != std::size_t{width()} * height()) throw failure("values of another image");
+  if (!is_grey(8) || values.size() != std::size_t{width()} * height()) throw failure("the values do not fit the image");
   std::vector<png_bytep> rows = rows_of(values.data(), width(), height());
   if (!reader_->read_rows(8, rows.data())) throw PngFault(reader_->fault.text);
 }
 
 void PngValues::read_grey(std::span<std::uint16_t> values) {
-  if (!is_grey(16) || values.size() != std::size_t{width()} * height()) throw failure("values of another image");
+  if (!is_grey(16) || values.size() != std::size_t{width()} * height())
+    throw failure("the values do not fit the image");
   std::vector<png_bytep> rows = rows_of(values.data(), width(), height());
   if (!reader_->read_rows(16, rows.data())) throw PngFault(reader_->fault.text);
 }

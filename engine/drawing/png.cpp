@@ -18,7 +18,7 @@ PngPicture picture_in(const std::filesystem::path& file, const std::string& byte
   try {
     return PngPicture(bytes);
   } catch (const PngFault& fault) {
-    throw bad_input(file.string(), fmt::format("is no PNG picture ({})", fault.what()));
+    throw bad_input(file.string(), fmt::format("is not a PNG picture ({})", fault.what()));
   }
 }
 
@@ -46,8 +46,8 @@ Pixels read_png(const std::filesystem::path& file) {
   const std::string bytes = read_file(file, std::uint64_t{most} * most * 4);
   PngPicture picture = picture_in(file, bytes);
   if (picture.width() > most || picture.height() > most) {
-    throw bad_input(file.string(), fmt::format("is {}x{} pixels large: at most {} on a side", picture.width(),
-                                               picture.height(), most));
+    throw bad_input(file.string(), fmt::format("is {}x{} pixels large; it may have at most {} on a side",
+                                               picture.width(), picture.height(), most));
   }
   try {
     return {picture.width(), picture.height(), picture.read_rgba()};

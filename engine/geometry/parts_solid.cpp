@@ -150,7 +150,7 @@ bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& pr
     const CacheKey key = cache_key(solid.mesh, options);
     std::optional<Parts> parts = load(key);
     if (!parts) {
-      const Activity work(fmt::format("takes mesh {} apart", text::quoted(solid.name)));
+      const Activity work(fmt::format("taking mesh {} apart", text::quoted(solid.name)));
       parts = decompose(solid.mesh, options, progress);
       if (!parts) return false;
       store(key, *parts);

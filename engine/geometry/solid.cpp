@@ -93,7 +93,7 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   const bool keep = open == Open::kept && !c.fit && !find_defects(c.solid.mesh).closed_and_oriented();
   if (!c.fit && !keep) {
     log::debug(fmt::format("{}: mesh {} of {} triangles is checked", file, name, c.solid.mesh.triangles.size()));
-    const Activity work(fmt::format("checks mesh {} of {} triangles", name, c.solid.mesh.triangles.size()));
+    const Activity work(fmt::format("checking mesh {} of {} triangles", name, c.solid.mesh.triangles.size()));
     make_fit(file, name, c.solid, kind == SurfaceKind::parts);
     if (c.cache) store(*c.cache, c.solid);
   }
@@ -202,7 +202,8 @@ Gathered gather_meshes(const Scene& scene, SurfaceKind kind) {
         continue;
       }
     }
-    const Activity work(fmt::format("welds mesh {} of {} triangles", text::quoted(c.name), mesh.mesh.triangles.size()));
+    const Activity work(
+        fmt::format("welding mesh {} of {} triangles", text::quoted(c.name), mesh.mesh.triangles.size()));
     c.solid = weld_closed(mesh.mesh);
     if (find_defects(c.solid.mesh).open > 0) {
       c.cache.reset();

@@ -34,9 +34,11 @@ double reach_of(const Box& box) {
 
 void check_size(const std::string& file, const std::string& name, const Mesh& mesh) {
   if (mesh.triangles.empty()) {
-    throw bad_input(file, fmt::format("mesh {} is flat: each of its triangles has two corners in one place, or its "
-                                      "equal back to back",
-                                      name));
+    throw bad_input(
+        file,
+        fmt::format(
+            "mesh {} is flat: each of its triangles has two corners in the same place, or a duplicate back to back",
+            name));
   }
   const Box box = bounds(mesh);
   const Vec3 extent = box.high - box.low;
@@ -48,9 +50,10 @@ void check_size(const std::string& file, const std::string& name, const Mesh& me
                                       name, std::max(size, reach)));
   }
   if (!(size >= smallest_size)) {
-    throw bad_input(file, fmt::format("mesh {} is only {:.4g} m across; a solid has at least a micrometre (glTF's unit "
-                                      "is the metre)",
-                                      name, size));
+    throw bad_input(
+        file, fmt::format(
+                  "mesh {} is only {:.4g} m across; a solid measures at least a micrometre (glTF's unit is the metre)",
+                  name, size));
   }
 }
 
@@ -118,10 +121,9 @@ std::vector<char> shells_to_turn(const std::string& file, const std::string& nam
     turned[s] = shells.list[shell.outermost].volume < 0 ? 1 : 0;
     const bool outwards = (shell.volume > 0) != (turned[s] != 0), should = shell.depth % 2 == 0;
     if (outwards == should) continue;
-    throw bad_input(file,
-                    fmt::format("mesh {} has a shell inside another that faces the same way, at {} m (triangle {}): "
-                                "turn it if it is a cavity, give it a node of its own if it is a second body",
-                                name, text::point(mesh.positions[mesh.triangles[shell.first][0]]), shell.first));
+    throw bad_input(file, fmt::format("mesh {} has a shell inside another that faces the same way, at {} m (triangle "
+                                      "{}): turn it if it is a cavity, or give it its own node if it is a second body",
+                                      name, text::point(mesh.positions[mesh.triangles[shell.first][0]]), shell.first));
   }
   return turned;
 }
@@ -138,10 +140,10 @@ SolidMesh weld_closed(const Mesh& mesh) {
     SolidMesh less{welded, {}, {}};
     const Dropped dropped = drop_duplicates(less.mesh);
     if (dropped.duplicates > 0)
-      less.warnings.push_back(fmt::format("has {} duplicated faces; one of each counts", dropped.duplicates));
+      less.warnings.push_back(fmt::format("has {} duplicated faces; only one of each counts", dropped.duplicates));
     if (dropped.back_to_back > 0) {
       less.warnings.push_back(
-          fmt::format("has {} pairs of equal faces back to back, walls without thickness; they do not count",
+          fmt::format("has {} pairs of equal faces back to back (walls without thickness), which palpa ignores",
                       dropped.back_to_back));
     }
     return less;

@@ -25,7 +25,7 @@ class BufferSet {
             std::uint32_t most_uses, std::uint32_t texels = 0);
 
   VkDescriptorSetLayout layout() const { return layout_.get(); }
-  /// `buffers`: exactly `count`, in binding order, none of them null. Those read as texels must have a texel view.
+  /// `buffers`: exactly `count`, in binding order, not null. Those read as texels must have a texel view.
   /// Throws failure otherwise.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
             std::span<const BufferRef> buffers) const;

@@ -31,7 +31,7 @@ std::vector<ThreadWork> work_of(std::span<const int> threads);
 class Patience {
  public:
   /// `limit_s`: for a GPU, seconds of the wall clock; with `software`, seconds of processor time of the busiest of the
-  /// driver's threads, or seconds of the wall clock during which none of them does anything.
+  /// driver's threads, or seconds of the wall clock during which no thread of the driver does anything.
   Patience(double limit_s, bool software) : limit_s_(limit_s), software_(software) {}
 
   /// How long to wait before the next check.

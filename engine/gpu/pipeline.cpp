@@ -81,7 +81,7 @@ void ComputePipeline::check(const KernelBuffers& buffers) const {
 }
 
 void ComputePipeline::bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const {
-  if (!pipeline_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass for it");
+  if (!pipeline_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass first");
   check_push_bytes(name_, push_bytes_, push);
   check(buffers);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());

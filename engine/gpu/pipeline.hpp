@@ -38,7 +38,7 @@ class ComputePipeline {
                   std::span<const std::uint32_t> constants = {});
   explicit operator bool() const { return static_cast<bool>(pipeline_); }
 
-  /// `buffers`: palpa::spirv::NAME_buffers(...) of the pipeline's kernel, none of them null. Those read as texels must
+  /// `buffers`: palpa::spirv::NAME_buffers(...) of the pipeline's kernel, not null. Those read as texels must
   /// have a texel view. At most 65,535 groups per axis. Throws failure for other buffers, for another size of push
   /// constants, and if there is no pipeline yet.
   void dispatch(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push, std::uint32_t groups_x,

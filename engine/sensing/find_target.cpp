@@ -110,24 +110,23 @@ class Search {
     if (best.empty() || best[0].hits < least_hits || best[0].agreement() < least_agreement) throw not_seen();
     if (best.size() > 1 && best[1].agreement() >= least_agreement && best[1].score() > rival_share * best[0].score()) {
       throw refused(camera_,
-                    "two poses of the target explain what it sees equally well: move camera or target so that it sees "
-                    "more of the slopes");
+                    "two poses of the target explain its view equally well: move camera or target so that it sees more "
+                    "of the slopes");
     }
     const geometry::MeshFitted fitted = refine(best[0], {}, most_points);
     const geometry::ScaleFitted scaled = scale_of(best[0]);
     look(best[0]);
     if (fitted.points < least_points) {
-      throw refused(camera_,
-                    fmt::format("sees the target with {} points and needs {}: bring it nearer, or let the camera "
-                                "give more pixels",
-                                fitted.points, least_points));
+      throw refused(
+          camera_,
+          fmt::format("sees the target with {} points but needs {}: bring the target nearer, or use more pixels",
+                      fitted.points, least_points));
     }
     if (fitted.hold < least_hold) {
-      throw refused(camera_,
-                    fmt::format("its view does not fix the target in all six directions: a shift by 1 mm changes what "
-                                "it sees by no more than {:.2f} mm; let it see three faces of the target, the plate "
-                                "and two slopes, each at more than 20 degrees",
-                                fitted.hold));
+      throw refused(camera_, fmt::format("its view does not fix the target in all six directions: a shift by 1 mm "
+                                         "changes the view by at most {:.2f} mm; let the camera see three faces of the "
+                                         "target, the plate and two slopes, each at more than 20 degrees",
+                                         fitted.hold));
     }
     return {glm::inverse(fitted.T_mesh_points), fitted, best[0].agreement(), scaled.scale, scaled.deviation};
   }
@@ -136,11 +135,12 @@ class Search {
   static constexpr std::uint32_t least_points = 500;
 
   Error not_seen() const {
-    return refused(camera_,
-                   fmt::format("does not see the target: {}, and of their {} flat patches no three are three of "
-                               "the target's faces; aim it so that it sees the plate and two slopes, nearer "
-                               "than 0.8 m and with nothing before them",
-                               what_is_seen(image_), patches_.size()));
+    return refused(
+        camera_,
+        fmt::format(
+            "does not see the target: {}, and no three of their {} flat patches are faces of the target; aim the "
+            "camera so that it sees the plate and two slopes, nearer than 0.8 m and with nothing in front of them",
+            what_is_seen(image_), patches_.size()));
   }
 
   /// The best poses according to sets of three patches.
@@ -307,11 +307,12 @@ bool scale_is_off(const FoundTarget& found) {
 
 FoundTarget find_target(const Camera& camera, const StillImage& image) {
   if (image.seen < least_seen) {
-    throw refused(camera, fmt::format("only {}, and {} are needed: {}", what_is_seen(image), least_seen,
-                                      image.deep < least_seen
-                                          ? fmt::format("is something before it, or all of it nearer than {:.2f} m?",
-                                                        camera.min_range_m)
-                                          : "hold the camera and all before it still"));
+    throw refused(camera,
+                  fmt::format("only {}, but {} are needed: {}", what_is_seen(image), least_seen,
+                              image.deep < least_seen
+                                  ? fmt::format("is something in front of it, or is everything nearer than {:.2f} m?",
+                                                camera.min_range_m)
+                                  : "hold the camera and everything in front of it still"));
   }
   return Search(camera, image).run();
 }

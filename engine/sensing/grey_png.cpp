@@ -22,7 +22,7 @@ void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint3
   try {
     drawing::PngValues png(bytes);
     if (!png.is_grey(bits)) {
-      throw bad_input(file.string(), fmt::format("is a {} PNG, {} is {}-bit grey", png.kind(), what, bits));
+      throw bad_input(file.string(), fmt::format("is a {} PNG, but {} must be {}-bit grey", png.kind(), what, bits));
     }
     if (png.width() != width || png.height() != height) {
       throw bad_input(file.string(),

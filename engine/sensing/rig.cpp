@@ -83,8 +83,8 @@ void read_mask(TomlTable& table, const std::filesystem::path& folder, Camera& ca
   }
   camera.mask = std::move(mask);
   if (!sees_anything(camera)) {
-    throw table.fault("mask", fmt::format("mask {}: leaves this camera no pixel; 0 is what is ignored{}",
-                                          camera.mask->file, camera.roi ? ", and so is what lies outside of roi" : ""));
+    throw table.fault("mask", fmt::format("mask {}: leaves this camera no pixel; pixels of 0 are ignored{}",
+                                          camera.mask->file, camera.roi ? ", and so are those outside roi" : ""));
   }
 }
 

@@ -169,10 +169,10 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
   const std::uint64_t most = std::max(most_looks / cameras_.size(), most_looks_per_pixel * pixel_count(camera)) +
                              most_looks_per_triangle * mesh.triangles.size();
   if (!draw_crowd(table, rays, crowd, layer.depth, layer.slant, most, looks)) {
-    throw bad_input(name, fmt::format("camera \"{}\" sees so many of its triangles through each other that a picture "
-                                      "takes more than {} million rays; leave out what is inside of it, or what lies "
-                                      "upon each other",
-                                      printable(camera.name, 60), most / 1'000'000));
+    throw bad_input(name,
+                    fmt::format("camera \"{}\" sees so many of its triangles behind each other that a picture takes "
+                                "more than {} million rays; leave out surfaces inside the mesh or on top of each other",
+                                printable(camera.name, 60), most / 1'000'000));
   }
   return drawn;
 }

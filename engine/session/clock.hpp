@@ -1,4 +1,4 @@
-// The loop's clock: seconds since it began, never set back.
+// The loop's clock: seconds since its start. It never goes backwards.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Hands values from one thread to another; the newest wins and no one waits for a slow reader.
+// Passes values from one thread to another. The newest value wins, and the writer does not wait for a slow reader.
 #pragma once
 
 #include <array>
@@ -8,12 +8,12 @@
 
 namespace palpa::session {
 
-/// Three values of T take turns as the writer's, the waiting and the reader's: each side owns its value while it works
-/// on it, and only indices change hands. T keeps its storage, so passing large vectors on costs nothing.
+/// Three values of T rotate through the roles of writer's value, waiting value and reader's value. Each side owns its
+/// value while it works on it; only indices are exchanged. T keeps its storage, so large vectors are passed at no cost.
 template <typename T>
 class Newest {
  public:
-  /// Before either side begins: does `prepare` to all three values, e.g. gives them room.
+  /// To be called before either side begins: applies `prepare` to all three values, e.g. to reserve memory.
   template <typename Prepare>
   void each(Prepare prepare) {
     for (T& value : values_)
@@ -23,7 +23,7 @@ class Newest {
   /// The writer's value. Only the writing thread touches it.
   T& back() { return values_[back_]; }
 
-  /// Makes the writer's value the waiting one. Returns true if that replaced one that nobody had read.
+  /// Makes the writer's value the waiting one. Returns true if this replaced an unread value.
   bool publish() {
     bool replaced = false;
     {
@@ -36,7 +36,7 @@ class Newest {
     return replaced;
   }
 
-  /// The writer's last word: readers no longer wait for more.
+  /// Marks the end of writing: readers no longer wait for more values.
   void close() {
     {
       const std::lock_guard lock(mutex_);
@@ -50,7 +50,8 @@ class Newest {
     return closed_ && !fresh_;
   }
 
-  /// Makes the waiting value the reader's if it is new; waits up to `timeout` for one. False: front() is unchanged.
+  /// Makes the waiting value the reader's if it is new; waits up to `timeout` for one. Returns false if there was none;
+  /// front() is then unchanged.
   bool take(std::chrono::duration<double> timeout = {}) {
     std::unique_lock lock(mutex_);
     if (timeout.count() > 0) arrived_.wait_for(lock, timeout, [this] { return fresh_ || closed_; });
@@ -64,7 +65,7 @@ class Newest {
   /// The reader's value. Only the reading thread touches it.
   T& front() { return values_[front_]; }
 
-  /// For writers that must not replace an unread value: waits until it has been taken or the timeout passes.
+  /// For writers that must not replace an unread value: waits until the value has been taken or the timeout passes.
   bool wait_taken(std::chrono::duration<double> timeout) {
     std::unique_lock lock(mutex_);
     return taken_.wait_for(lock, timeout, [this] { return !fresh_ || closed_; });

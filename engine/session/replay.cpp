@@ -26,13 +26,14 @@ class Player {
 
   void begin_at(double time_s) { begin_s_ = time_s; }
 
-  /// The first slot that begins at that time or later. Times are sums of their own; a slot is not missed by a rounding.
+  /// The first slot that begins at that time or later. The tolerance ensures that rounding of summed times does not
+  /// miss a slot.
   std::uint64_t slot_at(double time_s) const {
     const double slots = std::ceil((time_s - begin_s_) / setting_.slot_s - 1e-6);
     return std::max(slot_, static_cast<std::uint64_t>(std::max(slots, 0.0)));
   }
 
-  /// It sounds from here on.
+  /// The plan sounds from here on.
   void tell(const Plan& plan) {
     sounding_ = plan.schedule.voice_count > 0;
     if (sounding_) {
@@ -54,7 +55,7 @@ class Player {
       }
       if (silent && sounding_) tell_nothing(plan);
       sounding_ = !silent;
-      // Slots are told apart by their numbers: the time says no more than whether it has expired.
+      // The slot number identifies the drive; the time decides only whether the plan has expired.
       const double now_s = silent ? plan.captured_s + setting_.hold_s : plan.captured_s;
       safe_.send(slot_, drive_of_slot(plan, slot_, now_s, setting_, scratch_));
       ++stats_.drives;
@@ -63,7 +64,7 @@ class Player {
     }
   }
 
-  /// What still sounds fades out.
+  /// Fades out the remaining sound.
   void fade(const Plan& plan, const std::atomic<bool>& stop) {
     if (safe_.must_fade() && std::exchange(sounding_, false)) tell_nothing(plan);
     while (safe_.must_fade() && !stop)
@@ -88,7 +89,7 @@ class Player {
   array::Schedule nothing_;
   double begin_s_ = 0;
   std::uint64_t slot_ = 0;
-  std::uint64_t silent_slots_ = 0;  ///< one after the other, until now
+  std::uint64_t silent_slots_ = 0;  ///< consecutive silent slots so far
   bool sounding_ = false;
 };
 
@@ -115,9 +116,9 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
     throw bad_usage("a session without cameras or without an array, or one of single frames, cannot be played");
   const bool tells = options.events != nullptr;
   if (setting.schedule.tune == Tune::all) {
-    throw bad_usage("a session that is played can tune strides only: how long a slot lasts stays as it is");
+    throw bad_usage("a session that is played can tune strides only: the length of its slots is fixed");
   }
-  if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot report any");
   constexpr double patience_s = 1;
   session.warm_up();
   ReplayStats stats;

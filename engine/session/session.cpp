@@ -15,7 +15,7 @@ namespace palpa::session {
 
 namespace {
 
-/// What would never be silent, or never end, is refused when the session is made.
+/// Refuses times with which the session would never be silent or never end, when the session is made.
 void check_times(const SessionSetting& setting) {
   if (!(setting.hold_s > 0)) throw bad_usage(fmt::format("a hold of {} s: give a positive time", setting.hold_s));
   const double dwell_s = setting.schedule.voice.dwell_s;
@@ -23,13 +23,13 @@ void check_times(const SessionSetting& setting) {
   check_safety(setting.safety);
 }
 
-/// Nothing without an array, and where a spot or another field takes its place.
+/// Empty without an array, and if a spot or another field replaces it.
 std::optional<acoustics::ArrayField> field_of(const SessionSetting& setting) {
   if (setting.field || setting.layout.transducers.empty() || setting.schedule.spot_m) return std::nullopt;
   return std::optional<acoustics::ArrayField>(std::in_place, setting.layout, setting.drive);
 }
 
-/// Has strides tuned beside the loop for as long as it lasts.
+/// Tunes strides beside the loop while this object exists.
 struct TunedBeside {
   Scheduler& scheduler;
   TunedBeside(Scheduler& tuned, const acoustics::ArrayField* field) : scheduler(tuned) { scheduler.tune_beside(field); }
@@ -112,10 +112,10 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (!s.setting.live())
     throw bad_usage("a session without cameras or without an array, or one of single frames, cannot run");
   if (s.setting.schedule.tune == Tune::all) {
-    throw bad_usage("a session that runs can tune strides only: how long a slot lasts stays as it is");
+    throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
   }
   const bool tells = options.events != nullptr;
-  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot tell any");
+  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
   PressureLog pressures(s.names);
   RunOptions loop = options;
   loop.planned = [&](const FrameReport& report, const Plan& plan) {
@@ -128,7 +128,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     if (tells) options.events(s.tracker.expire());
   };
   LoopStats stats;
-  // When the field is known depends on the machine: where every frame must come out the same on all it is not asked.
+  // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
+  // result on all machines.
   const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,

@@ -16,7 +16,7 @@
 namespace palpa::session {
 namespace {
 
-/// The kernel's sched_attr, whose header cannot stand beside <sched.h>.
+/// The kernel's sched_attr. Its header cannot be included together with <sched.h>.
 struct Wish {
   std::uint32_t size = sizeof(Wish), policy = 0;
   std::uint64_t flags = 0;
@@ -25,7 +25,7 @@ struct Wish {
   std::uint64_t slice_ns = 0, deadline_ns = 0, period_ns = 0;
 };
 
-/// Of a thread that has no real-time policy; 0 is as long as any thread's. Kernels before 6.12 pass it over.
+/// For a thread without a real-time policy. 0: slices of normal length. Kernels before 6.12 ignore it.
 void ask_for_slices(int thread, int policy, int nice, std::uint64_t slice_ns) {
   const Wish wish{.policy = static_cast<std::uint32_t>(policy), .nice = nice, .slice_ns = slice_ns};
   syscall(SYS_sched_setattr, thread, &wish, 0U);
@@ -38,8 +38,9 @@ void ask_for_slices(std::uint64_t slice_ns) {
   if (errno == 0) ask_for_slices(0, SCHED_OTHER, nice, slice_ns);
 }
 
-constexpr std::uint64_t short_ns = 500'000;  // shorter ones let a loop's threads interrupt each other
-/// Longer than the usual 1 to 3 ms, but not by much: who asks for long slices waits long for them on a busy machine.
+constexpr std::uint64_t short_ns = 500'000;  // with shorter ones, a loop's threads interrupt each other
+/// Only a little longer than the usual 1 to 3 ms, because a thread that requests long slices waits long for them on a
+/// busy machine.
 constexpr std::uint64_t long_ns = 10'000'000;
 
 }  // namespace
@@ -64,10 +65,10 @@ void give_way() {
 
 void give_way(int thread) {
   const sched_param none{};
-  // Who runs when nobody else wants to is to stay so.
+  // A thread that runs only on an idle machine must stay so.
   const bool idle = sched_getscheduler(thread) == SCHED_IDLE;
   if (!idle && sched_setscheduler(thread, SCHED_BATCH, &none) != 0) sched_setscheduler(thread, SCHED_IDLE, &none);
-  // A "process" is a single thread here, 0 the calling one. -1 is a niceness, too.
+  // A "process" is a single thread here, and 0 is the calling one. -1 is also a valid nice value.
   const auto id = static_cast<id_t>(thread);
   errno = 0;
   const int nice = getpriority(PRIO_PROCESS, id);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double step_s = 0.1, patience_s = 5;
 
-/// Everything stands still, so it is all drawn once: there is no skin.
+/// Everything is at rest, so it is drawn only once. There is no skin.
 std::unique_ptr<sensing::DepthSource> open_rehearsal(const std::string& file, const session::SourceSetting& setting,
                                                      const Transform& T_world_target) {
   if (setting.cameras.empty())
@@ -94,7 +94,7 @@ std::vector<CalibratedCamera> calibrate_cameras(const std::vector<sensing::Camer
     camera.found = sensing::find_target(source[i], seen[i].finish());
     camera.T_world_camera = T_world_target * glm::inverse(camera.found.T_camera_target);
     for (int column = 0; column < 4; ++column)
-      camera.T_world_camera[column][3] = column == 3 ? 1 : 0;  // whatever rounding made of it
+      camera.T_world_camera[column][3] = column == 3 ? 1 : 0;  // exact despite rounding
     const Transform between = glm::inverse(rig[i].T_world_camera) * camera.T_world_camera;
     camera.moved_m = glm::length(Vec3(between[3]));
     camera.turned_rad = angle_of(between);

@@ -1,4 +1,4 @@
-// The poses of a rig's cameras, from what they see of the calibration target (sensing/target.hpp).
+// Finds the poses of a rig's cameras from their frames of the calibration target (sensing/target.hpp).
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@
 
 namespace palpa::setup {
 
-/// Of each camera what stands still before it, from so many frames or as many as the source has; `done` is told after
-/// each how many there are. Throws failure where the source ends before the first frame, or none comes for 5 s.
+/// For each camera, collects the still parts of its view from `frames` frames, or from as many as the source has.
+/// `done` is called after each frame with the number so far. Throws failure if the source ends before the first frame,
+/// or if no frame comes for 5 s.
 std::vector<sensing::StillFrames> collect_still_frames(sensing::DepthSource& source, std::uint64_t frames,
                                                        const std::function<void(std::uint64_t)>& done);
 
@@ -22,19 +23,20 @@ struct CalibratedCamera {
   std::string name;
   sensing::FoundTarget found;
   Transform T_world_camera{1.0};
-  double moved_m = 0, turned_rad = 0;  ///< from where the rig had it
+  double moved_m = 0, turned_rad = 0;  ///< relative to the rig's previous pose
 };
 
-/// The poses of `rig`'s cameras, which `seen` are the frames of, as `source` describes them: it may know a lens better
-/// than the rig. Nothing but the target says where a camera is: poses of either are no guess. Throws bad_input where
-/// the numbers or sizes of cameras differ, and as sensing::find_target does.
+/// The poses of `rig`'s cameras. `seen` are their frames. `source` is the source's description of the cameras, which
+/// may have better lens data than the rig. Poses are found from the target only; existing poses in `rig` or `source`
+/// are not used as a guess. Throws bad_input if the numbers or sizes of cameras differ, and as sensing::find_target
+/// does.
 std::vector<CalibratedCamera> calibrate_cameras(const std::vector<sensing::Camera>& rig,
                                                 const std::vector<sensing::Camera>& source,
                                                 const std::vector<sensing::StillFrames>& seen,
                                                 const Transform& T_world_target, const std::string& rig_file);
 
-/// The kind "synthetic[:MESH]" of calibration: the target on its mount, the boards, and the mesh's things, all at rest
-/// in the world, as the rig's cameras see them.
+/// The source kind "synthetic[:MESH]" for calibration: the rig's cameras see the target on its mount, the boards, and
+/// the objects of the mesh, all at rest in the world.
 session::SourceKind rehearsal(const Transform& T_world_target);
 
 }  // namespace palpa::setup

@@ -18,13 +18,13 @@
 namespace palpa::setup {
 namespace {
 
-constexpr std::string_view heading = "index,x,y,z,nx,ny,nz,amplitude,phase";
+constexpr std::string_view first_line = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
-/// Of a phase: more leaves single precision no digits for the part of a turn that counts.
+/// Limit of a phase: for larger values, single precision has no digits left for the relevant fraction of a turn.
 constexpr double most_turns = 1e6;
 constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
 
-/// Takes the next line off `text`, without its end.
+/// Removes the next line from `text` and returns it without its line end.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   std::string_view line = text.substr(0, end);
@@ -35,7 +35,7 @@ std::string_view next_line(std::string_view& text) {
 
 using Row = std::array<double, columns>;
 
-/// False where the line is anything but so many finite numbers.
+/// Returns false unless the line is exactly this many finite numbers.
 bool parse(std::string_view line, Row& row) {
   for (std::size_t i = 0; i < columns; ++i) {
     const std::string_view cell = line.substr(0, line.find(','));
@@ -51,20 +51,20 @@ std::string place(const Vec3& p) {
   return fmt::format("({}, {}, {})", p.x, p.y, p.z);
 }
 
-/// Why that row is not of this transducer; empty where it is.
+/// The reason why that row does not belong to this transducer; empty if it does.
 std::string foreign(const Row& row, const array::Transducer& own) {
   const Vec3 position(row[1], row[2], row[3]), axis(row[4], row[5], row[6]);
   if (glm::distance(position, own.position) > drive_tolerance)
-    return fmt::format("stands at {} there and at {} here", place(position), place(own.position));
+    return fmt::format("is at {} in the drive and at {} in the layout", place(position), place(own.position));
   if (glm::distance(axis, own.axis) > drive_tolerance)
-    return fmt::format("looks along {} there and along {} here", place(axis), place(own.axis));
+    return fmt::format("points along {} in the drive and along {} in the layout", place(axis), place(own.axis));
   return {};
 }
 
 }  // namespace
 
 std::string drive_csv(const array::Layout& layout, std::span<const array::TransducerDrive> drive) {
-  std::string csv = fmt::format("{}\n", heading);
+  std::string csv = fmt::format("{}\n", first_line);
   for (std::size_t i = 0; i < drive.size(); ++i) {
     const auto& [p, n] = layout.transducers[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", i, p.x, p.y, p.z, n.x, n.y, n.z,
@@ -76,8 +76,9 @@ std::string drive_csv(const array::Layout& layout, std::span<const array::Transd
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout) {
   const std::string text = read_file(file, most_bytes), name = file.string();
   std::string_view rest = text;
-  if (next_line(rest) != heading) {
-    throw bad_input(name, fmt::format("is no drive: its first line is not {}; palpa drive --csv writes one", heading));
+  if (next_line(rest) != first_line) {
+    throw bad_input(name,
+                    fmt::format("is not a drive: its first line is not {}; palpa drive --csv writes one", first_line));
   }
   array::Drive drive;
   const std::size_t transducers = layout.transducers.size();
@@ -88,16 +89,17 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     Row row{};
     if (!parse(line, row)) {
       throw bad_input(
-          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, heading));
+          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, first_line));
     }
     if (row[0] != static_cast<double>(rows)) {
-      throw bad_input(name, fmt::format("line {}: transducer {} where {} is due: rows are in layout order, from 0",
-                                        number, row[0], rows));
+      throw bad_input(
+          name, fmt::format("line {}: transducer {} where {} should be: rows must be in layout order, from 0", number,
+                            row[0], rows));
     }
     if (rows < transducers) {
       if (const std::string fault = foreign(row, layout.transducers[rows]); !fault.empty()) {
-        throw bad_input(name, fmt::format("line {}: is the drive of another layout than {}: transducer {} {}", number,
-                                          layout.name, rows, fault));
+        throw bad_input(name, fmt::format("line {}: the drive belongs to another layout than {}: transducer {} {}",
+                                          number, layout.name, rows, fault));
       }
     }
     if (row[7] < 0 || row[7] > 1)
@@ -112,7 +114,7 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     ++rows;
   }
   if (rows != transducers) {
-    throw bad_input(name, fmt::format("is the drive of another layout: it has {} transducers, {} has {}", rows,
+    throw bad_input(name, fmt::format("belongs to another layout: it has {} transducers, but {} has {}", rows,
                                       layout.name, transducers));
   }
   return drive;

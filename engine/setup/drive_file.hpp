@@ -10,13 +10,14 @@
 
 namespace palpa::setup {
 
-/// The text of such a file. `layout` in the frame that its positions are to be in.
+/// The text of such a file. `layout` must be in the frame in which the positions are written.
 std::string drive_csv(const array::Layout& layout, std::span<const array::TransducerDrive> drive);
 
-/// Reads it back for that layout. Throws bad_input naming the line: no such file, an amplitude outside 0..1, a phase
-/// that is no number; and, with what differs, where it is the drive of another layout: another number of transducers,
-/// or one that stands or looks elsewhere by more than `drive_tolerance`.
+/// Reads it back for that layout. Throws bad_input naming the line for a missing or malformed file, an amplitude
+/// outside 0..1, or a phase that is not a number. Throws bad_input naming the difference if it is the drive of another
+/// layout: the number of transducers differs, or the position or direction of one differs by more than
+/// `drive_tolerance`.
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout);
-inline constexpr double drive_tolerance = 1e-5;  ///< metres, and of a unit vector
+inline constexpr double drive_tolerance = 1e-5;  ///< in metres, and in components of a unit vector
 
 }  // namespace palpa::setup

@@ -109,20 +109,19 @@ void check(const FrameOptions& o) {
   check(o.touch);
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
-    throw bad_usage("--event-move goes with --events: it says what is an event");
-  // `mouse` is the viewer's.
+    throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
+  // `mouse` belongs to the viewer.
   const auto rendered = [&](std::string_view kind) {
     return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');
   };
   if (o.noise_free && !rendered("synthetic") && !rendered("mouse")) {
-    throw bad_usage(
-        "--noise-free goes with --source synthetic: a recording has the noise that it has, and so has a camera");
+    throw bad_usage("--noise-free goes with --source synthetic: recordings and cameras have their own noise");
   }
 }
 
 Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
   const Preparing preparing(o.common.quiet);
-  allow_outside_references(o.common.allow_outside);  // a viewer's next run may differ from its last
+  allow_outside_references(o.common.allow_outside);  // in the viewer, the next run may differ from the last
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const PosedRig rig = load_posed_rig(o.rig);
@@ -159,7 +158,7 @@ void finish(session::EventSink* sink, bool after_error) {
 
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned) {
   if (touch.cluster_count <= touch.finger_count || std::exchange(warned, true)) return;
-  log::warning(fmt::format("{} of {} clusters of contacts are left out: no more than {} of a frame are looked at",
+  log::warning(fmt::format("{} of {} clusters of contacts are left out: palpa uses at most {} of a frame",
                            touch.cluster_count - touch.finger_count, touch.cluster_count, touch::max_fingers));
 }
 

@@ -1,5 +1,5 @@
-// What `palpa run`, `palpa export` and the viewer have in common: a scene, frames from a source, the session that looks
-// at them.
+// Shared by `palpa run`, `palpa export` and the viewer: a scene, frames from a source, and the session that processes
+// them.
 #pragma once
 
 #include <cstdint>
@@ -30,44 +30,44 @@ struct FrameOptions {
   DriveOptionsGroup drive;
   session::Safety safety;
   double hold_s = 0.1;
-  bool hold_auto = false;  ///< it may be lengthened
+  bool hold_auto = false;  ///< the hold may be lengthened
   std::uint64_t frames = 0;
   bool noise_free = false;
   std::string events;
-  bool watched = false;  ///< somebody looks at contacts and events, also where none are written
+  bool watched = false;  ///< contacts and events are used, even if no events are written
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
 };
 
-/// palpa's own sources and these, which take the place of those of the same name.
+/// palpa's own sources and the given ones, which replace those of the same name.
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> sources);
 
-/// Scene, source and what comes of the frames; `until` explains --frames.
+/// Adds the options of scene, source and the loop; `until` explains --frames.
 void add_frame_options(const Group& group, FrameOptions& options, const char* until);
-/// Of these what comes of the frames.
+/// Adds only the options of the loop.
 void add_loop_options(const Group& group, FrameOptions& options);
-/// How fingers are followed.
+/// Adds the options for following fingers.
 void add_following_options(CLI::App& app, FrameOptions& options);
-/// All else that a session needs, in groups of their own; `foci`: what the number of foci is called.
+/// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci.
 void add_session_options(CLI::App& app, FrameOptions& options, const char* foci = "--foci");
-/// Throws bad_usage where options are missing or go unused.
+/// Throws bad_usage if options are missing or unused.
 void check(const FrameOptions& options);
 
-/// What the options make, members in the order in which they are needed: the session goes first.
+/// The objects made from the options. The order of the members matters: the session is destroyed first.
 struct Prepared {
   std::unique_ptr<sensing::DepthSource> source;
-  std::unique_ptr<gpu::Device> device;  ///< none where the processor computes
+  std::unique_ptr<gpu::Device> device;  ///< null if the processor computes
   std::unique_ptr<session::Session> session;
 };
-/// Loads and opens all of it, showing what takes long, and warns of what is unusual. `sources` come beside palpa's own,
-/// and take the place of those of the same name. `paced`: frames in real time.
+/// Loads and opens all of it, shows the progress of long steps, and warns of unusual values. `sources` are added to
+/// palpa's own and replace those of the same name. `paced`: frames in real time.
 Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced);
-/// Lines of what fingers that asked for a pressure had; nothing where none did.
+/// Lines about the pressures of fingers that requested one; empty if none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
-/// Hands over what waits. After an error that error is the one to report, not another of the sink's.
+/// Flushes the sink. After an error, that error is reported and not another one of the sink.
 void finish(session::EventSink* sink, bool after_error);
-/// Warns once that a frame had more fingers than are played.
+/// Warns once if a frame has more fingers than are played.
 void warn_of_left_out_fingers(const touch::Touch& touch, bool& warned);
 
 }  // namespace palpa::setup

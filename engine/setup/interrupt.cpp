@@ -19,32 +19,34 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Of the second that palpa may take: what is left is for the line, and for the system to take the process down.
+/// Parts of the one second in which palpa must end. The remaining time is for the line, and for the system to end the
+/// process.
 constexpr auto patience = 750ms, for_the_line = 50ms;
 
 std::atomic<bool> requested_flag{false};
-std::atomic<bool> signal_came{false};  ///< set by a signal, not by others
+std::atomic<bool> signal_came{false};  ///< set only by a signal
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<void (*)()> restore_something{nullptr};
 
-/// Posted by the signal; of a type that a handler may touch.
+/// Posted by the signal; its type is safe in a signal handler.
 sem_t first_signal;
 
 void note(int) {
-  const bool first = !signal_came.exchange(true);  // before the flag: whoever clears that asks for this afterwards
+  const bool first = !signal_came.exchange(true);  // before the flag: code that clears the flag checks this afterwards
   requested_flag = true;
   if (first) sem_post(&first_signal);
 }
 
-/// A signal that a write of this process also raises: SIGPIPE where nobody reads, SIGXFSZ where a file may not grow.
-/// Then the write's own error counts, and the signal says nothing new. From anybody else it asks palpa to end.
+/// Handles signals that a write of this process also raises: SIGPIPE if nobody reads, SIGXFSZ if a file may not grow.
+/// In these cases, the write's own error is sufficient and the signal is ignored. From another process, the signal asks
+/// palpa to end.
 void note_from_others(int signal, siginfo_t* from, void*) {
   if (from->si_pid != getpid()) note(signal);
 }
 
-/// All that end or stop a program that does not catch them, but for those that nobody can catch (SIGKILL, SIGSTOP, the
-/// C library's own 32 and 33), for crashes, after which there is nothing left that could end well, and for those that
-/// a write raises, too.
+/// All signals that end or stop a program that does not catch them, with three exceptions: those that cannot be caught
+/// (SIGKILL, SIGSTOP, the C library's own 32 and 33), crashes, after which nothing can end properly, and those that a
+/// write also raises.
 std::vector<int> ending_signals() {
   std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,    SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2,
                            SIGALRM, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
@@ -66,20 +68,20 @@ struct Interrupt::Deadline {
     while (sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
     if (deadline->called_off) return;
-    // By another thread: a window's server may not answer.
+    // On another thread, because a window server may not answer.
     try {
       std::thread([deadline] {
         const std::lock_guard lock(deadline->mutex);
         if (deadline->came) deadline->came();
       }).detach();
-    } catch (const std::exception&) {  // no room for another thread: the flag will be seen without it
+    } catch (const std::exception&) {  // no memory for another thread: the flag is enough
     }
     std::this_thread::sleep_for(patience);
-    if (deadline->called_off) return;  // the signal came while all was over
-    // Said by another thread, which may have to wait for whoever reads it.
+    if (deadline->called_off) return;  // the signal came when everything was already over
+    // Written by another thread, because it may have to wait for its reader.
     try {
       std::thread([line = deadline->late] { log::error(line); }).detach();
-    } catch (const std::exception&) {  // no room for another thread: it ends without the line
+    } catch (const std::exception&) {  // no memory for another thread: palpa ends without the line
     }
     std::this_thread::sleep_for(for_the_line);
     if (void (*const restore)() = restore_something) restore();
@@ -104,7 +106,7 @@ Interrupt::Interrupt(std::string late, std::function<void()> came) : deadline_(s
   for (const int signal : {SIGPIPE, SIGXFSZ})
     replace(signal, action);
   action.sa_flags = SA_RESTART;
-  // A terminal that stops programs in the background when they write would leave the last drive sounding.
+  // A terminal that stops background programs when they write would leave the last drive sounding.
   action.sa_handler = SIG_IGN;
   for (const int signal : {SIGTTOU, SIGTTIN})
     replace(signal, action);

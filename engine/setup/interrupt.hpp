@@ -1,4 +1,4 @@
-// Signals that ask palpa to end: they set a flag, and whoever works looks at it.
+// Signals that ask palpa to end. They set a flag that the working code checks.
 #pragma once
 
 #include <atomic>
@@ -12,16 +12,16 @@
 
 namespace palpa::setup {
 
-/// From its construction until its end signals only make requested() true; those that whoever started palpa ignores
-/// (nohup) stay ignored. One at a time.
+/// While an object of this class exists, signals only make requested() true. Signals that palpa's parent process
+/// ignores (nohup) stay ignored. Only one object may exist at a time.
 class Interrupt {
  public:
-  /// For as long as there is something to silence: all signals that end or stop a program and can be caught, Ctrl-Z
-  /// too, since a program that is stopped cannot silence anything. Later ones change nothing: the array must not be
-  /// left sounding by an impatient second Ctrl-C. But a second after the first one palpa ends whatever it is doing,
-  /// with the error line `late`: nothing that it writes to, and no device, keeps it longer. That goes for what is done
-  /// after this object's end, too. `came` is called on another thread when the first signal has come, for as long as
-  /// this object lives; it must not wait.
+  /// Must exist for as long as there is something to silence. Catches all signals that end or stop a program and can be
+  /// caught, including Ctrl-Z, because a stopped program cannot silence anything. Further signals have no effect, so an
+  /// impatient second Ctrl-C cannot leave the array sounding. One second after the first signal, palpa ends in any
+  /// case, with the error line `late`; no output and no device can delay it longer. This also holds for work after this
+  /// object's end. `came` is called on another thread when the first signal comes, while this object lives; it must not
+  /// wait.
   explicit Interrupt(std::string late, std::function<void()> came = {});
 
   ~Interrupt();
@@ -29,12 +29,12 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   bool requested() const { return flag(); }
-  /// A signal came, whatever has become of the flag since.
+  /// Whether a signal came, whatever has happened to the flag since.
   static bool signalled();
-  /// What is called, on another thread, before palpa ends by itself a second after a signal; nullptr: nothing. It must
-  /// not wait.
+  /// Sets a function that is called on another thread before palpa ends by itself one second after a signal; nullptr:
+  /// none. It must not wait.
   static void at_the_end(void (*restore)());
-  /// The flag itself, which others may set as well.
+  /// The flag itself, which other code may also set.
   static std::atomic<bool>& flag();
 
  private:
@@ -42,7 +42,7 @@ class Interrupt {
   void replace(int signal, const struct sigaction& action);
 
   std::vector<std::pair<int, struct sigaction>> before_;
-  std::shared_ptr<Deadline> deadline_;  ///< its thread's, too, which lives on after a signal
+  std::shared_ptr<Deadline> deadline_;  ///< shared with its thread, which continues after a signal
   std::thread watch_;
 };
 

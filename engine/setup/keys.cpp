@@ -26,7 +26,7 @@ constexpr std::size_t most_keys = 100'000;
 struct Named {
   std::string_view name;
   Key key;
-  bool moves;  ///< with shift: less far
+  bool moves;  ///< with shift: smaller steps
 };
 constexpr Named named[] = {{"left", Key::left, true}, {"right", Key::right, true}, {"up", Key::up, true},
                            {"down", Key::down, true}, {"pageup", Key::away, true}, {"pagedown", Key::nearer, true},
@@ -35,12 +35,12 @@ constexpr Named named[] = {{"left", Key::left, true}, {"right", Key::right, true
 
 Error unknown(const std::string& option, std::string_view word) {
   return bad_usage(
-      fmt::format("{}: there is no key '{}'; known are left, right, up, down, pageup, pagedown, shift+ any of "
-                  "these, f, 0, enter, q and wait, each with *TIMES",
+      fmt::format("{}: unknown key '{}'; known are left, right, up, down, pageup, pagedown, any of these with shift+, "
+                  "f, 0, enter, q and wait, each with *TIMES",
                   option, printable(word, 40)));
 }
 
-/// One word of a script, as often as it says.
+/// Adds one word of a script, as often as it is repeated.
 void add_word(const std::string& option, std::string_view word, std::vector<KeyPress>& keys) {
   std::string_view name = word;
   std::uint32_t times = 1;
@@ -82,7 +82,7 @@ std::vector<KeyPress> parse_keys(const std::string& option, const std::string& t
 
 void KeyReader::feed(std::string_view bytes, std::vector<KeyPress>& keys) {
   for (const char byte : bytes) {
-    if (byte == escape) {  // also in the middle of another, which then was none
+    if (byte == escape) {  // even within another sequence, which is then discarded
       sequence_ = byte;
       continue;
     }
@@ -135,7 +135,7 @@ RawTerminal::RawTerminal(const std::string& fault) {
   if (tcgetattr(STDIN_FILENO, &terminal_before) != 0) throw bad_usage(fault);
   termios raw = terminal_before;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  raw.c_iflag &= ~static_cast<tcflag_t>(IXON);  // Ctrl-S would stop what is shown
+  raw.c_iflag &= ~static_cast<tcflag_t>(IXON);  // Ctrl-S would stop the display
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
   Interrupt::at_the_end(restore_terminal);

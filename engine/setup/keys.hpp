@@ -1,4 +1,4 @@
-// Keys that somebody presses while palpa runs: on a terminal, or from a script.
+// Keys that are pressed while palpa runs, on a terminal or from a script.
 #pragma once
 
 #include <string>
@@ -15,37 +15,38 @@ struct KeyPress {
   bool operator==(const KeyPress&) const = default;
 };
 
-/// From the bytes that terminals send: arrows, PageUp (away) and PageDown (nearer), with shift too, f (finer), 0
-/// (back), Enter (save), q (leave). Other keys are nothing.
+/// Decodes the bytes that terminals send: arrows, PageUp (away) and PageDown (nearer), also with shift, f (finer), 0
+/// (back), Enter (save), q (leave). Other keys are ignored.
 class KeyReader {
  public:
-  /// Appends what has become complete with these bytes.
+  /// Appends the keys that these bytes complete.
   void feed(std::string_view bytes, std::vector<KeyPress>& keys);
 
  private:
   void end_sequence(std::vector<KeyPress>& keys);
 
-  std::string sequence_;  ///< of a key that sends several bytes, as far as it came
+  std::string sequence_;  ///< the bytes received so far of a key that sends several
 };
 
 /// "right*3 shift+up pageup f enter": left, right, up, down, pageup, pagedown, shift+ any of these, f, 0, enter, q, and
-/// wait, which presses nothing; commas or spaces between them. Throws bad_usage naming the word; at most 100000 keys.
+/// wait, which presses nothing. Words are separated by commas or spaces. At most 100000 keys. Throws bad_usage naming
+/// the word.
 std::vector<KeyPress> parse_keys(const std::string& option, const std::string& text);
 
-/// The terminal that stdin is, handing over each key when it is pressed and showing none of them, while it lives.
-/// Ctrl-C and its like remain signals. It is restored on every way out that a program can take itself: by the
-/// destructor, and where an Interrupt ends the program. One at a time.
+/// Puts the terminal at stdin into a mode that delivers each key when it is pressed and echoes none. Ctrl-C and similar
+/// keys remain signals. The terminal is restored however palpa exits by itself: by the destructor, and also if an
+/// Interrupt ends the program. Only one object may exist at a time.
 class RawTerminal {
  public:
-  /// Throws bad_usage with `fault` where stdin is no terminal.
+  /// Throws bad_usage with `fault` if stdin is not a terminal.
   explicit RawTerminal(const std::string& fault);
   ~RawTerminal();
   RawTerminal(const RawTerminal&) = delete;
   RawTerminal& operator=(const RawTerminal&) = delete;
 
-  /// What has been pressed since, without waiting.
+  /// The bytes received since the last call, without waiting.
   std::string read();
-  /// Whatever has been pressed up to now has not been.
+  /// Discards all keys pressed so far.
   void forget();
 };
 

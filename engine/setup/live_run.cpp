@@ -20,7 +20,7 @@
 namespace palpa::setup {
 namespace {
 
-/// Both, one after the other; `first` alone where there is no second.
+/// Calls both, one after the other; only `first` if there is no second.
 template <typename... Arguments>
 std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
                                        std::function<void(Arguments...)> second) {
@@ -40,8 +40,9 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
 
 Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
   if (options.hold_auto && options.every_frame)
-    throw bad_usage("--hold auto goes without --every-frame, where frames wait for the loop and none is late");
-  if (!options.every_frame) session::go_first();  // before the device begins its threads
+    throw bad_usage(
+        "--hold auto goes without --every-frame, which makes frames wait for the loop, so that none is late");
+  if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame);
 }
 
@@ -49,7 +50,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 
 void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
-             "null, record:FILE, foci:udp:HOST:PORT, or a board; a name that is none lists them all");
+             "null, record:FILE, foci:udp:HOST:PORT, or a board; any other name lists them all");
   group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
   group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
   group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
@@ -72,8 +73,9 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
   const std::string own = session::layout_of_link(link, links);
   if (own.empty() || (!rig.rig.empty() && sensing::load_rig(rig.rig).array)) return;
   rig.layout = own;
-  log::info(fmt::format("--link {}: the array is its own, --layout {}, since neither --layout nor {} names one", link,
-                        own, rig.rig.empty() ? "a --rig" : rig.rig));
+  log::info(
+      fmt::format("--link {}: palpa uses the link's own array, --layout {}, because neither --layout nor {} names one",
+                  link, own, rig.rig.empty() ? "a --rig" : rig.rig));
 }
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
@@ -83,11 +85,10 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
   if (touch.dwell_s >= least_s) return;
-  log::warning(
-      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so --method "
-                  "single-focus is played, "
-                  "whose focus rests; give --method single-focus to have it without this line, or --dwell {:g}ms",
-                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
+  log::warning(fmt::format(
+      "--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so palpa plays --method "
+      "single-focus, whose focus does not move; give --method single-focus to avoid this warning, or --dwell {:g}ms",
+      options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
   touch.method.method = touch::Method::single_focus;
 }
 
@@ -104,7 +105,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
     : options_(settled(options, links)), stop_(&stop), prepared_(prepare_live(options_, sources)) {
   const WaitUntil until(stop);
-  // Last of all: a typing error elsewhere must not leave an empty recording behind, nor an array that is switched on.
+  // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
   }
@@ -112,7 +113,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
   link_ = open_link(links);
 }
 
-/// Where it cannot be opened there will be no frames, and no recording without any is left.
+/// If the link cannot be opened, there will be no frames, so an empty recording is removed.
 std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkKind> links) {
   try {
     session::LinkSetting setting = session().link_setting();
@@ -128,7 +129,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   session::RunOptions options = looking;
   options.frames = options_.frames;
   options.every_frame = options_.every_frame;
-  std::uint64_t out_of_order = 0;  // frames whose time a recording cannot hold; of the recorder's thread
+  std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
   std::function<void(std::span<const session::Event>)> write_events;
   std::function<void(const sensing::FrameSet&)> write_frames;
   if (sink_) write_events = [&](std::span<const session::Event> events) { sink_->write(events); };
@@ -149,7 +150,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
                              options_.record, stats.unrecorded, stats.captured));
   }
   if (out_of_order > 0) {
-    log::warning(fmt::format("{}: {} of {} frames are not in it, since the source's clock stepped back",
+    log::warning(fmt::format("{}: {} of {} frames are missing, because the source's clock stepped back",
                              options_.record, out_of_order, stats.captured));
     stats.unrecorded += out_of_order;
   }

@@ -1,5 +1,5 @@
-// One live run from its options: what `palpa run` is, and what the viewer looks on at. Everything that the options name
-// is opened once, in the order in which a fault leaves nothing behind.
+// One live run from its options, as in `palpa run` and in the viewer. Everything that the options name is opened once,
+// in an order in which an error leaves nothing behind.
 #pragma once
 
 #include <atomic>
@@ -26,35 +26,36 @@ struct LiveOptions : FrameOptions {
   bool every_frame = false;
   std::string record;
 };
-/// What stdout is told of a run when it ends, beside --json.
+/// The report on stdout at the end of a run, beside --json.
 enum class StatsFormat { none, json };
 void add_stats_option(const Group& group, StatsFormat& stats);
 
-/// Where drives go, and what else becomes of the frames.
+/// Adds the options for the link and for other outputs of the frames.
 void add_link_options(const Group& group, LiveOptions& options);
 
-/// All that such a run writes; `links` are all there are.
+/// All files that such a run writes; `links` are all known links.
 std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);
 
-/// Where neither --layout nor the rig says which array it is, that of the link's own boards, if it has any. Says so
-/// (log::info). Throws as sensing::load_rig and the link do.
+/// If neither --layout nor the rig names an array, sets the layout of the link's own boards, if it has any, and reports
+/// it (log::info). Throws as sensing::load_rig and the link do.
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
 
-/// Where the line names no method and the link cannot follow foci that move so fast, single-focus. Warns.
+/// If the command line names no method and the link cannot follow foci that move so fast, sets single-focus and warns.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun {
  public:
-  /// Loads and opens all of it. `sources` and `links` come beside palpa's own; `stop` is the run's. The calling thread,
-  /// which is to run it, goes first from here on (threads.hpp), unless every frame is looked at.
+  /// Loads and opens all of it. `sources` and `links` are added to palpa's own; `stop` is the flag of the run. The
+  /// calling thread, which must also call run(), has precedence from here on (threads.hpp), unless every frame is
+  /// processed.
   LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
           std::span<const session::LinkKind> links, std::atomic<bool>& stop);
 
   session::Session& session() { return *prepared_.session; }
   sensing::DepthSource& source() { return *prepared_.source; }
 
-  /// Session::run, once. `looking` is called beside what the options ask for, after it. Warns of frames that were not
-  /// written down. Throws as Session::run does, and what a sink or a recorder throws.
+  /// Calls Session::run; may be called only once. The functions in `looking` are called in addition to those of the
+  /// options, after them. Warns of frames that were not recorded. Throws as Session::run, the sink and the recorder do.
   session::LoopStats run(const session::RunOptions& looking = {});
 
  private:
@@ -68,10 +69,10 @@ class LiveRun {
   std::unique_ptr<session::Link> link_;
 };
 
-/// What a run has measured, for people: a line each, with that of every finger's pressure.
+/// The measurements of a run as text, one per line, including every finger's pressure.
 std::string summary(const session::LoopStats& stats);
 
-/// palpa's own links and these, which take the place of those of the same name.
+/// palpa's own links and the given ones, which replace those of the same name.
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links);
 
 }  // namespace palpa::setup

@@ -18,11 +18,11 @@ namespace palpa::setup {
 namespace {
 
 geometry::Scene read_scene(const std::string& file, const std::optional<int>& index) {
-  const Activity work("reads " + file);
+  const Activity work("reading " + file);
   return geometry::load_gltf(file, index);
 }
 
-/// A name that leads to no layout is the rig's fault, not the layout's.
+/// A name without a layout is an error of the rig, not of the layout.
 array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
   if (!array::is_layout(array.layout)) {
     throw bad_input(array.where, fmt::format("layout is {}, neither a file nor a known layout; known: {}",

@@ -1,4 +1,4 @@
-// What a session stands on, from its files: the scene's solids and the physical set-up.
+// Loads the data of a session from files: the scene's solids and the physical set-up.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@
 
 namespace palpa::setup {
 
-/// The scene's solids. With `options.surface` parts each is taken apart, unless it came as parts. Throws bad_input
-/// naming file and fault; a scene without a solid is one. Throws bad_usage for options of parts where there are none.
+/// The scene's solids. With `options.surface` parts, each solid is decomposed, unless it already consists of parts.
+/// Throws bad_input naming file and fault, also for a scene without a solid. Throws bad_usage for options of parts if
+/// there are no parts.
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene = {},
                                          const SolidOptions& options = {});
 
@@ -25,21 +26,21 @@ struct PosedRig {
   Transform T_world_layout{1.0};
 };
 
-/// A layout, and where it stands.
+/// A layout and its pose.
 struct PlacedLayout {
   array::Layout layout;  ///< in its own frame
   Transform T_world_layout{1.0};
 };
 
-/// The array of the rig or, with --layout, that layout where it stands by default; then no rig is read unless one is
-/// named. Throws as load_posed_rig does.
+/// The array of the rig, or with --layout that layout in its default pose. In the latter case, no rig is read unless
+/// one is named. Throws as load_posed_rig does.
 PlacedLayout load_placed_layout(const RigOptions& options);
 
-/// The layout of that name or file, as it stands in the world by default.
+/// The layout of that name or file, in its default pose in the world.
 array::Layout load_posed_layout(const std::string& layout);
 
-/// The rig (default: the paper's) and its array; --layout replaces the array, which then stands where that layout
-/// stands by default. Throws bad_input; of a layout that the rig names and that is none, with the rig's line.
+/// The rig (default: the paper's) and its array; --layout replaces the array, which then has the default pose of that
+/// layout. Throws bad_input; if the rig names an invalid layout, with the rig's line.
 PosedRig load_posed_rig(const RigOptions& options);
 
 }  // namespace palpa::setup

@@ -11,7 +11,7 @@
 namespace palpa::setup {
 namespace {
 
-/// All that the cameras can see.
+/// A box around everything that the cameras can see.
 Box seen_by(std::span<const sensing::Camera> cameras) {
   Box box;
   for (const sensing::Camera& camera : cameras) {

@@ -1,4 +1,4 @@
-// Where nothing is touched: how much is missing.
+// If nothing is touched: the distance that is missing.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@ namespace palpa::setup {
 struct NearestSkin {
   double distance_m;  ///< to that surface
   std::size_t solid;  ///< index into the solids
-  bool inside;        ///< below the surface: then it lies deeper than the shell is thick
+  bool inside;        ///< below the surface, so it is deeper than the thickness of the shell
 };
 
-/// Nothing without skin. Looks at every skin point, of depth images at every valid pixel, and only at those triangles
+/// Empty without skin. Looks at every skin point (with depth images, every valid pixel), but only at those triangles
 /// that may be the nearest.
 std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids, const TouchInput& input);
 /// "0.5 mm away from the surface of cube".

@@ -10,7 +10,7 @@
 namespace palpa::setup {
 namespace {
 
-/// Takes " [initial]" from the end of a help text, as Group::add put it there.
+/// Removes " [initial]", added by Group::add, from the end of a help text.
 std::string take_initial(std::string& help) {
   const std::size_t open = help.rfind(" [");
   if (open == std::string::npos || !help.ends_with(']')) return {};
@@ -19,7 +19,7 @@ std::string take_initial(std::string& help) {
   return initial;
 }
 
-/// Takes ": a|b|c", as Group::pick put it there.
+/// Removes ": a|b|c", added by Group::pick.
 std::vector<std::string> take_words(std::string& help) {
   std::vector<std::string> words;
   const std::size_t colon = help.rfind(": ");
@@ -53,7 +53,7 @@ std::vector<OptionInfo> option_table(const CLI::App& app) {
   std::vector<OptionInfo> table;
   for (const CLI::Option* option : app.get_options()) {
     if (option == app.get_help_ptr() || option == app.get_version_ptr() || option->get_lnames().empty()) continue;
-    if (option->get_group().empty()) continue;  // left out of the help
+    if (option->get_group().empty()) continue;  // not shown in the help
     OptionInfo info;
     info.name = "--" + option->get_lnames().front();
     info.heading = option->get_group();

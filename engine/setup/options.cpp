@@ -52,7 +52,7 @@ void add_allow_outside(const Group& group, CommonOptions& options) {
 
 void apply_logging(const CommonOptions& options) {
   log::set_level(options.log_level.value_or(options.quiet ? log::Level::error : log::Level::warning));
-  // Whoever asked for more than the default wants every line when it happens.
+  // With a more verbose level than the default, every line is shown at once.
   if (log::level() <= log::Level::warning) log::hold_warnings();
 }
 
@@ -95,8 +95,8 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
                  "contacts no farther apart than this are in one finger");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "depth cameras: what is wider is several fingers, patches of one finger are joined, flying pixels are "
-                 "dropped; 0: none of it");
+                 "depth cameras: wider clusters are split at valleys, patches of one finger are joined, flying pixels "
+                 "are dropped; 0: all three off");
   group.choice("--cluster", p.cluster, touch::cluster_words,
                "what is clustered into fingers: contacts, or all skin inside a solid");
   options.foci_name = foci;
@@ -104,7 +104,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20,
-                "every which focus is next; coprime to the number of foci, normally what is nearest to 0.3 of it");
+                "step from a focus to the next; coprime to the number of foci, normally the nearest to 0.3 of it");
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
   group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci",
                &options.method_given);
@@ -167,7 +167,7 @@ void add_medium_options(CLI::App& app, MediumOptions& options) {
 
 array::Medium medium(const MediumOptions& options) {
   if (options.celsius && options.sound_speed) {
-    throw bad_usage("--temperature and --sound-speed both say how fast sound is: give one of them");
+    throw bad_usage("--temperature and --sound-speed both set the speed of sound: give one of them");
   }
   array::Medium air;
   air.sound_speed = options.sound_speed ? *options.sound_speed : array::sound_speed_at(options.celsius.value_or(20.0));
@@ -203,7 +203,8 @@ void refuse_idle_air(const AirOptions& options) {
                       : options.pressure_pa != usual.pressure_pa         ? "--air-pressure"
                                                                          : nullptr;
   if (given)
-    throw bad_usage(fmt::format("{} says what air absorbs, and --no-absorption that it absorbs nothing", given));
+    throw bad_usage(fmt::format(
+        "{} sets how much air absorbs, and --no-absorption that it absorbs nothing: give one of them", given));
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
@@ -228,7 +229,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
 }
 
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
-  if (options.constraint) throw bad_usage("--constraint: " + who + ", which takes its place; leave one of them out");
+  if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
 }
@@ -247,12 +248,11 @@ std::string asks_for_finger(const DriveOptionsGroup& options) {
 
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method, FingerMesh mesh) {
   if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
-    throw bad_usage("--solver adjoint is naive with --transfer finger: leave --transfer free out");
+    throw bad_usage("--solver adjoint means naive with --transfer finger: leave --transfer free out");
   if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {
-    throw bad_usage(asks +
-                    ": no finger's mesh is known here; palpa drive --mesh and palpa simulate focus on that of theirs");
+    throw bad_usage(asks + ": this command has no finger's mesh; palpa drive --mesh and palpa simulate have one");
   }
-  if (options.pressure_pa) refuse_beside_pressure(options, "--pressure says how loud foci are");
+  if (options.pressure_pa) refuse_beside_pressure(options, "--pressure sets how loud foci are");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);
@@ -273,7 +273,7 @@ void add_array_options(CLI::App& app, ArrayOptions& options) {
 
 void check(const ArrayOptions& options) {
   if (options.layout.empty() && options.drive != DriveOptionsGroup())
-    throw bad_usage("how an array is driven goes with --layout: give the array, such as paper");
+    throw bad_usage("options for driving an array go with --layout: give the array, such as paper");
 }
 
 void add_rig_options(CLI::App& app, RigOptions& options) {

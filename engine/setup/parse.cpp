@@ -13,7 +13,7 @@
 namespace palpa::setup {
 namespace {
 
-/// What is being read when the line goes wrong: the subcommand, or else the program.
+/// The app whose options are being parsed when an error occurs: the subcommand, or otherwise the program.
 CLI::App& reading(CLI::App& app) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   return chosen.empty() ? app : *chosen.front();
@@ -27,7 +27,7 @@ std::string shown(const std::string& word) {
   return printable(word, 60);
 }
 
-/// The first word of the line that nothing took; the parser keeps them in an order of its own.
+/// The first unused word of the line. The parser keeps unused words in a different order.
 std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
   const std::vector<std::string> left = app.remaining(true);
   for (int i = 1; i < argc; ++i) {
@@ -52,13 +52,13 @@ std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
   const bool option = word.size() > 1 && word.front() == '-';
   const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
   const CLI::App& command = reading(app);
-  if (!option && has_commands && &command == &app) return fmt::format("there is no subcommand '{}'", shown(word));
-  if (!option) return fmt::format("'{}' belongs to no option: each value follows its own", shown(word));
+  if (!option && has_commands && &command == &app) return fmt::format("unknown subcommand '{}'", shown(word));
+  if (!option) return fmt::format("'{}' does not belong to an option: each value follows its own option", shown(word));
   if (&command == &app || !is_option_of(command, word))
     return fmt::format("{} has no option '{}'", name_of(app, command), shown(word));
   if (comes_before_subcommand(command, word, argc, argv))
     return fmt::format("'{}' comes before the subcommand: give it after", shown(word));
-  return fmt::format("'{}' is not read here: what comes before it ends the options", shown(word));
+  return fmt::format("'{}' is not read here: the argument before it ends the options", shown(word));
 }
 
 /// The parser's sentence begins with the option's name; a flag's lacks its dashes.
@@ -67,7 +67,7 @@ std::string mismatch(const CLI::App& command, const std::string& sentence) {
   if (!name.starts_with('-')) name.insert(0, "--");
   const CLI::Option* option = command.get_option_no_throw(name);
   if (option == nullptr) return one_line(sentence);
-  if (option->get_expected_max() == 0) return fmt::format("{} takes no value: it is on when it is given", name);
+  if (option->get_expected_max() == 0) return fmt::format("{} takes no value: give it alone", name);
   const std::size_t given = option->results().size() / static_cast<std::size_t>(option->get_expected_max());
   if (given > 1) return fmt::format("{} is given {} times: give it once", name, given);
   return fmt::format("{}: the value is missing, give {}", name, option->get_type_name());
@@ -90,7 +90,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::ArgumentMismatch& error) {
     fail(mismatch(reading(app), error.what()));
   } catch (const CLI::RequiredError&) {
-    // With a word that is no subcommand the parser misses the subcommand first.
+    // For a word that is not a subcommand, the parser first reports the missing subcommand.
     fail(app.remaining(true).empty() ? "a subcommand is required" : unexpected(app, argc, argv));
   } catch (const CLI::ParseError& error) {
     fail(one_line(error.what()));

@@ -21,7 +21,7 @@ constexpr double farthest_m = 100;
 constexpr std::uint32_t most_pixels = 65536;  // on a side
 constexpr std::uint32_t usual_pixels = 256;   // on the longer side
 constexpr std::uint32_t usual_samples = 201;
-/// What a point costs until its results are written: its place, its pressure, and both of them as text.
+/// Memory per point until its results are written: its position, its pressure, and both as text.
 constexpr std::uint64_t bytes_per_point = 160;
 
 void check_room(std::uint64_t points) {
@@ -35,7 +35,7 @@ Vec3 parse_place(const char* option, const std::string& text) {
   return {x, y, z};
 }
 
-/// The two parts of "a,b"; none where there are more or fewer.
+/// The two parts of "a,b"; empty if there are more or fewer parts.
 std::optional<std::pair<std::string_view, std::string_view>> halves(std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos || text.find(',', comma + 1) != std::string_view::npos) return {};
@@ -93,7 +93,7 @@ Places line_of(const PlaceOptions& o) {
   return line_places(from, to, o.samples.value_or(usual_samples));
 }
 
-/// What is no number is not near either.
+/// Not a number: not near.
 bool is_near(const Vec3& p) {
   return std::abs(p.x) <= farthest_m && std::abs(p.y) <= farthest_m && std::abs(p.z) <= farthest_m;
 }
@@ -186,7 +186,8 @@ Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles)
   }
   for (const glm::uvec3& t : triangles) {
     if (std::max({t.x, t.y, t.z}) >= points.size())
-      throw bad_usage(fmt::format("a triangle ({}, {}, {}) is not of the {} points", t.x, t.y, t.z, points.size()));
+      throw bad_usage(fmt::format("a triangle ({}, {}, {}) uses a point that is not among the {} given", t.x, t.y, t.z,
+                                  points.size()));
   }
   Places places;
   places.points = std::move(points);

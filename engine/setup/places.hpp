@@ -1,4 +1,5 @@
-// Where a field is looked at: a plane, a line, or the points of a file. Options, and the points that they stand for.
+// The places at which a field is computed: a plane, a line, or the points of a file. Options, and the points that they
+// mean.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ class App;
 
 namespace palpa::setup {
 
-/// Its letters say which axes run to the right and up.
+/// The letters are the axes that run to the right and up.
 enum class Plane { xy, xz, yz };
 inline constexpr Word<Plane> plane_words[] = {{"xy", Plane::xy}, {"xz", Plane::xz}, {"yz", Plane::yz}};
 
@@ -42,25 +43,25 @@ struct Grid {
 };
 
 struct Places {
-  std::vector<Vec3> points;           ///< metres; of a plane row by row from the top, of a line both ends included
-  std::optional<Grid> grid;           ///< of a plane
+  std::vector<Vec3> points;           ///< metres; for a plane, row by row from the top; for a line, including both ends
+  std::optional<Grid> grid;           ///< only for a plane
   bool line = false;                  ///< each point is joined to the next
-  std::vector<glm::uvec3> triangles;  ///< of a file that has faces: these are its vertices
+  std::vector<glm::uvec3> triangles;  ///< only for a file with faces: `points` are its vertices
 };
 
-/// The places of a plane, of a line between two points, and points as they are; all within 100 m of the origin. Throw
-/// bad_usage for a plane without extent, for more than 65,536 pixels on a side, for fewer than two samples or a line
-/// without length, for points that are farther away or no numbers, for none, and for triangles of points that are not
-/// there; failure where so many points need more memory than is free.
+/// The places of a plane, of a line between two points, and of given points; all within 100 m of the origin. Throw
+/// bad_usage for a plane without extent, more than 65,536 pixels on a side, fewer than two samples, a line without
+/// length, points that are farther away or not numbers, no points, and triangles with invalid point indices. Throw
+/// failure if the points need more memory than is free.
 Places plane_places(const Grid& grid);
 Places line_places(const Vec3& from, const Vec3& to, std::uint32_t samples);
 Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles = {});
 
-/// Throws bad_usage for options that say how a place is looked at where no place is given.
+/// Throws bad_usage for options of a place if no place is given.
 void refuse_without_place(const PlaceOptions& options);
 
-/// Throws bad_usage for no place, several of them, a plane without extent, an option that goes with another kind of
-/// place; bad_input for the file; failure where so many points need more than the memory that is free.
+/// Throws bad_usage for no place, several places, a plane without extent, or an option of another kind of place. Throws
+/// bad_input for a faulty file, and failure if the points need more memory than is free.
 Places load_places(const PlaceOptions& options);
 
 }  // namespace palpa::setup

@@ -21,18 +21,18 @@
 namespace palpa::setup {
 namespace {
 
-/// A file opened later must not land on a descriptor that the shell left closed: what is printed would go into it. A
-/// closed stdout becomes one that cannot be written, so that printing to it still fails.
+/// A file opened later must not get a descriptor that the shell left closed, because printed text would go into that
+/// file. A closed stdout is replaced by one that cannot be written, so that printing to it still fails.
 void guard_standard_streams() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY) == -1) return;
   }
 }
 
-/// A pipe that nobody reads and a file that may not grow are errors of whoever writes, and no end of the program. Where
-/// whoever started it ignores these signals they stay ignored; else they get a handler, so that setup::Interrupt can
-/// tell the two apart. Sent by another process they end the program as they end any other: a loop that is still opening
-/// its board must not go on and sound.
+/// A pipe that nobody reads and a file that may not grow are errors of the writing code and must not end the program.
+/// If the parent process ignores these signals, they stay ignored. Otherwise, they get a handler, so that
+/// setup::Interrupt can distinguish the two sources. Sent by another process, they end the program as usual: a loop
+/// that is still opening its board must not continue and sound.
 void survive_signals_of_writes() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) {
     struct sigaction action {};
@@ -69,11 +69,12 @@ int run_program(const std::function<void()>& body) {
     log::release_warnings();
   } catch (const Error& error) {
     code = report(error.code(), error.what());
-  } catch (const std::system_error& error) {  // of a thread that a library starts
+  } catch (const std::system_error& error) {  // from a thread that a library starts
     code = report(Exit::failed, is_no_thread(error) ? no_thread("a library", error).what() : error.what());
   } catch (const std::bad_alloc&) {
     code = report(Exit::failed, "out of memory");
-    // Thrown, perhaps, through a driver or a library that now keeps a lock for ever, for which its end would wait.
+    // The error may have passed through a driver or a library that now holds a lock forever. Its shutdown would wait
+    // for that lock.
     gpu::device_abandoned = true;
   } catch (const std::exception& error) {
     code = report(Exit::failed, error.what());

@@ -14,12 +14,12 @@
 namespace palpa::setup {
 namespace {
 
-/// A terminal of a program in the background belongs to another.
+/// The terminal of a background program belongs to another program.
 bool in_foreground() {
   return tcgetpgrp(STDERR_FILENO) == getpgrp();
 }
 
-/// On a line of a terminal.
+/// The text for a line of a terminal.
 std::string shown(const Doing& doing) {
   constexpr std::size_t width = 70;
   const std::string what = shortened(printable(doing.what), width);
@@ -57,7 +57,7 @@ void Progress::draw(std::uint64_t done) {
 
 Preparing::Preparing(bool quiet) : terminal_(isatty(STDERR_FILENO) != 0) {
   if (quiet || (!terminal_ && log::level() < log::Level::info)) return;
-  thread_ = try_thread([this] { watch(); });  // what is done goes on without being shown
+  thread_ = try_thread([this] { watch(); });  // the work continues without being shown
 }
 
 Preparing::~Preparing() {

@@ -1,5 +1,6 @@
-// Progress on a terminal, as a bar or as a line that says what is being done. Where stderr is no terminal nothing is
-// written, so that logs stay clean, and nothing by a program in the background, whose terminal belongs to another.
+// Progress on a terminal, as a bar or as a line that names the current step. If stderr is not a terminal, nothing is
+// written, so that logs stay clean. A program in the background writes nothing either, because its terminal belongs to
+// another program.
 #pragma once
 
 #include <chrono>
@@ -15,7 +16,7 @@ class Progress {
  public:
   /// `total` steps of `what`; 0 shows a count without a bar. Draws nothing if `quiet`.
   Progress(std::string what, std::uint64_t total, bool quiet);
-  /// Wipes the bar, so that what is printed next begins on a clean line.
+  /// Erases the bar, so that the next output begins on a clean line.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -33,13 +34,13 @@ class Progress {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// Shows what long preparation is doing (base/activity.hpp) as long as it lives: on a terminal, in the foreground, as
-/// a line that changes; else with --log-level info as a line for each thing that takes more than a moment. Without
-/// either it costs nothing.
+/// While this object lives, shows the activity of long preparations (base/activity.hpp). On a terminal, in the
+/// foreground, it is a line that changes. Otherwise, with --log-level info, it is one line for each activity that takes
+/// more than a moment. In all other cases, it costs nothing.
 class Preparing {
  public:
   explicit Preparing(bool quiet);
-  /// Wipes the line.
+  /// Erases the line.
   ~Preparing();
   Preparing(const Preparing&) = delete;
   Preparing& operator=(const Preparing&) = delete;

@@ -5,8 +5,8 @@
 namespace palpa::setup {
 namespace {
 
-/// A gap between four transducers lies at every whole number of pitches from the middle of a board with an even number
-/// of them along both sides; the fifth is outside of the stump.
+/// On a board with an even number of transducers along both sides, there is a gap between four transducers at every
+/// whole number of pitches from the middle. The fifth is outside the stump.
 constexpr double gaps = 5;
 constexpr double autd3_pitch_m = 10.16e-3, square_pitch_m = 10.5e-3;
 

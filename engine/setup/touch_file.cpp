@@ -26,7 +26,7 @@ using geometry::gltf::Json;
 constexpr std::uint64_t most_bytes = 64u << 20;
 constexpr double shortest_dwell_s = 1e-6, longest_dwell_s = 10;
 
-/// In which order sectors play, and for how long.
+/// The order in which sectors play, and their dwell.
 struct Playing {
   std::vector<std::uint32_t> order;  ///< of foci
   bool together = false;             ///< all at once, not one after the other
@@ -91,7 +91,8 @@ bool read_voice(const Item& finger, std::uint32_t index, const Playing& common, 
   if (finger.has("gain")) options.gain = number(finger, "gain", 0, 1);
   if (finger.has("asked_pa")) {
     const double asked = number(finger, "asked_pa", 0, array::most_pressure_pa);
-    if (asked > 0 && options.gain > 0) options.pressure_pa = asked / options.gain;  // a voice asks at a gain of 1
+    // a voice's request is for a gain of 1
+    if (asked > 0 && options.gain > 0) options.pressure_pa = asked / options.gain;
   }
   options.modulation_hz = 0;
   session::make_voice(placement, index, 0, options, voice);
@@ -99,7 +100,7 @@ bool read_voice(const Item& finger, std::uint32_t index, const Playing& common, 
     if (foci->size() > 1 && sector >= foci->size())
       finger.fail(fmt::format("its order plays focus {} of {} foci", sector, foci->size()));
   }
-  if (placement.still()) return playing.together;  // one focus, or all of them: there is no order
+  if (placement.still()) return playing.together;  // one focus, or all of them at once: there is no order
   voice.order = playing.order;
   return false;
 }
@@ -113,7 +114,7 @@ PlayedTouch load_touch(const std::filesystem::path& file) {
   const Json& json = parsed.json();
   const auto has = [&](const char* key, Json::value_t type) { return json.contains(key) && json[key].type() == type; };
   if (!json.is_object() || !has("fingers", Json::value_t::array) || !has("schedule", Json::value_t::object))
-    throw bad_input(name, "is no touch: give what palpa touch --json wrote");
+    throw bad_input(name, "is not a touch: give a file that palpa touch --json wrote");
   if (json["fingers"].empty()) throw bad_input(name, "the touch has no finger: nothing sounds");
   if (json["fingers"].size() > touch::max_fingers) {
     throw bad_input(name, fmt::format("the touch has {} fingers; palpa touch writes at most {}", json["fingers"].size(),

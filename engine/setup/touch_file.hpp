@@ -1,4 +1,4 @@
-// What `palpa touch --json` wrote, read back as what it plays. The format is in docs/files.md.
+// Reads the output of `palpa touch --json` back as a schedule. The format is in docs/files.md.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@ namespace palpa::setup {
 
 struct PlayedTouch {
   array::Schedule schedule;
-  bool together = false;  ///< fingers' foci sound together: the method was multi-focus
+  bool together = false;  ///< the foci of a finger sound together; the method was multi-focus
 };
 
-/// One voice per finger, in the file's order, which is its id: foci in the world (an empty sector has its neighbour's,
-/// as it plays), the finger's own order and dwell or the common ones, its gain and the pressure that it asks for. A
-/// finger whose foci stand still has no modulation here: it is as loud as at its crest. A slot is as long as the
-/// shortest dwell. Throws bad_input: no touch, a focus, an order or a dwell that cannot be, no finger, more fingers
-/// than a touch has.
+/// One voice per finger; its id is the position in the file. A voice has foci in the world (an empty sector has its
+/// neighbour's focus, as it is played), the finger's own order and dwell or the common ones, its gain and its requested
+/// pressure. A finger with foci that stand still has no modulation here; it is as loud as at its crest. A slot is as
+/// long as the shortest dwell. Throws bad_input if the file is not a touch, for an invalid focus, order or dwell, for
+/// no finger, and for more fingers than a touch can have.
 PlayedTouch load_touch(const std::filesystem::path& file);
 
 }  // namespace palpa::setup

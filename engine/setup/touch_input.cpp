@@ -77,7 +77,7 @@ std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
     const sensing::Rig one = sensing::load_rig(file);
     if (one.cameras.size() != 1) {
       throw bad_input(file,
-                      fmt::format("has {} cameras where --camera wants one; --rig takes several", one.cameras.size()));
+                      fmt::format("has {} cameras, but --camera takes one; --rig takes several", one.cameras.size()));
     }
     cameras.push_back(one.cameras.front());
     if (const std::uint64_t pixels = sensing::padded_pixels(cameras); pixels > sensing::most_pixels) {

@@ -1,4 +1,4 @@
-// What touches: skin points from a file or from depth images. And the options that say so, with the scene's.
+// The skin of a touch: skin points from a file or from depth images. Also the options for it and for the scene.
 #pragma once
 
 #include <cstdint>
@@ -29,26 +29,26 @@ struct TouchInputOptions {
   std::optional<double> penetration_m;
 };
 void add_touch_input(CLI::App& app, TouchInputOptions& options);
-/// Throws bad_usage for what is missing or excludes each other.
+/// Throws bad_usage for options that are missing or exclude each other.
 void check(const TouchInputOptions& options);
 
 struct TouchInput {
   std::vector<sensing::SkinPoint> points;  ///< from --points
-  std::vector<sensing::Camera> cameras;    ///< from --depth: then `frames` has one for each
+  std::vector<sensing::Camera> cameras;    ///< from --depth; then `frames` has one frame for each
   std::vector<sensing::DepthFrame> frames;
-  std::uint64_t point_count = 0;  ///< skin points in all, of depth images the valid pixels
+  std::uint64_t point_count = 0;  ///< total number of skin points; with depth images, of valid pixels
 };
 
-/// Skin points in metres, world; their indices are their places. Throws bad_input naming `file` for coordinates that
-/// no single-precision number can hold.
+/// Skin points in metres, world; their indices are their positions in the list. Throws bad_input naming `file` for
+/// coordinates outside the range of single precision.
 TouchInput skin_points(const std::string& file, std::span<const Vec3> positions);
 
-/// Reads the files of the skin, which --penetration shifts by how high `solids` are. Throws bad_input naming file and
-/// fault.
+/// Reads the files of the skin. --penetration shifts the skin relative to the top of `solids`. Throws bad_input naming
+/// file and fault.
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);
 
-/// What --penetration adds to the points' y, so that the lowest of them, of which there is one at least, lies that far
-/// below the highest point of the solids.
+/// The shift along y for --penetration: afterwards, the lowest point lies that far below the highest point of the
+/// solids. There must be at least one point.
 double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration_m);
 
 }  // namespace palpa::setup

@@ -15,27 +15,27 @@
 
 namespace palpa::setup {
 
-/// Stages in the order they ran, and how long each took.
+/// Stages in the order they ran, with their times in ms.
 using StepTimes = std::vector<std::pair<std::string, double>>;
 
-/// A session and what its frame touches.
+/// A session and the touch of its frame.
 struct OneTouch {
-  std::unique_ptr<gpu::Device> device;  ///< none on the CPU
+  std::unique_ptr<gpu::Device> device;  ///< null on the CPU
   session::Session session;
   const touch::Touch& touch;  ///< the session's
 };
 
-/// What sounds for it. Without transducers nothing does.
+/// The array of the touch. Without transducers, nothing sounds.
 struct TouchArray {
   array::Layout layout;  ///< in the world
   array::DriveOptions drive;
-  std::optional<double> pressure_pa{};           ///< asked for at each focus
+  std::optional<double> pressure_pa{};           ///< requested at each focus
   const acoustics::FocusField* field = nullptr;  ///< see SessionSetting
 };
 
-/// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, of which `scene` is the file, and the drives of
-/// `array`; adds the stages' times. Throws bad_usage where there are more points than the backend can hold and on
-/// parameters that do not fit the scene, else as Session does.
+/// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, whose file is `scene`, and the drives of
+/// `array`. Adds the stages' times to `times`. Throws bad_usage for more points than the backend can hold and for
+/// parameters that do not fit the scene, otherwise as Session does.
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
                     TouchArray array, StepTimes& times);

@@ -34,7 +34,7 @@ std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule,
   std::vector<acoustics::Spectrum> spectra;
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
-    // A dwell that is no whole number of slots is one on average: what is shown is the dwell as it was asked for.
+    // A dwell that is not a whole number of slots is kept only on average. The requested dwell is shown.
     const bool moves = voice.order.size() > voice.foci_per_slot;
     spectra.push_back(acoustics::spectrum_of(voice, moves ? voice.dwell_s : schedule.slot_s, options));
   }

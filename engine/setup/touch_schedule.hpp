@@ -1,4 +1,4 @@
-// What the options say about the schedules of fingers, and what skin feels of them.
+// From the options to the schedules of fingers, and to what skin feels of them.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,15 @@
 
 namespace palpa::setup {
 
-/// Of a loop, where --tune chooses strides.
+/// For a loop, where --tune chooses strides.
 session::ScheduleOptions schedule_options(const TouchOptions& options);
-/// Of a single touch, where --tune chooses foci and, in the range that `felt` gives, dwells as well.
+/// For a single touch, where --tune chooses foci and also dwells, within the range in `felt`.
 session::ScheduleOptions schedule_options(const TouchOptions& options, const FeltOptions& felt);
 
-/// What skin feels of each finger of the session's newest frame: of its field or, where it has none, of spots.
+/// What skin feels of each finger of the session's newest frame, computed from the session's field, or from spots if
+/// there is none.
 std::vector<acoustics::Spectrum> spectra_of(const session::Session& session);
-/// The same of what plays, one per voice.
+/// The same for a schedule, one per voice.
 std::vector<acoustics::Spectrum> spectra_of(const array::Schedule& schedule, const acoustics::SpectrumOptions& options);
 
 }  // namespace palpa::setup

@@ -13,7 +13,7 @@
 namespace palpa::setup {
 namespace {
 
-/// The text of a value in a message: control characters and endless values would spoil its one line.
+/// The text of a value in a message. Control characters and very long values must not break its single line.
 std::string shown(const std::string& text) {
   constexpr std::size_t most = 60;
   return text.size() <= most ? text : text.substr(0, most) + "...";
@@ -116,7 +116,7 @@ std::string format_quantity(double value, Quantity quantity) {
   }
   std::string scaled = fmt::format("{}{}", value * unit.per_si, unit.name);
   if (parse_quantity(scaled, quantity) == value) return scaled;
-  // Scaling rounded: then the SI number itself is the shortest exact text.
+  // If scaling rounds the value, the SI number itself is the shortest exact text.
   return fmt::format("{}", value);
 }
 
@@ -151,7 +151,7 @@ std::array<double, 3> parse_direction(const std::string& option, const std::stri
   std::array<double, 3> way = parse_point(option, text);
   const double largest = largest_of(way);
   if (!(largest > 0))
-    throw bad_usage(fmt::format("{}: '{}' is no direction; give one such as 0,0,1", option, shown(text)));
+    throw bad_usage(fmt::format("{}: '{}' is not a direction; give one such as 0,0,1", option, shown(text)));
   if (largest > 1e-100 && largest < 1e100) return way;
   for (double& number : way)
     number /= largest;
@@ -264,7 +264,7 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
           help)
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false)  // else "[a,b]" would be taken apart
+      ->allow_extra_args(false)  // otherwise, "[a,b]" would be split
       ->type_name(type)
       ->group(heading_);
 }
@@ -303,7 +303,7 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
         for (std::size_t i = 0; i < words.size(); ++i) {
           if (words[i] == text) return chosen(i);
         }
-        throw bad_usage(fmt::format("{}: '{}' is none of {}", name, shown(text), list));
+        throw bad_usage(fmt::format("{}: '{}' is not one of {}", name, shown(text), list));
       });
 }
 

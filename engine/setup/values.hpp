@@ -1,5 +1,6 @@
-// Options of a command line, typed: each names its unit, its default and its range in --help, and a bad value names
-// option, value and what would be right. The parser's own header stays out of the commands' files.
+// Typed options of a command line. Each shows its unit, default and range in --help. The error for an invalid value
+// names the option, the value and the valid values. With this header, the commands' files need not include the parser's
+// own header.
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@ class App;
 
 namespace palpa::setup {
 
-/// Bounds of a number, both included unless `open` leaves the low end out.
+/// Bounds of a number, both included; `open` excludes the lower bound.
 struct Range {
   double low = 0;
   double high = 1e300;
@@ -32,9 +33,9 @@ constexpr Range positive(double high = 1e300) {
   return {0, high, true};
 }
 
-/// The options under one heading of a subcommand's help. Targets must outlive the parse; what they hold when an option
-/// is added is its default, and is shown. A bad value throws bad_usage while parsing. Without a heading help leaves
-/// them out.
+/// The options under one heading of a subcommand's help. Targets must outlive the parsing. The value of a target when
+/// the option is added is the default and is shown in the help. An invalid value throws bad_usage during parsing.
+/// Without a heading, the options are not shown in the help.
 class Group {
  public:
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
@@ -44,7 +45,7 @@ class Group {
                 const std::string& help) const;
   void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
                 const std::string& help) const;
-  /// The same, or "auto", which leaves `target` as it is.
+  /// The same, or "auto", which leaves `target` unchanged.
   void quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity, const Range& range,
                         const std::string& help) const;
   /// A number without a unit; `type` is its placeholder in the help.
@@ -58,24 +59,24 @@ class Group {
                const std::string& help) const;
   void integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low, std::uint32_t high,
                const std::string& help) const;
-  /// A large whole number, which may be given in thousands or millions: 400000, 400k, 1M.
+  /// A large whole number, optionally in thousands or millions: 400000, 400k, 1M.
   void count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
              const std::string& help) const;
-  /// Any text, such as a file's name; empty is refused. `check` throws bad_usage for what it cannot be, whether or not
-  /// anything reads it later.
+  /// Any text, such as a file name; empty text is refused. `check` throws bad_usage for invalid text, even if nothing
+  /// uses it later.
   using Check = std::function<void(const std::string& text)>;
   void text(const std::string& name, std::string& target, const std::string& type, const std::string& help,
             const Check& check = {}) const;
   /// A point "X,Y,Z", as parse_point reads it, no farther from the origin than farthest_point_m along any axis.
   void point(const std::string& name, std::string& target, const std::string& help) const;
-  /// An option that may be given again and again, one value each time.
+  /// An option that may be given several times, with one value each time.
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
              const std::string& help, const Check& check = {}) const;
   /// Two texts after one another: "--line A B".
   void pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
             const std::string& help) const;
   void flag(const std::string& name, bool& target, const std::string& help) const;
-  /// One of several words, most often those of an enum's table. `given`: set where the option is on the line.
+  /// One of several words, usually those of an enum's table. `given`: set to true if the option is on the line.
   template <typename T, std::size_t count>
   void choice(const std::string& name, T& target, const Word<std::type_identity_t<T>> (&words)[count],
               const std::string& help, bool* given = nullptr) const {
@@ -114,14 +115,14 @@ class Group {
   std::string heading_;
 };
 
-/// "1.5mm", "1.5ms", "40kHz", "343m/s": the shortest text that reads back as `value`, in the unit people would use.
+/// "1.5mm", "1.5ms", "40kHz", "343m/s": the shortest text that reads back as `value`, in a common unit.
 std::string format_quantity(double value, Quantity quantity);
 
-/// Of Group::point: beyond, nothing is exact any more.
+/// Limit for Group::point; beyond it, results are not exact.
 inline constexpr double farthest_point_m = 1e4;
 /// Three numbers "x,y,z" with optional length units; throws bad_usage naming the option.
 std::array<double, 3> parse_point(const std::string& option, const std::string& text);
-/// A direction "x,y,z", scaled where its squares would be no numbers. Throws bad_usage for 0,0,0.
+/// A direction "x,y,z", scaled if its squares would overflow or underflow. Throws bad_usage for 0,0,0.
 std::array<double, 3> parse_direction(const std::string& option, const std::string& text);
 
 }  // namespace palpa::setup

@@ -14,7 +14,7 @@ namespace {
 
 void warn_of_dwell(const std::string& where, double dwell_s) {
   if (dwell_s <= longest_usual_dwell_s) return;
-  log::warning(fmt::format("{} of {} is long: what stays in a place for more than {} is felt as jumps", where,
+  log::warning(fmt::format("{} of {} is long: a focus that stays in a place for more than {} is felt as jumps", where,
                            format_quantity(dwell_s, Quantity::time),
                            format_quantity(longest_usual_dwell_s, Quantity::time)));
 }
@@ -47,7 +47,8 @@ void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid>
 
 std::string linear_line() {
   return fmt::format(
-      "above {} kPa linear acoustics ends: what sounds is less, and partly at multiples of the frequency\n",
+      "above {} kPa, linear acoustics no longer holds: the real pressure is lower, and partly at multiples of the "
+      "frequency\n",
       array::linear_pressure_pa / 1e3);
 }
 

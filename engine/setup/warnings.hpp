@@ -1,4 +1,4 @@
-// What can be done but can hardly be meant: each function tells it in one line of warning.
+// Warnings of values that are possible but probably not intended. Each function writes one line of warning.
 #pragma once
 
 #include <span>
@@ -14,17 +14,17 @@ namespace palpa::setup {
 /// A focus that lasts longer than this is felt as a jump from place to place, seconds.
 inline constexpr double longest_usual_dwell_s = 50e-3;
 
-/// Of --dwell, and of the solids that ask for one of their own.
+/// For --dwell, and for solids with their own dwell.
 void warn_of_dwell(const TouchOptions& options);
 void warn_of_dwell(std::span<const geometry::Solid> solids);
 
-/// A drive's frequency that is not what the layout's transducers are made for.
+/// For a drive frequency for which the layout's transducers are not made.
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium);
 
-/// Solids on which every focus would be out of the array's reach. All in the world.
+/// For solids on which every focus would be out of the array's reach. All values are in the world.
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids);
 
-/// What a summary says where a focus has more than array::linear_pressure_pa.
+/// The line of a summary if a focus has more pressure than array::linear_pressure_pa.
 std::string linear_line();
 
 }  // namespace palpa::setup

@@ -1,4 +1,4 @@
-// What may be asked of a scene.
+// The check of the parameters for a scene.
 #pragma once
 
 #include "touch/contacts/prepared_solids.hpp"
@@ -6,9 +6,10 @@
 
 namespace palpa::touch {
 
-/// Throws bad_usage unless delta and finger gap are finite and positive, the finger width finite and not negative, 1 <=
-/// foci <= max_foci, the solids are prepared for these parameters, and the gap is not so small against the largest
-/// solid (1/18,000 of half its size) that single precision could not place a contact in a cell.
+/// Throws bad_usage unless all of these hold: delta and finger gap are finite and positive, the finger width is finite
+/// and not negative, 1 <= foci <= max_foci, and the solids are prepared for these parameters. Also throws bad_usage if
+/// the gap is so small compared with the largest solid (1/18,000 of half its size) that single precision could not
+/// place a contact in a cell.
 void check_parameters(const Parameters& parameters, const PreparedSolids& solids);
 
 }  // namespace palpa::touch

@@ -27,22 +27,23 @@ class HostStage {
   /// "foci", "glide".
   using Mark = std::function<void(const char*)>;
 
-  /// Without cameras every frame is a set of skin points. There is room for any frame, and contacts are there whatever
-  /// the setting's detail. Throws bad_usage on solids, cameras and parameters that cannot be used.
+  /// Without cameras, every frame is a set of skin points. There is room for any frame, and contacts are always filled
+  /// in, whatever the setting's detail. Throws bad_usage for invalid solids, cameras and parameters.
   explicit HostStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
                      const StageSetting& setting = {});
 
   const StageSetting& setting() const { return setting_; }
   const PreparedSolids& solids() const { return solids_; }
-  /// From the next touch on the solid is where T_world_rest takes it; see touch::set_pose.
+  /// Takes effect from the next touch(); see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
 
   /// See Stage.
   void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
   std::uint32_t most_pixel_stride() const;
 
-  /// What the frame captured at `time_s` shows: one image per camera, or points whose indices ascend. Where fingers are
-  /// followed, frames come in the order of their capture. Throws bad_usage for images that do not fit the cameras.
+  /// Computes the touch of the frame captured at `time_s`, from one image per camera or from points with ascending
+  /// indices. If fingers are followed, frames must come in the order of their capture. Throws bad_usage for images that
+  /// do not fit the cameras.
   void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0, const Mark& mark = {});
   void touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s = 0, const Mark& mark = {});
 

@@ -1,4 +1,4 @@
-// All pipelines of touching. One for a device, whatever number of stages works on it.
+// All pipelines of touching. One object per device, shared by all stages on it.
 #pragma once
 
 #include <mutex>
@@ -18,8 +18,8 @@
 
 namespace palpa::touch {
 
-/// A stage tells the passes what it needs when it is made; what others have asked for before is there already. So no
-/// pipeline is made while frames run, and none that nobody needs. `device` outlives it.
+/// Each stage requests the pipelines it needs when it is made. Pipelines that exist already are reused. No pipeline is
+/// made while frames run, and none is made that no stage needs. `device` must outlive this object.
 class Passes {
  public:
   explicit Passes(const gpu::Device& device);
@@ -30,7 +30,8 @@ class Passes {
 
  private:
   friend class Stage;
-  /// Makes what is missing for frames of these. Other threads may go on recording what they are prepared for.
+  /// Makes the pipelines that are missing for these arguments. Meanwhile, other threads may record with pipelines that
+  /// are already prepared.
   void prepare(const PreparedSolids& solids, const sensing::RayTables& tables, const StageSetting& setting);
 
   const gpu::Device& device_;

@@ -1,18 +1,18 @@
-// How much of one frame the passes' memory takes.
+// The capacity of the passes' memory for one frame.
 #pragma once
 
 #include <cstdint>
 
 namespace palpa::touch {
 
-/// What there is beyond that is left out; the passes' totals tell. A StageMemory decides it (stage.hpp).
+/// Anything beyond this capacity is left out; the passes' totals report it. StageMemory sets the capacity (stage.hpp).
 struct Room {
   std::uint32_t points = 0;    ///< skin points, at most shader::contacts_most_points
   std::uint32_t contacts = 0;  ///< at most `points`
-  std::uint32_t deep = 0;      ///< deep points, at most `points`; 0 where nobody asks for them
+  std::uint32_t deep = 0;      ///< deep points, at most `points`; 0 if they are not requested
   bool inside = false;         ///< deep points are clustered, too
 
-  /// Points that are clustered. A point is a contact or deep, never both.
+  /// The number of points that are clustered. A point is a contact or a deep point, never both.
   std::uint32_t clustered() const {
     const std::uint32_t both = contacts + (inside ? deep : 0);
     return both < points ? both : points;

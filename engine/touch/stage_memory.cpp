@@ -16,11 +16,11 @@
 namespace palpa::touch {
 namespace {
 
-/// Contacts of one frame of cameras, where nobody says.
+/// Default number of contacts of one frame with cameras.
 constexpr std::uint32_t usual_contacts = 262'144;
 constexpr std::uint32_t least_points = 4096;
 
-/// Room for a frame of so many skin points: the one place where that is decided.
+/// Room for a frame with this many skin points. This is the only place that decides it.
 Room room_for(const StageSetting& setting, std::uint32_t points, std::uint32_t contacts) {
   Room room{.points = std::max(points, 1U), .inside = setting.parameters.cluster == Cluster::inside};
   room.contacts = std::clamp(setting.most_contacts != 0 ? setting.most_contacts : contacts, 1U, room.points);
@@ -54,7 +54,7 @@ void StageMemory::make(const Room& room) {
   if (cameras) {
     crops_.reserve(tables.cameras.size());
     depth_ = gpu::Upload(device, sensing::packed_bytes(tables), "depth frames");
-    // For every pixel, so that the total is that of all: read() says when it is beyond the room.
+    // One for every pixel, so that the total counts all points; read() reports if it exceeds the room.
     seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");
     seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
     skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables), "skin");
@@ -99,7 +99,7 @@ void StageMemory::set(std::span<const sensing::SkinPoint> points) {
     throw bad_usage(fmt::format("{} skin points in one frame: there is room for {}", points.size(), most));
   }
   const auto count = static_cast<std::uint32_t>(points.size());
-  // Powers of two, so that a cloud that grows needs new memory only now and then.
+  // Powers of two, so that a growing cloud needs new memory only occasionally.
   if (count > room_.points || room_.points == 0) {
     const std::uint32_t some = std::min(std::bit_ceil(std::max(count, least_points)), most);
     make(room_for(setting, some, some));

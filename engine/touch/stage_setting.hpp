@@ -1,4 +1,4 @@
-// What a stage of touching is told, once: when it is made.
+// The settings of a stage, given once when it is made.
 #pragma once
 
 #include <algorithm>
@@ -8,31 +8,32 @@
 
 namespace palpa::touch {
 
-/// Shorter than what FrameClock makes of a clock that is set back.
+/// Shorter than the time that FrameClock reports if a clock is set back.
 inline constexpr double longest_memory_s = 3600;
 
 struct StageSetting {
   Parameters parameters;
   Detail detail = Detail::contacts;
-  /// Fingers keep their ids from frame to frame: frames come in the order of their capture. Otherwise each frame stands
-  /// alone, and the next three say nothing.
+  /// Fingers keep their ids from frame to frame; frames must come in the order of their capture. If false, each frame
+  /// stands alone and the next three members have no effect.
   bool follow = false;
   Axes axes = Axes::steady;
   Smoothing smoothing = Smoothing::one_euro;
-  /// A finger that nobody sees is remembered that long, at least 0.3 s: no shorter than frames may be apart.
+  /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
+  /// between frames.
   double memory_s = 0;
 
   std::uint32_t memory_us() const {
     return static_cast<std::uint32_t>(std::clamp(memory_s, 0.3, longest_memory_s) * 1e6);
   }
   bool glides() const { return follow && smoothing == Smoothing::one_euro; }
-  /// Whether depth frames, where there are `cameras`, say which clusters are fingers: what is several is split, patches
-  /// are joined across hidden skin.
+  /// Whether depth frames, if there are `cameras`, decide which clusters are fingers: clusters of several fingers are
+  /// split, and patches are joined across hidden skin.
   bool looks_again(bool cameras) const { return cameras && parameters.finger_width_m > 0; }
 
-  // On the device only, most of what one frame has; more is an error that read() reports. 0: the stage decides. With
-  // cameras it has room for every pixel, and for 262,144 contacts; points from elsewhere get as much room as they need,
-  // be they all contacts.
+  // On the device only: the maximum numbers of one frame. If a frame has more, read() reports an error. 0: the stage
+  // decides. With cameras, it has room for every pixel and for 262,144 contacts. For points from another source, there
+  // is as much room as they need, even if all of them are contacts.
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points
   std::uint32_t most_contacts = 0;
 };

@@ -1,5 +1,5 @@
-// What touching yields: contacts, fingers, cross-sections and foci. The rules for what the paper leaves open are
-// in docs/touch.md.
+// The results of touching: contacts, fingers, cross-sections and foci. docs/touch.md has the rules for everything that
+// the paper leaves open.
 #pragma once
 
 #include <array>
@@ -14,26 +14,27 @@ namespace palpa::touch {
 
 /// How a cross-section is divided among its foci.
 enum class Spacing {
-  angle,  ///< Eq. (7): sectors of equal angle, once both axes are scaled to equal variance
+  angle,  ///< Eq. (7): sectors of equal angle, after both axes are scaled to equal variance
   arc,    ///< sectors that cut the cross-section's outline into pieces of equal length
 };
 inline constexpr Word<Spacing> spacing_words[] = {{"angle", Spacing::angle}, {"arc", Spacing::arc}};
 
-/// What Euclidean clusters are of: contacts (a finger's ring where it enters the solid), or all skin inside the solid,
-/// contacts and deep points, the other reading of the paper's III-D; a cluster's contacts are then one finger.
+/// The members of Euclidean clusters. `contacts`: the ring of a finger where it enters the solid. `inside`: all skin
+/// inside the solid, contacts and deep points, which is the other reading of the paper's III-D; the contacts of a
+/// cluster are then one finger.
 enum class Cluster { contacts, inside };
 inline constexpr Word<Cluster> cluster_words[] = {{"contacts", Cluster::contacts}, {"inside", Cluster::inside}};
 
-/// Of fingers that are followed from frame to frame: which way their cross-sections face.
+/// For fingers that are followed from frame to frame: the orientation of their cross-sections.
 enum class Axes {
-  steady,      ///< turned the least that they must from the frame before
+  steady,      ///< turned as little as possible from the previous frame
   covariance,  ///< the principal axes of each frame by itself, as in the paper
 };
 inline constexpr Word<Axes> axes_words[] = {{"steady", Axes::steady}, {"covariance", Axes::covariance}};
 
-/// Of fingers that are followed: what keeps their foci from jumping.
+/// For fingers that are followed: the smoothing that keeps their foci from jumping.
 enum class Smoothing {
-  one_euro,  ///< foci are filtered in the finger's own frame, and those of sectors that empty glide (glide_pass.hpp)
+  one_euro,  ///< foci are filtered in the finger's own frame, and foci of emptying sectors glide (glide_pass.hpp)
   none,
 };
 inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
@@ -41,22 +42,22 @@ inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::on
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
-  std::uint32_t min_points = 5;  ///< clusters with fewer contacts are no finger
+  std::uint32_t min_points = 5;  ///< clusters with fewer contacts are not fingers
   std::uint32_t foci = 10;       ///< N, 1 to max_foci; a solid may have its own
   Spacing spacing = Spacing::angle;
-  /// With depth frames: clusters wider than this may be several fingers (touch/split/split_twin.hpp), patches that are
-  /// together no wider may be one whose skin between them no camera sees (touch/bridge/bridge_twin.hpp), and flying
-  /// pixels are none. 0: every cluster is a finger of its own.
+  /// With depth frames: a cluster wider than this may be several fingers (touch/split/split_twin.hpp), patches that are
+  /// together no wider may be one finger with hidden skin between them (touch/bridge/bridge_twin.hpp), and flying
+  /// pixels are not fingers. 0: every cluster is one finger.
   double finger_width_m = 25e-3;
   Cluster cluster = Cluster::contacts;
   bool deep = false;  ///< also find the deep points: inside a solid, delta or deeper
 
-  /// `inside` needs the deep points whether or not anybody else asks for them.
+  /// `inside` needs the deep points even if nobody requests them.
   bool wants_deep() const { return deep || cluster == Cluster::inside; }
 };
 
-/// What the host wants to read of a frame: fingers with their foci, or every contact and whose it is as well. With
-/// staging every contact that there is room for is copied, 8 MB by default: ask only where somebody looks.
+/// The data that the host reads of a frame: fingers with their foci, or also every contact and its finger. With
+/// staging, every contact that there is room for is copied, 8 MB by default. Request contacts only if they are used.
 enum class Detail { fingers, contacts };
 
 inline constexpr std::uint32_t max_foci = 64;
@@ -70,52 +71,52 @@ struct Contact {
   glm::vec3 position{};     ///< metres, world
 };
 
-/// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. A single frame's are the principal ones: w3
-/// has y >= 0 (lying within 1e-6 of the horizontal: z, then x, positive), w1's largest component is positive, w2 = w3 x
-/// w1. Of a finger that is followed with steady axes, w3 is the principal one with the sign that is nearer to the frame
-/// before, or where that is not clear points along depth's gradient, and w1 and w2 have turned the least they could:
-/// they are then not the principal ones.
+/// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. In a single frame, they are the principal
+/// axes: w3 has y >= 0 (if it is within 1e-6 of the horizontal: z, then x, positive), w1's largest component is
+/// positive, w2 = w3 x w1. If a finger is followed with steady axes, w3 is the principal axis with the sign that is
+/// nearer to the previous frame. If that is not clear, w3 points along the gradient of depth. w1 and w2 are turned as
+/// little as possible, so they are not the principal axes.
 struct CrossSection {
   glm::vec3 centroid{};
   std::array<glm::vec3, 3> axes{};     ///< w1, w2, w3
-  std::array<float, 3> eigenvalues{};  ///< m^2, never negative: of the plane's principal directions, along w3
+  std::array<float, 3> eigenvalues{};  ///< m^2, never negative: the plane's two principal directions, then w3
   glm::vec2 turn{1, 0};                ///< the first principal direction is turn.x w1 + turn.y w2
-  glm::vec3 lean{};  ///< covariance of the contacts' depth with their place, m^2: where they lie deeper
+  glm::vec3 lean{};  ///< covariance of the contacts' depth with their place, m^2: points to where they are deeper
 };
 
 struct Focus {
-  /// Eq. (6), metres, world; where points == 0 meaningless, unless the finger's foci are all placed.
+  /// Eq. (6), metres, world. Meaningless if points == 0, unless the finger's foci are all placed.
   glm::vec3 position{};
   std::uint32_t points = 0;  ///< |C_n|: contacts in the sector
-  bool held = false;         ///< of a sector that is empty, but was not shortly before
+  bool held = false;         ///< the sector is empty, but was not shortly before
 };
 
 struct Finger {
-  std::uint32_t id = 0;  ///< the same from frame to frame where fingers are followed; in a single frame its index
+  std::uint32_t id = 0;  ///< stays the same from frame to frame if fingers are followed; in a single frame, the index
   std::uint32_t solid = 0;
   std::uint32_t contact_count = 0;
-  /// Indices into the touch's contacts, ascending; empty where contacts were not asked for (touch::Detail).
+  /// Indices into the touch's contacts, ascending; empty if contacts were not requested (touch::Detail).
   std::vector<std::uint32_t> contacts;
   CrossSection section;
   std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
-  bool placed = false;      ///< every focus has a position, smoothed over time: that of an empty sector, too
-  /// Fewer than 3 contacts, coincident or collinear ones: no cross-section; one focus at the centroid,
+  bool placed = false;      ///< every focus has a position smoothed over time, even those of empty sectors
+  /// Fewer than 3 contacts, or coincident or collinear ones: no cross-section, but one focus at the centroid,
   /// amplitude-modulated.
   bool point_like = false;
-  float depth_m = 0;  ///< of its deepest skin point, see find_depths
+  float depth_m = 0;  ///< depth of its deepest skin point, see find_depths
 };
 
-/// Reused from frame to frame: what its vectors have allocated is kept.
+/// Reused from frame to frame; the vectors keep their allocations.
 struct Touch {
-  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty where not asked for
-  /// Where asked for: skin points inside a solid at delta or deeper, in no solid's shell; ascending by point. Their
-  /// depth is exact in convex solids, elsewhere at most 2 % too large.
+  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty if not requested
+  /// If requested: skin points inside a solid at delta or deeper and in no solid's shell, ascending by point. Their
+  /// depth is exact in convex solids, in others at most 2 % too large.
   std::vector<Contact> deep;
   /// Ordered by their smallest contact; only the first `finger_count` are valid.
   std::vector<Finger> fingers;
   std::uint32_t finger_count = 0;
-  /// Clusters of at least min_points contacts. More than max_fingers: the largest are fingers, of equally large ones
-  /// those with the smallest first contacts.
+  /// The number of clusters of at least min_points contacts. If there are more than max_fingers, only the largest are
+  /// fingers; among equally large ones, those with the smallest first contacts.
   std::uint32_t cluster_count = 0;
 };
 

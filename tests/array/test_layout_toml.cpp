@@ -97,9 +97,9 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
             "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, "
             "frequency_hz, unit, transducer");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd4\"\n" + pose),
-            "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
+            "line 2: type is not a known board; known: autd3, openmpd, sonicsurface");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"paper\"\n" + pose),
-            "line 2: type is no known board; known: autd3, openmpd, sonicsurface");
+            "line 2: type is not a known board; known: autd3, openmpd, sonicsurface");
   EXPECT_EQ(fault_of("[[unit]]\ntype = 3\n" + pose), "line 2: type must be a text in quotes, not empty");
   EXPECT_EQ(fault_of("[[unit]]\n" + pose), "line 1: [[unit]] type is missing");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd3\"\nposition_m = [0, 0, 0]\n"),
@@ -111,7 +111,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0]\naxis = [0, 0, 1]\n"),
             "line 2: position_m must be 3 finite numbers in brackets");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 11]\naxis = [0, 0, 1]\n"),
-            "line 2: position_m has 11 m; at most 10 m from the origin");
+            "line 2: position_m has 11 m; it must be at most 10 m from the origin");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, \"1\"]\naxis = [0, 0, 1]\n"),
             "line 2: position_m must be 3 finite numbers in brackets");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, inf]\naxis = [0, 0, 1]\n"),
@@ -120,9 +120,9 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 1]\naxis = [0, 0, 1]\nx = 1\n"),
             "line 4: unknown key x in [[transducer]]; known: position_m, axis");
   EXPECT_EQ(fault_of("source_level_pa_m = 0\n"),
-            "line 1: source_level_pa_m is 0; above 0 and at most 10000 Pa m, such as 4.386");
+            "line 1: source_level_pa_m is 0; it must be above 0 and at most 10000 Pa m, such as 4.386");
   EXPECT_EQ(fault_of("transducer_radius_m = -1\n"),
-            "line 1: transducer_radius_m is -1; above 0 and at most 0.1 m, such as 0.0045");
+            "line 1: transducer_radius_m is -1; it must be above 0 and at most 0.1 m, such as 0.0045");
   EXPECT_EQ(fault_of("frequency_hz = 40\n"), "line 1: frequency_hz is 40, expected 1000 to 10000000");
   EXPECT_EQ(fault_of("source_level_pa_m = true\n"), "line 1: source_level_pa_m must be a finite number");
   EXPECT_EQ(fault_of("name = 3\n"), "line 1: name must be a text in quotes, not empty");

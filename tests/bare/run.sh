@@ -5,7 +5,7 @@
 #      clang, with every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that
 #      is not UTF-8 and a umask of 077.
 #   3. The tests of the twins run on an emulated processor without AVX2.
-# None of them has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler
+# No step has a terminal, and the path of both copies has a space and a letter that is not ASCII. A compiler
 # warning in the first copy is a failure, too: it would be an error for developers of palpa.
 #
 # Needs root (or sudo), Linux and a network. If one of them is missing, it says so and ends with exit code 0. Everything

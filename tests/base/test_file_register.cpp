@@ -81,7 +81,7 @@ TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
 
 TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
   const std::string part = "palpa did not declare it";
-  EXPECT_NO_THROW(write_file(path("free"), "x")) << "whoever uses the library need not declare anything";
+  EXPECT_NO_THROW(write_file(path("free"), "x")) << "a program that uses the library need not declare anything";
   const KeptRegister kept;
   for (const std::string& name : {path("new"), path("free"), path("deep/new"), std::string("/dev/null")}) {
     EXPECT_NE(std::string(test::thrown_by([&] { write_file(name, "x"); }).what()).find(part), std::string::npos)

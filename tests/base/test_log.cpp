@@ -214,7 +214,7 @@ TEST(LogRelay, ItsEndWaitsForNobodyLong) {
       log::warning("line " + std::to_string(i) + " of a great many that nobody reads");
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  // A later reader is told of it.
+  // The lines that were left out are reported to a later reader.
   const std::uint64_t left_out = log::Relay::left_out();
   EXPECT_EQ(left_out, 5000u) << "those that waited to the end are counted, too";
   testing::internal::CaptureStderr();

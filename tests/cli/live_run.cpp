@@ -45,7 +45,7 @@ bool has_ended(pid_t child) {
 Unread Unread::pipe() {
   std::array<int, 2> ends{};
   EXPECT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
-  // Filled to the brim without waiting; whoever writes to it afterwards waits as usual.
+  // Filled to the brim without waiting; a later writer waits as usual.
   fcntl(ends[1], F_SETFL, O_NONBLOCK);
   const std::string dots(4096, '.');
   while (write(ends[1], dots.data(), dots.size()) > 0) {

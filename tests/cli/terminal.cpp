@@ -28,7 +28,7 @@ Terminal::Terminal(const std::string& program, const std::vector<std::string>& a
   child_ = forkpty(&master_, nullptr, nullptr, &size);
   if (child_ < 0) throw std::runtime_error("no terminal to be had");
   if (child_ == 0) {
-    // Whoever runs the tests in the background may ignore these; a person at a terminal does not.
+    // A program that runs the tests in the background may ignore these; a person at a terminal does not.
     for (const int key : {SIGINT, SIGQUIT, SIGHUP})
       signal(key, SIG_DFL);
     execvp(words[0], words.data());

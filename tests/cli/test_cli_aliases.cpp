@@ -225,7 +225,7 @@ TEST_F(CliAliases, OfAnOutputAreNoOther) {
 }
 
 TEST_F(CliAliases, EveryCommandThatWritesIsTried) {
-  // Whoever adds a command, or a file that one writes, adds it above.
+  // A new command, or a new file that one writes, must be added above.
   const Result help = palpa({"--help"});
   std::vector<Line> all = lines();
   for (const char* command : {"touch", "run", "export", "link", "calibrate", "drive", "field", "scatter", "simulate",

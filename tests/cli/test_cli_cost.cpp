@@ -46,7 +46,7 @@ class Cost : public testing::Test {
     const Result result = palpa(line, options);
     const double megabytes = static_cast<double>(fs::file_size(file)) / 1e6;
     // What it takes of the processors: how long one waits depends on who else is there. On a busy machine it is up to
-    // twice of what docs/limits.md allows. Sanitizers make all slower and fatter.
+    // twice as long as docs/limits.md allows. Sanitizers make all slower and fatter.
     EXPECT_LT(result.processor_s, (instrumented() ? 45 : 2) * (1 + megabytes)) << result.err;
     if (!instrumented()) {
       EXPECT_LT(result.peak_mib, 1e9 / (1 << 20)) << result.err;

@@ -274,7 +274,7 @@ TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
   }
   const std::string in = scene("bumps.glb", {{"bumps", mesh}}), out = file("interrupted.glb");
   Terminal terminal({"decompose", "--scene", in, "--resolution", "4M", "--out", out});
-  EXPECT_TRUE(terminal.shows("mesh \"bumps\": cuts it into convex parts")) << terminal.text();
+  EXPECT_TRUE(terminal.shows("mesh \"bumps\": cutting it into convex parts")) << terminal.text();
   terminal.type("\x03");
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();

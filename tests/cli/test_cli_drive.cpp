@@ -366,7 +366,7 @@ TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
         << slot;
   }
   expect_failure(palpa({"drive", "--layout", "paper", "--touch", file, "--slot", "4"}), 2,
-                 "--slot: 4 is not there: " + file + " has the slots 0 to 3");
+                 "--slot: 4 does not exist: " + file + " has the slots 0 to 3");
   // All at once: no neighbour takes an empty sector's place, and the solver is the one of multi-focus.
   std::ofstream(file) << R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
     "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})";
@@ -435,7 +435,7 @@ TEST(DriveErrors, TouchesThatCannotBe) {
   };
   const std::string finger = R"({"foci_m": [[0, 0, 0], [0.01, 0, 0]]})";
   for (const char* text : {"[]", "3", "{}", R"({"fingers": [], "foci_m": []})", R"({"fingers": 3, "schedule": {}})"})
-    refused(text, file + ": is no touch: give what palpa touch --json wrote");
+    refused(text, file + ": is not a touch: give a file that palpa touch --json wrote");
   refused("{", "syntax error at line 1");
   refused(touch("", "[0]"), "the touch has no finger");
   refused(touch("7", "[0]"), "finger 0: is not a JSON object");

@@ -301,7 +301,7 @@ TEST(CliEvents, AFifoThatNobodyReadsHoldsNothingUp) {
   bool sounded = false;
   for (int i = 0; i < 3000 && !sounded; ++i, std::this_thread::sleep_for(10ms))
     sounded = sounds();
-  EXPECT_TRUE(sounded) << "whoever does not read events holds the fingers up";
+  EXPECT_TRUE(sounded) << "a reader that does not read events holds the fingers up";
   kill(child.pid, SIGINT);
   // 1 where the second that it has after a signal was too short, as on a machine that is busy.
   const int code = child.wait(60s);

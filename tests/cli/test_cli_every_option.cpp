@@ -59,7 +59,7 @@ std::vector<std::string> with_value(const std::vector<std::string>& line, const 
   return with(tried, {option + "=" + value});
 }
 
-/// It ends by itself, with one line where it fails, and tells no number that is none.
+/// It ends by itself, with one line where it fails, and prints neither NaN nor infinity.
 void expect_sane(const Result& result, const std::string& tried) {
   EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 2 || result.exit_code == 4)
       << tried << ": " << result.exit_code << ", signal " << result.signal << ", " << result.err;
@@ -88,7 +88,7 @@ TEST(EveryOption, RefusesWhatIsNoNumberAndBearsWhatIsFarTooLarge) {
           ++tried;
         }
       }
-      // These have no end that a value could bring about, or take long.
+      // No value makes these end, or they are slow.
       if (command == "emulate" || command == "bench") continue;
       if (command == "calibrate") line = {"calibrate", "--layout", "paper", "--frames", "1000"};
       for (const char* odd : extreme) {
@@ -154,7 +154,7 @@ TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
     } else {
       expect_full(line);
     }
-    if (command == "emulate" || command == "bench") continue;  // print before, or take long
+    if (command == "emulate" || command == "bench") continue;  // print before, or are slow
     for (const HelpedOption& option : options_in(palpa({command, "--help"}).out)) {
       if (option.type.ends_with("|-")) expect_full(with(without(line, option.name), {option.name, "-"}));
     }

@@ -163,7 +163,7 @@ TEST(Field, SaysWhatIsWrong) {
       {with({"--focus", "0,0,0.15"}, plane), 2, "--layout is missing"},
       {with({"--layout", "autd3"}, plane), 2, "nothing sounds: give --drive FILE.csv, or --focus"},
       {with(with(focus, {"--drive", other}), plane), 2, "exclude each other"},
-      {with({"--layout", "autd3", "--drive", other, "--solver", "greedy"}, plane), 2, "--drive has one"},
+      {with({"--layout", "autd3", "--drive", other, "--solver", "greedy"}, plane), 2, "--drive is already a drive"},
       {focus, 2, "no place to look at: give --plane"},
       {with(focus, {"--plane", "xy"}), 2, "--plane has no extent: give --size"},
       {with(focus, {"--plane", "xy", "--size", "0,10mm"}), 2, "--size: '0,10mm' is not W,H"},
@@ -175,8 +175,8 @@ TEST(Field, SaysWhatIsWrong) {
       {with(focus, {"--plane", "xy", "--size", "1,1", "--pixels", "65536,65536"}), 1,
        "a field of 4294967296 points needs 687.2 GB of memory"},
       {with(with(focus, plane), {"--humidity", "130"}), 2, "--humidity: '130' is out of range"},
-      {with({"--layout", "openmpd", "--drive", other}, plane), 4, "is the drive of another layout than openmpd"},
-      {with({"--layout", "openmpd-pair", "--drive", other}, plane), 4, "transducer 0 stands at"},
+      {with({"--layout", "openmpd", "--drive", other}, plane), 4, "the drive belongs to another layout than openmpd"},
+      {with({"--layout", "openmpd-pair", "--drive", other}, plane), 4, "transducer 0 is at"},
       {with({"--layout", "autd3", "--drive", bad}, plane), 4, "line 250"},
       {with({"--layout", "autd3", "--drive", "no.csv"}, plane), 4, "no.csv"},
   };
@@ -210,7 +210,7 @@ TEST(Field, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
                        "xy",          "--size",   "60mm,60mm",   "--pixels", "1500,1500",   "--backend",
                        backend,       "--csv",    out / "a.csv", "--vtu",    out / "a.vtu", "--png",
                        out / "a.png", "--json",   out / "a.json"});
-    EXPECT_TRUE(terminal.shows("sums the sound of transducers")) << terminal.text();
+    EXPECT_TRUE(terminal.shows("summing the sound of transducers")) << terminal.text();
     const auto begin = std::chrono::steady_clock::now();
     terminal.type("\x03");
     EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();

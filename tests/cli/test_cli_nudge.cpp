@@ -37,7 +37,7 @@ using setup::KeyPress;
 TEST(Keys, AreReadFromATerminalsBytes) {
   std::vector<KeyPress> keys;
   setup::KeyReader reader;
-  // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys that are none; an escape that is none.
+  // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys without a meaning; an unknown escape.
   reader.feed("\x1b[A\x1bOB\x1b", keys);
   reader.feed("[C\x1b[D\x1b[1;2A\x1b[5~\x1b[6~\x1b[6;2~x\x1b[3~\x1b\x1b[C\x1bqf0\rq", keys);
   const std::vector<KeyPress> expected{{Key::up},   {Key::down},   {Key::right},        {Key::left},  {Key::up, true},
@@ -166,8 +166,8 @@ TEST_F(Nudge, NothingIsSavedWithoutEnter) {
 TEST_F(Nudge, RefusesWhatCannotBeMeant) {
   std::vector<std::string> line = nudge("right");
   line.resize(line.size() - 2);
-  expect_failure(palpa(line), 2, "stdin is no terminal");
-  expect_failure(palpa(nudge("rigth")), 2, "there is no key 'rigth'");
+  expect_failure(palpa(line), 2, "stdin is not a terminal");
+  expect_failure(palpa(nudge("rigth")), 2, "unknown key 'rigth'");
   expect_failure(palpa({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
   expect_failure(palpa(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
 }

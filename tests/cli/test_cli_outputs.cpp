@@ -258,8 +258,8 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
                                  "--json", path("out.json")},
         {"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")}}) {
     Terminal terminal(line);
-    EXPECT_TRUE(terminal.shows("checks mesh \"ball\" of 404100 triangles")) << terminal.text();
-    EXPECT_TRUE(terminal.shows("prepares mesh \"ball\": ")) << terminal.text();
+    EXPECT_TRUE(terminal.shows("checking mesh \"ball\" of 404100 triangles")) << terminal.text();
+    EXPECT_TRUE(terminal.shows("preparing mesh \"ball\": ")) << terminal.text();
     EXPECT_TRUE(terminal.shows(" %")) << terminal.text();
     const auto begin = std::chrono::steady_clock::now();
     terminal.type("\x03");
@@ -280,7 +280,7 @@ TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
   const Result told = palpa(with_ball, fresh);
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.err.find("palpa: info: "), std::string::npos) << told.err;
-  EXPECT_NE(told.err.find("prepares mesh \"ball\""), std::string::npos) << told.err;
+  EXPECT_NE(told.err.find("preparing mesh \"ball\""), std::string::npos) << told.err;
   std::vector<std::string> silent = with_ball;
   silent[8] = "warning";
   EXPECT_EQ(palpa(silent, fresh).err, "");
@@ -312,7 +312,7 @@ TEST_F(CliOutputs, MessagesAreShortAndPrintable) {
     EXPECT_EQ(printable(told), told);
   }
   const std::string told = palpa({"touch", "--scene", path("wild.glb"), "--points", points_}).err;
-  EXPECT_NE(told.find("mesh \"\\x1b[31m"), std::string::npos) << "the name's beginning is told: " << told;
+  EXPECT_NE(told.find("mesh \"\\x1b[31m"), std::string::npos) << "the name's beginning is printed: " << told;
   EXPECT_NE(told.find("closed and consistently oriented"), std::string::npos) << "and what would be right: " << told;
 }
 

@@ -99,7 +99,7 @@ TEST_F(CliPipes, OfResultsAreWaitedForAndThatIsSaid) {
     const LiveRun::End end = one.run->wait(10);
     EXPECT_TRUE(end.ended);
     EXPECT_TRUE(end.by_signal == SIGINT || end.exit_code == 1) << end.by_signal << ' ' << end.exit_code;
-    EXPECT_EQ(read_text(one.said).find(waits_), read_text(one.said).rfind(waits_)) << "it is said once";
+    EXPECT_EQ(read_text(one.said).find(waits_), read_text(one.said).rfind(waits_)) << "it is reported once";
   }
 }
 

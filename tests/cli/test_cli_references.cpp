@@ -29,7 +29,7 @@ class CliReferences : public testing::Test {
     fs::create_symlink("..", folder_ / "up");
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  /// The line is refused where references stay inside, and goes further with --allow-outside: then `further` is told.
+  /// The line is refused where references stay inside, and goes further with --allow-outside, to the error `further`.
   static void expect_inside(const std::vector<std::string>& line, const std::string& further) {
     SCOPED_TRACE(line[0] + " " + line.back());
     expect_failure(palpa(line), 4, "--allow-outside");

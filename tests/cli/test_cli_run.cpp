@@ -81,7 +81,7 @@ TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
                                "record:" + (folder / "d.bin").string(), "--stats", "json", "--log-level", "info"},
                               {.environment = {{"MESA_SHADER_CACHE_DISABLE", "true"}}});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("compiles shaders"), std::string::npos) << "nobody is told what they wait for";
+  EXPECT_NE(result.err.find("compiling shaders"), std::string::npos) << "users do not learn what they wait for";
   // The source is real time: frames that wait for a compiler are replaced, and what is planned for them comes too late.
   EXPECT_GT(json::parse(result.out)["frames"]["planned"], 10);
   const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
@@ -160,7 +160,7 @@ TEST(CliRun, SignalsEndItInSilence) {
   // A terminal that would stop a program in the background: it goes on.
   const std::size_t before = ends_in_silence("cpu", {SIGTERM});
   EXPECT_GT(ends_in_silence("cpu", {SIGTTOU, SIGTTIN, SIGTERM}), before + 50);
-  // What whoever started it ignores, as nohup does, is ignored.
+  // A signal that the parent ignores, as nohup does, is ignored.
   const auto handler = signal(SIGHUP, SIG_IGN);
   EXPECT_GT(ends_in_silence("cpu", {SIGHUP, SIGTERM}), before + 30);
   signal(SIGHUP, handler);
@@ -362,8 +362,8 @@ TEST(CliRun, AFileThatMayNotGrowIsAnErrorAndStillSilence) {
 TEST(CliRun, RefusesWhatItCannotRun) {
   const auto folder = scratch_folder("refused");
   expect_failure(palpa({"run"}), 2, "--scene is missing");
-  expect_failure(palpa({"run", "--scene", cube(), "--source", "telepathy"}), 2, "there is no source 'telepathy'");
-  expect_failure(palpa({"run", "--scene", cube(), "--link", "piano"}), 2, "there is no link 'piano'");
+  expect_failure(palpa({"run", "--scene", cube(), "--source", "telepathy"}), 2, "unknown source 'telepathy'");
+  expect_failure(palpa({"run", "--scene", cube(), "--link", "piano"}), 2, "unknown link 'piano'");
   expect_failure(palpa({"run", "--scene", cube(), "--stride", "5"}), 2, "stride");
   expect_failure(palpa({"run", "--scene", cube(), "--ceiling", "1.5"}), 2, "--ceiling: '1.5' is out of range");
   expect_failure(palpa({"run", "--scene", cube(), "--ramp", "2s"}), 2, "--ramp: '2s' is out of range");

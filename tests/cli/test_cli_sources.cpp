@@ -70,7 +70,7 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "palpa: warning: " + folder.string() +
-                             ": 2 of 5 frames are not in it, since the source's clock stepped back\n");
+                             ": 2 of 5 frames are missing, because the source's clock stepped back\n");
   const auto stats = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(stats["frames"]["planned"], 5);
   EXPECT_EQ(stats["frames"]["unrecorded"], 2);
@@ -85,7 +85,7 @@ TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
             {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err,
-              "palpa: warning: 17 of 81 clusters of contacts are left out: no more than 64 of a frame are looked at\n");
+              "palpa: warning: 17 of 81 clusters of contacts are left out: palpa uses at most 64 of a frame\n");
     EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"]["touching"], 3) << backend;
   }
   const Outcome one = run({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});

@@ -296,8 +296,9 @@ TEST(TouchWarnings, OfADwellThatSkinFeelsAsJumps) {
     return result.err;
   };
   EXPECT_EQ(told("50ms"), "");
-  EXPECT_EQ(told("51ms"),
-            "palpa: warning: --dwell of 51ms is long: what stays in a place for more than 50ms is felt as jumps\n");
+  EXPECT_EQ(
+      told("51ms"),
+      "palpa: warning: --dwell of 51ms is long: a focus that stays in a place for more than 50ms is felt as jumps\n");
 }
 
 TEST(TouchErrors, WhatIsMissingOrTooMuch) {

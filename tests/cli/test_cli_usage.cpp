@@ -56,10 +56,10 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   };
   const std::string drive_help = "; see palpa drive --help", help = "; see palpa --help";
   refused({}, "a subcommand is required" + help);
-  refused({"feel"}, "there is no subcommand 'feel'" + help);
+  refused({"feel"}, "unknown subcommand 'feel'" + help);
   refused({"--feel"}, "palpa has no option '--feel'" + help);
-  refused({"-"}, "there is no subcommand '-'" + help);
-  refused({""}, "there is no subcommand ''" + help);
+  refused({"-"}, "unknown subcommand '-'" + help);
+  refused({""}, "unknown subcommand ''" + help);
   refused({"--quiet", "drive"}, "'--quiet' comes before the subcommand: give it after" + drive_help);
   refused({"--json", "-", "drive"}, "'--json' comes before the subcommand: give it after" + drive_help);
   refused({"drive", "--layout"}, "--layout: the value is missing, give NAME|FILE" + drive_help);
@@ -67,16 +67,17 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   refused({"drive", "--solver"}, "--solver: the value is missing, give WORD" + drive_help);
   refused({"drive", "--layout", "a", "--layout", "a"}, "--layout is given 2 times: give it once" + drive_help);
   refused({"drive", "--seed=1", "--seed=2", "--seed=3"}, "--seed is given 3 times: give it once" + drive_help);
-  refused({"drive", "--quiet=yes"}, "--quiet takes no value: it is on when it is given" + drive_help);
-  refused({"drive", "--quiet", "yes"}, "'yes' belongs to no option: each value follows its own" + drive_help);
+  refused({"drive", "--quiet=yes"}, "--quiet takes no value: give it alone" + drive_help);
+  refused({"drive", "--quiet", "yes"},
+          "'yes' does not belong to an option: each value follows its own option" + drive_help);
   refused({"drive", "--focus", "0,0,1", "0,0,2"},
-          "'0,0,2' belongs to no option: each value follows its own" + drive_help);
-  refused({"drive", "touch"}, "'touch' belongs to no option");
-  refused({"drive", ""}, "'' belongs to no option");
+          "'0,0,2' does not belong to an option: each value follows its own option" + drive_help);
+  refused({"drive", "touch"}, "'touch' does not belong to an option");
+  refused({"drive", ""}, "'' does not belong to an option");
   refused({"drive", "--colour", "red"}, "palpa drive has no option '--colour'" + drive_help);
   refused({"drive", "--lay", "autd3"}, "palpa drive has no option '--lay'");
   refused({"drive", "-x"}, "palpa drive has no option '-x'");
-  refused({"drive", "--", "--layout", "autd3"}, "'--layout' is not read here: what comes before it ends the options");
+  refused({"drive", "--", "--layout", "autd3"}, "'--layout' is not read here: the argument before it ends the options");
 }
 
 TEST(Usage, AValueInBracketsIsOneValue) {

@@ -303,7 +303,7 @@ TEST_F(Gltf, HiddenNodesStayTouchableWithAWarning) {
   builder.add_node({{"mesh", 0}, {"children", {child}}, {"extensions", hidden}});
   builder.doc["extensionsRequired"] = {"KHR_node_visibility"};
   EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 2U); }),
-                  "node 1 and 1 others are hidden (KHR_node_visibility), but touchable all the same");
+                  "node 1 and 1 others are hidden (KHR_node_visibility), but still touchable");
   builder.doc["nodes"][1]["extensions"] = shown;
   EXPECT_EQ(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 2U); }), "");
   builder.doc["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = 0;

@@ -60,7 +60,7 @@ TEST(Extras, BothFormsTogetherButNoKeyTwice) {
   EXPECT_EQ(h.foci, 8U);
   EXPECT_EQ(h.delta_m, 0.001);
   EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 8}}}, {"palpa_foci", 8}}),
-                  "node 0: extras: \"palpa_foci\" is given in \"palpa\", too");
+                  "node 0: extras: \"palpa_foci\" is also given in \"palpa\"");
 }
 
 TEST(Extras, NothingIsTheDefault) {
@@ -128,9 +128,8 @@ TEST(Extras, FociAndStrideMustVisitAll) {
 
 TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_CONTAINS(warnings_of({{"palpa", {{"delta", 0.001}}}}),
-                  "\"delta\" means nothing to palpa; did you mean \"delta_m\"?");
-  EXPECT_CONTAINS(warnings_of({{"palpa_touchabel", false}}),
-                  "\"palpa_touchabel\" means nothing to palpa; did you mean");
+                  "palpa does not know \"delta\"; did you mean \"delta_m\"?");
+  EXPECT_CONTAINS(warnings_of({{"palpa_touchabel", false}}), "palpa does not know \"palpa_touchabel\"; did you mean");
   EXPECT_CONTAINS(warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
   // A file full of them prints only a few lines.

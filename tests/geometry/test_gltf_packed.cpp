@@ -323,7 +323,7 @@ TEST(Meshopt, FaultsAreNamed) {
   EXPECT_CONTAINS(fault_with(0, "filter", "QUATERNION"), "needs 8");
   EXPECT_CONTAINS(fault_with(1, "filter", "EXPONENTIAL"), "only attributes");
   EXPECT_CONTAINS(fault_with(0, "byteStride", 10), "multiple of 4");
-  EXPECT_CONTAINS(fault_with(1, "byteStride", 8), "is 2 or 4");
+  EXPECT_CONTAINS(fault_with(1, "byteStride", 8), "must be 2 or 4");
   EXPECT_CONTAINS(fault_with(0, "count", 4'000'000'000U), "the buffer view has");
   EXPECT_CONTAINS(fault_with(1, "count", 7), "three indices each");
   EXPECT_CONTAINS(fault_with(0, "byteLength", 5), "unpacks to");

@@ -67,6 +67,9 @@ arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | x
 # The walks of docs/architecture.md match the sources: tests/house/walks.py.
 walks() { python3 tests/house/walks.py; }
 
+# Plain English in comments, messages, tests and pages: tests/house/words.py.
+words() { files | xargs -r -d '\n' python3 tests/house/words.py; }
+
 # Each source includes what it uses: tests/house/includes.py.
 includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
 
@@ -188,6 +191,7 @@ step "clang-format" format
 step "tree of folders" tree
 step "walks" walks
 step "docs" docs
+step "words" words
 step "arrows between rooms" arrows
 step "includes" includes
 step "register of files" registered

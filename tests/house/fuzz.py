@@ -2,12 +2,12 @@
 """fuzz.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE]: palpa with broken files and random options.
 
 Each case is one command of palpa. Its files are good ones that palpa has made or that the repository has, some of them
-broken; its options come from the program's own --help, their values from lists of what is usual and what is not. A case
+broken; its options come from the program's own --help, their values from lists of usual and unusual ones. A case
 depends on the seed and its own number only, so that --only repeats it alone and keeps its files.
 
 A case must end by itself with an exit code from 0 to 4 and at most one line of error, in limited memory and processor
-time, must leave all files alone that it was given to read, and must not show what stands in files that are none of its
-business. JSON that it writes must be JSON.
+time, must leave all files alone that it was given to read, and must not show the contents of files that do not concern
+it. JSON that it writes must be JSON.
 """
 import argparse
 import concurrent.futures
@@ -176,7 +176,7 @@ class Case:
         return str(folder)
 
     def out(self, kind):
-        """A place to write to; now and then one of what is read, by another name."""
+        """A place to write to; now and then one of the inputs, by another name."""
         draw = self.random
         taken = [path for path in self.inputs if path.exists()]
         if taken and draw.random() < 0.12:
@@ -379,7 +379,7 @@ def faults_of(case, program):
         said = said.replace(argument.encode(errors="surrogateescape"), b"")
     secret = SECRET.encode()
     if any(secret[i:i + 4] in said for i in range(len(secret) - 3)):
-        faults.append("shows what stands in a file that is none of its business")
+        faults.append("shows the content of a file that it should not read out")
     if code == 0:
         for argument, value in zip(case.arguments, case.arguments[1:]):
             path = pathlib.Path(value if value.startswith("/") else "/dev/null")

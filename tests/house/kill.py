@@ -6,8 +6,8 @@ from the start (nobody reads what it writes, its disk is full, its files may not
 gets signals. Then, as docs/safety.md promises, the board must fall silent in both of its memories, the loop must end, and none
 of its processes may be left. What a board hears is read from the trace of its emulator by wires.py.
 
-A case depends on the seed and its own number only, but for the moments: how far the program has come by then is the
-machine's business. --only repeats a case alone and keeps its files.
+A case depends on the seed and its own number only, except for the moments: how far the program has come by then depends
+on the machine. --only repeats a case alone and keeps its files.
 """
 import argparse
 import concurrent.futures

@@ -60,11 +60,12 @@ TEST(GreyPng, MasksRoundTripAndAreNoDepthImages) {
   EXPECT_EQ(mask, back);
   EXPECT_REFUSED(read_png8(scratch("m.png"), 5, 9, back), "m.png: is 9x5 pixels, its camera is 5x9");
   std::vector<std::uint16_t> depth;
-  EXPECT_REFUSED(read_png16(scratch("m.png"), 9, 5, depth), "a depth image is 16-bit grey");
+  EXPECT_REFUSED(read_png16(scratch("m.png"), 9, 5, depth), "but a depth image must be 16-bit grey");
   write_png16(scratch("m.png"), 9, 5, std::vector<std::uint16_t>(45));
-  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back), "m.png: is a 16-bit grey PNG, a mask is 8-bit grey");
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back), "m.png: is a 16-bit grey PNG, but a mask must be 8-bit grey");
   write_other(scratch("m.png"), PNG_FORMAT_RGB, 9, 5);
-  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back), "m.png: is a 8-bit colour PNG, a mask is 8-bit grey");
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 9, 5, back),
+                 "m.png: is a 8-bit colour PNG, but a mask must be 8-bit grey");
 }
 
 TEST(GreyPng, IsBigEndianGreyToOthers) {
@@ -98,7 +99,7 @@ TEST(GreyPng, OtherImagesAreRefusedByName) {
   std::vector<std::uint16_t> out;
   const auto read = [&] { read_png16(scratch("c.png"), 4, 3, out); };
   write_other(scratch("c.png"), PNG_FORMAT_GRAY, 4, 3);
-  EXPECT_REFUSED(read(), "c.png: is a 8-bit grey PNG, a depth image is 16-bit grey");
+  EXPECT_REFUSED(read(), "c.png: is a 8-bit grey PNG, but a depth image must be 16-bit grey");
   write_other(scratch("c.png"), PNG_FORMAT_RGB, 4, 3);
   EXPECT_REFUSED(read(), "8-bit colour");
   write_other(scratch("c.png"), PNG_FORMAT_LINEAR_RGB_ALPHA, 4, 3);

@@ -162,7 +162,7 @@ TEST(Rig, FaultsNameFileLineAndKey) {
   EXPECT_REFUSED(load_text(with(pose, pose + " = [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]")),
                  "not rigid");
   EXPECT_REFUSED(load_text(with(pose, pose + " = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]")),
-                 "mirrors");
+                 "is a mirror image");
   EXPECT_REFUSED(load_text(with(pose, pose + " = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]]")),
                  "0 0 0 1");
   EXPECT_REFUSED(load_text("camera = 3\n"), "line 1: camera must be a list of tables");
@@ -247,13 +247,13 @@ TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
   write_mask(480, 848, [](auto, auto) { return false; });
   EXPECT_REFUSED(mask(), "sleeves.png: is 480x848 pixels, its camera is 848x480");
   write_png16(mask_file(), 848, 480, std::vector<std::uint16_t>(848 * 480, 1));
-  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": is a 16-bit grey PNG, a mask is 8-bit grey");
+  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": is a 16-bit grey PNG, but a mask must be 8-bit grey");
   write_text(mask_file(), "no picture");
   EXPECT_REFUSED(mask(), "is not a PNG file");
   write_mask(848, 480, [](auto, auto) { return true; });
-  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": leaves this camera no pixel; 0 is what is ignored");
+  EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": leaves this camera no pixel; pixels of 0 are ignored");
   write_mask(848, 480, [](std::uint32_t u, auto) { return u < 8; });
-  EXPECT_REFUSED(mask("roi = [0, 0, 8, 8]\n"), "no pixel; 0 is what is ignored, and so is what lies outside of roi");
+  EXPECT_REFUSED(mask("roi = [0, 0, 8, 8]\n"), "no pixel; pixels of 0 are ignored, and so are those outside roi");
 }
 
 TEST(Rig, HostileFilesAreRefusedAtOnce) {

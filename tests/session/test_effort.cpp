@@ -178,10 +178,10 @@ TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
   });
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   EXPECT_CONTAINS(said, "from capture to drives took 250 ms, too long for the hold of 100 ms");
-  EXPECT_CONTAINS(said, "only every 3rd pixel of every 3rd row was looked at");
+  EXPECT_CONTAINS(said, "only every 3rd pixel of every 3rd row was used");
   EXPECT_CONTAINS(said, "--hold");
   EXPECT_EQ(to_text(Effort{2, 3}),
-            "only every 2nd pixel of every 2nd row was looked at and fingers had one in 3 of their foci");
+            "only every 2nd pixel of every 2nd row was used and fingers had one in 3 of their foci");
 }
 
 /// A finger with ten foci; those in `empty` have no contacts.

@@ -67,7 +67,7 @@ TEST_F(Events, OneTouchFromBeginningToEnd) {
   EXPECT_EQ(frame({{7}}), "") << "it rests";
   EXPECT_EQ(frame({{7, 0, 0.0004F}}), "") << "less than half a millimetre";
   EXPECT_EQ(frame({{7, 0, 0.0006F}}), "move 7@button") << "in all more than that";
-  EXPECT_EQ(frame({{7, 0, 0.0010F}}), "") << "counted from what was told last";
+  EXPECT_EQ(frame({{7, 0, 0.0010F}}), "") << "counted from the last report";
   EXPECT_EQ(frame({}), "");
   time_s += 0.045;
   const auto events = tracker.update({}, time_s);

@@ -47,7 +47,7 @@ TEST(HandOver, ALinkThatDoesNotCountHasLostNothingThatIsKnown) {
   const HandOver unknown{.loop = {.drives = 100}};
   EXPECT_EQ(unknown.lost(), 0u);
   EXPECT_CONTAINS(to_text(unknown), "100 drives sounded");
-  EXPECT_CONTAINS(to_text(unknown), "does not say");
+  EXPECT_CONTAINS(to_text(unknown), "does not report");
 }
 
 TEST(HandOver, WhatIsLostIsToldOnceWithEachHandOver) {
@@ -60,7 +60,7 @@ TEST(HandOver, WhatIsLostIsToldOnceWithEachHandOver) {
     watch.look(bad);
     watch.look(bad);
   });
-  EXPECT_CONTAINS(said, "228 of 680 drives were lost between loop and device, where at most 21 are normal");
+  EXPECT_CONTAINS(said, "228 of 680 drives were lost between loop and device; at most 21 are normal");
   EXPECT_CONTAINS(said, "500 were taken by the guard, 460 were submitted to the board, 452 were completed");
   EXPECT_EQ(said.find("lost"), said.rfind("lost")) << "once: " << said;
 }

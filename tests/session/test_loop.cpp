@@ -118,7 +118,7 @@ TEST(Loop, DrivesAndTouchGoBeforeTheirSource) {
   EXPECT_EQ(link.slice, compute);
   EXPECT_EQ(source, usual);
   EXPECT_EQ(recorder, usual);
-  EXPECT_EQ(slice_ns(), usual) << "whoever else there is";
+  EXPECT_EQ(slice_ns(), usual) << "other threads keep theirs";
 }
 
 TEST(Loop, DrivesLeaveWhileAFrameIsLate) {

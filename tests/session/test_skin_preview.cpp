@@ -104,7 +104,7 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   bad = question();
   bad.layout.transducers.push_back(bad.layout.transducers.front());
   preview.ask(std::move(bad));
-  EXPECT_CONTAINS(wait()->fault, "of another array");
+  EXPECT_CONTAINS(wait()->fault, "belongs to another array");
   preview.ask(question());
   EXPECT_EQ(wait()->fault, "");
 }
@@ -119,7 +119,7 @@ TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
   // Computed to the end, it would take one or two seconds of processor time.
   SkinQuestion long_work = question();
   long_work.finger = geometry::icosphere(10e-3, 16);
-  for (const std::string stage : {"samples neighbouring faces", "fills the matrix"}) {
+  for (const std::string stage : {"sampling neighbouring faces", "filling the matrix"}) {
     double begun = 0;
     {
       SkinPreview preview;

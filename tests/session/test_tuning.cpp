@@ -113,7 +113,7 @@ TEST(Tuning, KeepsSpotsWithoutTheThread) {
   EXPECT_EQ(stride_of(schedule), of_array);
 }
 
-/// So many transducers and foci that their field takes seconds.
+/// As many transducers and foci as are allowed: their field takes seconds.
 struct Long {
   array::Layout layout;
   std::vector<Vec3> foci;
@@ -203,7 +203,7 @@ TEST(TuningThread, GivesWayToWhoStartedIt) {
   if (!policies) GTEST_SKIP() << "skipped: policies cannot be changed here";
   if (nice + 13 > 19) GTEST_SKIP() << "skipped: the test itself gives way so much that nothing more is left";
   EXPECT_EQ(usual, std::pair(SCHED_BATCH, nice + 10));
-  EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "by ten of what it has";
+  EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "by ten from its own";
   if (!real_time) GTEST_SKIP() << "skipped in part: no real-time threads are allowed here";
   EXPECT_EQ(of_real_time, std::pair(SCHED_BATCH, nice + 10));
 }
@@ -311,7 +311,7 @@ TEST(Tuning, OfEveryFrameIsThatOfSpots) {
   Live spot(16);
   spot.setting.schedule.spot_m = acoustics::SpectrumOptions().fwhm_m;
   EXPECT_FALSE(spot.run().tune.value().of_array);
-  EXPECT_FALSE(spot.changed()) << "nor is the array asked where a spot takes its place";
+  EXPECT_FALSE(spot.changed()) << "the array is not asked if a spot replaces it";
   EXPECT_EQ(spot.strides.front(), live.strides.front());
 }
 

@@ -125,7 +125,7 @@ TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
   ASSERT_NE(guard(), 0);
   kill(guard(), SIGKILL);
   EXPECT_EQ(loop.wait(), 1);
-  EXPECT_EQ(times_said(loop.said(), "signal 9 has ended palpa-guard; another has silenced the board"), 1u)
+  EXPECT_EQ(times_said(loop.said(), "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u)
       << loop.said();
   EXPECT_EQ(guard(), 0);
   EXPECT_EQ(board.faults_at_the_end(), none);
@@ -165,7 +165,7 @@ TEST(FaultsOnUsb, SomethingElseWithTheSameIdsIsRefused) {
 
 TEST(FaultsOnUsb, ABoardOfAnotherSerialNumberIsLeftAlone) {
   PluggedBoard board("FTX");
-  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 1, "there are: FTX");
+  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 1, "these are plugged in: FTX");
   EXPECT_EQ(board.gadget.requests, 0u);
   EXPECT_EQ(board.gadget.bytes_taken, 0u);
 }
@@ -201,7 +201,8 @@ TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
   PluggedBoard board("EMU1");
   ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
-  EXPECT_NE(doctor.out.find("the kernel has made it a serial port, which palpa ends"), std::string::npos) << doctor.out;
+  EXPECT_NE(doctor.out.find("the kernel uses it as a serial port, which palpa removes"), std::string::npos)
+      << doctor.out;
   Loop loop("link", sweep_of("openmpd:EMU1"));
   EXPECT_TRUE(plays_on(board)) << loop.said();
   EXPECT_FALSE(std::filesystem::exists("/dev/ttyUSB0"));

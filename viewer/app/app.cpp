@@ -19,16 +19,16 @@ namespace palpa::viewer {
 namespace {
 
 constexpr double toast_s = 6;
-constexpr double tend_s = 1;  ///< how often a live run is looked after at least, see LiveSession::look
+constexpr double tend_s = 1;  ///< a live run is looked after at least this often, see LiveSession::look
 
-/// Keys that go on while they are held down; of all others that would be a switch thrown to and fro.
+/// Keys that repeat while they are held down. Any other key would switch something on and off again and again.
 bool goes_on(const WindowEvent& event) {
   constexpr std::string_view characters = ",.-+=z";
   return event.key == Key::left || event.key == Key::right ||
          characters.find(static_cast<char>(event.key)) != std::string_view::npos;
 }
 
-/// The kinds that are there without this window, and those that hands in it play.
+/// The kinds that exist without this window, and those that the user controls in it.
 LiveSession::Kinds with_hands(LiveSession::Kinds kinds, RecordingPlayer& recording, HeldFinger& finger) {
   kinds.sources.push_back(recording.source());
   kinds.sources.push_back(finger.source());
@@ -64,11 +64,11 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
 }
 
 App::~App() {
-  if (run_.session()) run_.session()->all_off();  // before a disk is waited for
+  if (run_.session()) run_.session()->all_off();  // before waiting for a disk
   memory_.remember(settings());
 }
 
-/// What the command line says goes first.
+/// The command line has precedence.
 void App::recall() {
   if (!memory_.remembers()) return;
   try {
@@ -92,7 +92,7 @@ Settings App::settings() const {
 void App::say(log::Level level, const std::string& line, double now_s) {
   stale_.redraw();
   if (const auto same = std::ranges::find(desk_.toasts, line, &Toast::text); same != desk_.toasts.end()) {
-    same->until_s = now_s + toast_s;  // what is read for a second time warns of the same
+    same->until_s = now_s + toast_s;  // a second reading gives the same warning
     return;
   }
   if (desk_.toasts.size() >= 4) desk_.toasts.pop_front();
@@ -116,14 +116,14 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   if (event.kind == WindowEvent::Kind::drop) return open(event.text, now_s_);
   const bool press = event.kind == WindowEvent::Kind::press;
   const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
-  // Before any picture, and whatever lies over the button.
+  // Before any picture, even if something lies over the button.
   if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
   const bool taken =
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) stale_.redraw();
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (event.repeat && !goes_on(event)) return;
-  // What is held is held until it is let go of, be it while a run begins anew and no handles are there.
+  // What is held stays held until it is released, even while a run restarts and there are no handles.
   const bool handles = desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice);
   if ((handles || slice_.hand.dragging()) && slice_.hand.handle(event, sight(size), desk_.state.slice)) {
     slice_.placed = true;
@@ -243,7 +243,7 @@ void App::advance_log(double now_s) {
     desk_.log.pop_front();
 }
 
-/// What is being loaded, by a run that begins or beside what is shown.
+/// Shows what is being loaded, by a run that begins or in the background.
 void App::show_doing() {
   const bool loads = desk_.opening || (desk_.live && desk_.live_state == LiveState::loading);
   const std::optional<Doing> doing = loads ? palpa::doing() : std::nullopt;
@@ -254,12 +254,12 @@ void App::show_doing() {
   if (loads) stale_.redraw();
 }
 
-/// Silence at once, and nothing begins until somebody starts it.
+/// Silence at once. Nothing begins until the user starts it.
 void App::switch_off() {
   if (!run_.session()) return;
   const bool was_on = run_.switch_off();
   desk_.asked.start = false;
-  if (ui_) ui_->forget();  // a click on Start that no picture has shown yet
+  if (ui_) ui_->forget();  // discards a click on Start that no picture has shown yet
   if (was_on) say(log::Level::info, "all off", now_s_);
 }
 
@@ -297,7 +297,7 @@ void App::copy_command(double now_s) {
   if (around_.copy) around_.copy(command);
   say(log::Level::info, command, now_s);
   if (moved_.placing().moved())
-    say(log::Level::warning, "what was moved is not in it: save the scene, then copy", now_s);
+    say(log::Level::warning, "the command line does not have the moved things: save the scene, then copy", now_s);
 }
 
 void App::show_slot_now() {

@@ -1,5 +1,5 @@
-// The viewer without a window: events go in, a picture and what lies over it come out. A window, a script and
-// tests stand on it alike.
+// The viewer without a window. It takes events, and produces a picture and what is drawn over it. The window, scripts
+// and tests all use it.
 #pragma once
 
 #include <atomic>
@@ -30,44 +30,45 @@
 
 namespace palpa::viewer {
 
-/// The closed mesh on which pressures are shown: --skin; of a live run without it, whose source is not empty, that of a
-/// made-up finger or palpa's own. Empty: there is none.
+/// The closed mesh on which pressures are shown: `skin`, which is --skin. If that is empty, a live run (`source` is not
+/// empty) uses the mesh of its made-up finger, else palpa's own. Empty: there is no mesh.
 std::string finger_mesh(const std::string& skin, const std::string& source);
 
-/// What the application needs of whoever runs it.
+/// What the application needs from its caller.
 struct Surroundings {
   LiveSession::Kinds kinds;
-  /// Ends a live run; see LiveSession. Set from outside, too. Never null, since a touch may become a live run.
+  /// Ends a live run, see LiveSession. It may also be set from outside. Never null, because a touch may become a live
+  /// run.
   std::atomic<bool>* stop = nullptr;
-  std::function<void()> wake;                    ///< from other threads: something is new
-  std::function<void(const std::string&)> copy;  ///< to other programs
+  std::function<void()> wake;                    ///< called from other threads when something is new
+  std::function<void(const std::string&)> copy;  ///< passes text to other programs
   std::function<std::string()> paste;
-  /// Called before what was a touch becomes a live run; empty: that cannot be.
+  /// Called before a touch becomes a live run. Empty: a touch cannot become one.
   std::function<void()> goes_live;
   bool panels = true;
-  /// Where settings are remembered; empty: nowhere.
+  /// The file that remembers the settings. Empty: they are not remembered.
   std::filesystem::path settings;
 };
 
 class App {
  public:
-  /// Loads what is shown, but for a live run, which loads by itself. Throws as the engine does.
+  /// Loads what is shown, except for a live run, which loads on its own threads. Throws as the engine does.
   App(const ViewerOptions& options, const Size& size, Surroundings around);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
   void handle(const WindowEvent& event, const Size& size);
-  /// Takes in what is new at `now_s`, and does what panels asked for.
+  /// Processes what is new at `now_s`, and does what the panels asked for.
   void advance(double now_s, const Size& size);
   bool quitting() const { return quitting_; }
 
   /// Whether the picture has changed since the last render().
   bool dirty() const { return stale_.dirty() || (ui_ && ui_->restless()); }
-  /// Until when nothing happens by itself; nothing: until somebody does something.
+  /// The time until which nothing changes by itself. nullopt: nothing changes until there is input.
   std::optional<double> next_s() const;
 
-  /// Brings `drawn` up to date; no frame that draws it may be in flight where stale().
+  /// Brings `drawn` up to date. If stale(), no frame that draws it may be in flight.
   bool stale() const { return stale_.what() != Stale::nothing; }
   void update(DrawnPicture& drawn);
   struct Frame {
@@ -76,36 +77,37 @@ class App {
   };
   /// What is drawn, valid until the next call. `ratio`: pixels per point.
   Frame render(const Size& size, double ratio, double now_s);
-  /// Another number where the picture's surfaces are others.
+  /// Changes whenever the picture's surfaces change.
   std::uint64_t surfaces_version() const { return stale_.surfaces_version(); }
-  /// Of the participant's window: it takes keys alone.
+  /// Handles an event of the participant's window, which takes only keys.
   void handle_participant(const WindowEvent& event);
-  /// Throws bad_usage for --monitor that is none of them.
+  /// Throws bad_usage if --monitor is not one of them.
   void tell_monitors(std::vector<std::string> names);
   void participant_window_failed(const std::string& fault);
   void try_participant(bool open);
-  /// "save as": the objects as they stand now, and the run goes on with that file. Says what is wrong with it.
+  /// "save as": writes the objects as they stand now, and continues the run with that file. Shows the error if it
+  /// fails.
   void save_scene(const std::string& file, double now_s);
-  /// How long that took, for those who want to know.
+  /// Records how long the last picture took.
   void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
 
   const Desk& desk() const { return desk_; }
   const Picture& picture() const { return show_ ? std::as_const(*show_).picture() : live_.picture; }
-  /// The next slot, whatever the time.
+  /// Goes to the next slot, whatever the time.
   void go_on() { desk_.asked.slots = 1; }
-  /// Whether a live run has shown a frame since the last call; of anything else, always.
+  /// Whether a live run has shown a frame since the last call. Without a live run, always true.
   bool showed_frame() { return !desk_.live || std::exchange(live_.fresh, false); }
   void say(log::Level level, const std::string& line, double now_s);
   bool loading() const { return run_.loading(); }
-  /// Whether something that was asked for is still to come: a file that is opened, a run that begins.
+  /// Whether something requested is not done yet: a file is being opened, or a run is about to begin.
   bool beginning() const { return loading() || desk_.opening || run_.restarts(); }
-  /// A live run falls silent and ends; false where it has not within `patience_s`, or is loading all the while.
+  /// Silences and ends a live run. Returns false if it has not ended within `patience_s`, or is loading all that time.
   bool finish(double patience_s);
-  /// Waits until work of `work_s` holds up no frame of a live run, at most `most_s`; returns how long that was.
+  /// Waits, at most `most_s`, until work of `work_s` delays no frame of a live run. Returns how long it waited.
   double let_run(double work_s, double most_s) { return run_.session() ? run_.session()->let_run(work_s, most_s) : 0; }
-  /// Of the live run that there was last, once it is over.
+  /// The statistics of the last live run, once it is over.
   std::optional<session::LoopStats> stats() const { return run_.session() ? run_.session()->stats() : std::nullopt; }
-  /// Throws what a live run failed with.
+  /// Throws the error with which a live run failed.
   void rethrow() const {
     if (run_.session()) run_.session()->rethrow();
   }
@@ -116,7 +118,7 @@ class App {
   void handle_key(const WindowEvent& event);
   bool participant_key(Key key);
   void read_at(double x, double y, const Size& size);
-  /// What panels leave of a picture of that size.
+  /// The part of a picture of that size that the panels leave free.
   Size beside_panels(const Size& size) const;
   Sight sight(const Size& size) const;
 
@@ -167,23 +169,23 @@ class App {
   Surroundings around_;
   Desk desk_;
   SettingsMemory memory_;
-  std::unique_ptr<Show> show_;  ///< what is touched once; none while there is a live run
+  std::unique_ptr<Show> show_;  ///< the single touch; null while there is a live run
   struct LivePicture {
     Picture picture;
     session::SlotScratch slot;
     bool framed = false;  ///< the viewpoint was set to its first scene
-    bool fresh = false;   ///< it has shown a frame since somebody asked
+    bool fresh = false;   ///< it has shown a frame since the last showed_frame()
   } live_;
   RecordingPlayer player_;
   MovedByHand moved_;
-  RunControl run_;  ///< after the sources that its sessions use
+  RunControl run_;  ///< declared after the sources that its sessions use
   Opening opening_;
   SceneWatch scene_watch_;
   Staleness stale_;
   Sounds sounds_;
   struct Slice {
     SliceHand hand;
-    bool placed = false;  ///< it was put somewhere
+    bool placed = false;  ///< it was given a place
   } slice_;
   std::unique_ptr<Ui> ui_;
   log::Tail tail_;

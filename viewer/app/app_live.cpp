@@ -1,4 +1,4 @@
-// The live run as a window has it: how it begins, changes and ends, and what is shown of it.
+// The live run in a window: how it begins, changes and ends, and what is shown of it.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// The first folder of "recording-1", "recording-2", ... that is not there.
+/// The first folder of "recording-1", "recording-2", ... that does not exist.
 std::string free_folder() {
   for (int i = 1;; ++i) {
     std::string name = fmt::format("recording-{}", i);
@@ -23,7 +23,7 @@ std::string free_folder() {
 
 }  // namespace
 
-/// Begins what is ready to begin. Each run warns of what is unusual.
+/// Begins the run that is ready. Each run warns about unusual options.
 void App::begin_run() {
   setup::check(run_.next());
   sounds_.set_finger(finger_mesh(options_.skin, run_.next().source));
@@ -35,8 +35,8 @@ void App::begin_run() {
   desk_.live_state = LiveState::loading;
 }
 
-/// The run is to have these options; `again`: another run begins even where they are the same. Where they do not go
-/// together, everything stays as it is.
+/// Gives the run these options. `again`: another run begins even if they are the same. If they do not go together,
+/// everything stays as it is.
 void App::change_run(LiveEdit edit, bool again) {
   const bool other = desk_.live && (again || !edit.runs_as(desk_.edit));
   if (other && !goes_together(edit)) return;
@@ -44,7 +44,7 @@ void App::change_run(LiveEdit edit, bool again) {
   if (other) run_.change(desk_.edit.options());
 }
 
-/// Says why not.
+/// If not, shows the reason.
 bool App::goes_together(const LiveEdit& edit) {
   try {
     edit.check();
@@ -55,12 +55,12 @@ bool App::goes_together(const LiveEdit& edit) {
   }
 }
 
-/// Begins again, switched off or not.
+/// Begins again, whether switched off or not.
 void App::start_run() {
   if (goes_together(desk_.edit)) run_.start(desk_.edit.options());
 }
 
-/// What a field says; where that is no value of its option, everything stays as it is.
+/// Sets an option to the text of its field. If that is not a value of the option, everything stays as it is.
 void App::set_option(const OptionText& asked, double now_s) {
   LiveEdit edit = desk_.edit;
   try {
@@ -77,7 +77,7 @@ void App::advance_live(double now_s, const Size& size) {
   session.look();
   show_link(now_s);
 
-  // Before the scene is asked for: a snapshot's scene is there by then.
+  // Before asking for the scene, so that a snapshot's scene is there.
   const bool fresh = session.take();
   const bool seen = session.take_seen();
   if (run_.take_scene()) {
@@ -102,11 +102,11 @@ void App::advance_live(double now_s, const Size& size) {
   }
   if (run_.state() != RunState::ready) return;
   if (quitting_) return run_.stay();
-  show_recording(now_s);  // it ends with its run
+  show_recording(now_s);  // a recording ends with its run
   begin_run();
 }
 
-/// What the session does, and what leaves for the array.
+/// Shows what the session does, and what leaves for the array.
 void App::show_link(double now_s) {
   const LiveSession& session = *run_.session();
   const LinkWatch& link = session.link();
@@ -122,7 +122,7 @@ void App::show_link(double now_s) {
   show_recording(now_s);
 }
 
-/// What is being written down, and of what has ended how much it is.
+/// Shows what is being recorded, and how many frames an ended recording has.
 void App::show_recording(double now_s) {
   const LiveSession& session = *run_.session();
   std::string folder = session.recording();
@@ -132,13 +132,13 @@ void App::show_recording(double now_s) {
   desk_.recorded = session.recorded();
 }
 
-/// Begins to write down what is seen, or ends it.
+/// Begins or ends a recording of the frames.
 void App::record(double now_s) {
   if (!run_.session() || desk_.live_state != LiveState::running) return;
   if (!run_.session()->recording().empty()) return run_.session()->record({});
   const std::string folder = free_folder();
   run_.session()->record(folder);
-  say(log::Level::info, folder + ": records what the cameras see", now_s);
+  say(log::Level::info, folder + ": recording what the cameras see", now_s);
 }
 
 }  // namespace palpa::viewer

@@ -1,5 +1,4 @@
-// What is opened while something is shown: files that are dropped, scenes that are written again, recordings that are
-// made.
+// Opens things while something is shown: dropped files, scenes that were written again, recordings that were made.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -15,14 +14,14 @@ void App::open(const std::string& path, double now_s) {
   std::error_code ignored;
   if (ending == ".glb" || ending == ".gltf") return open_scene(path);
   if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
-    return say(log::Level::warning, fmt::format("{}: is no .glb, .gltf or recording", path), now_s);
+    return say(log::Level::warning, fmt::format("{}: is not a .glb, a .gltf or a recording", path), now_s);
   if (!desk_.live && !around_.goes_live)
-    return say(log::Level::warning, "a recording needs --source: start with one", now_s);
+    return say(log::Level::warning, "a recording needs --source: start palpa-viewer with it", now_s);
   stale_.redraw();
   opening_.begin_recording(path);
 }
 
-/// What runs, or is shown, goes on until the scene is there and was found to be one.
+/// The run or the picture stays until the file is loaded and found to be a scene.
 void App::open_scene(const std::string& path) {
   stale_.redraw();
   LiveEdit edit = desk_.edit;
@@ -59,10 +58,11 @@ void App::advance_opening(double now_s) {
 void App::cancel_opening() {
   opening_.cancel();
   desk_.opening = false;
-  say(log::Level::info, "what was being loaded is not opened", now_s_);
+  say(log::Level::info, "loading was cancelled", now_s_);
 }
 
-/// A live run goes on with it, a touch becomes one: what was said of the touch alone is of no account any more.
+/// A live run goes on with the recording. A touch becomes a live run, and options that only concern the touch are
+/// ignored from then on.
 void App::play_recording(const std::string& path) {
   LiveEdit edit = desk_.edit;
   edit.play_recording(path);

@@ -9,7 +9,7 @@
 
 namespace palpa::viewer {
 
-/// The rig's screen is read when somebody asks for it: a rig needs none.
+/// The rig's screen is read only when it is needed, because a rig may have none.
 void App::open_participant(bool open) {
   Desk::ParticipantWindowState& view = desk_.participant;
   view.open = false;
@@ -46,7 +46,7 @@ void App::tell_monitors(std::vector<std::string> names) {
   std::string all;
   for (std::size_t i = 0; i < view.monitors.size(); ++i)
     all += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " (" + view.monitors[i] + ")";
-  throw bad_usage("--monitor: there is no '" + wanted + "'; give one of " + all);
+  throw bad_usage("--monitor: unknown monitor '" + wanted + "'; give one of " + all);
 }
 
 void App::participant_window_failed(const std::string& fault) {
@@ -61,7 +61,7 @@ void App::handle_participant(const WindowEvent& event) {
   participant_key(event.key);
 }
 
-/// What both windows take.
+/// Handles the keys that both windows take.
 bool App::participant_key(Key key) {
   if (key == key_of('v')) {
     desk_.participant.hidden = !desk_.participant.hidden;
@@ -74,7 +74,7 @@ bool App::participant_key(Key key) {
   return true;
 }
 
-/// The next scene of its folder, by name, or the one before.
+/// Opens the next or previous scene of its folder, by name.
 void App::switch_object(int by) {
   const std::filesystem::path now(desk_.edit.options().scene);
   if (now.empty()) return;

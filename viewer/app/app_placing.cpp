@@ -1,4 +1,4 @@
-// What is moved by hand, and how deep fingers are.
+// Moving things by hand, and how deep fingers are.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ Sight App::sight(const Size& size) const {
   return {desk_.state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), ratio_};
 }
 
-/// Brings what was moved to where it is seen and felt.
+/// Moves things to where they are seen and felt.
 void App::place() {
   if (!run_.scene()) return moved_.bring_finger();
   if (moved_.bring(*run_.session(), run_.scene()->picture, live_.picture)) stale_.add(Stale::surfaces);
@@ -44,7 +44,7 @@ void App::show_placing(const Size& size) {
     desk_.depths.push_back({scene->solid_names[finger.solid], finger.depth_m});
     const Projected at = project(push, Vec3(finger.section.centroid));
     if (!at.visible) continue;
-    // Beside its contacts and foci, and their numbers.
+    // The label's place: beside the contacts, and beside the foci and their numbers.
     Vec2 beside(at.x, at.y);
     for (const touch::Focus& focus : finger.foci) {
       const Projected p = project(push, Vec3(focus.position));
@@ -55,7 +55,7 @@ void App::show_placing(const Size& size) {
   }
 }
 
-/// What panels changed of what show_placing() has just shown them.
+/// Takes what the panels changed in the values that show_placing() has just given them.
 void App::take_placing() {
   if (!desk_.live) return;
   Placing& placing = moved_.placing();
@@ -79,7 +79,7 @@ void App::save_scene(const std::string& file, double now_s) {
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s);
   }
-  say(log::Level::info, file + ": is the scene now", now_s);
+  say(log::Level::info, file + ": is now the scene", now_s);
   moved_.forget_scene();
   LiveEdit edit = desk_.edit;
   edit.replace_scene(file);

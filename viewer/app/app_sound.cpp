@@ -1,4 +1,4 @@
-// What the application shows of sound.
+// The sound that the application shows.
 
 #include "base/error.hpp"
 #include "session/links/spec.hpp"
@@ -14,7 +14,7 @@ std::string finger_mesh(const std::string& skin, const std::string& source) {
   if ((spec.name == "synthetic" || spec.name == "mouse") && !spec.argument.empty()) return spec.argument;
   try {
     return setup::find_asset("finger.ply");
-  } catch (const Error&) {  // nothing but the pressure needs it
+  } catch (const Error&) {  // only the pressure needs it
     return {};
   }
 }
@@ -25,13 +25,13 @@ Sounding App::sounding() {
   if (!scene || desk_.live_state != LiveState::running) return {};
   const Snapshot& snapshot = run_.session()->snapshot();
   Sounding now = sounding_of(scene, snapshot);
-  if (desk_.state.layers.shows(Layer::slice))  // nothing else asks for it
+  if (desk_.state.layers.shows(Layer::slice))  // only the slice needs it
     now.slot = drive_of(*scene, snapshot.plan, desk_.state.time.slot, live_.slot);
   if (now.tip && HeldFinger::is_held(run_.options().source)) now.T_world_finger = moved_.finger().pose();
   return now;
 }
 
-/// The plane begins in the middle of the first touch, unless somebody has said or dragged it elsewhere.
+/// The plane begins in the middle of the first touch, unless the user has given it another place.
 void App::place_slice_once() {
   if (slice_.placed || !desk_.state.layers.shows(Layer::slice)) return;
   place_slice(desk_.state, options_, picture());

@@ -10,7 +10,7 @@ void MovedByHand::begin_scene(LiveSession& session, const Picture& rest, const s
   placing_.begin(rest, holds_finger, scene == scene_);
   scene_ = scene;
   placed_.assign(placing_.poses().size(), Transform(1.0));
-  session.place(placed_);  // it may have been given those of a scene of other solids
+  session.place(placed_);  // it may have the poses of a scene with other solids
 }
 
 bool MovedByHand::bring(LiveSession& session, const Picture& rest, Picture& picture) {

@@ -1,4 +1,4 @@
-// What is moved by hand in a live run: where hands have put it, and where the run has it.
+// The things that are moved by hand in a live run: where hands have put them, and where the run has them.
 #pragma once
 
 #include <string>
@@ -16,24 +16,25 @@ class MovedByHand {
   const Placing& placing() const { return placing_; }
   HeldFinger& finger() { return finger_; }
 
-  /// A run of this scene begins: where the hands know its things, it has them where they were put.
+  /// Call when a run of this scene begins. If things of this scene were moved before, the run gets them where they were
+  /// put.
   void begin_run(LiveSession& session, const std::string& scene) const;
-  /// The scene is there: its things, but a scene's that the hands know stay where they were put. `holds_finger`:
-  /// whether one is held, too.
+  /// Call when the scene is loaded, to take over its things. If the scene is the same as before, moved things stay
+  /// where they were put. `holds_finger`: a finger is held, too.
   void begin_scene(LiveSession& session, const Picture& rest, const std::string& scene, bool holds_finger);
-  /// Brings what was moved to where it is felt, and to where it is seen in `picture`, which at rest is `rest`. Whether
-  /// solids have moved.
+  /// Moves things where they are felt, and in `picture`, where they are seen. `rest` is the picture with nothing moved.
+  /// Returns whether solids have moved.
   bool bring(LiveSession& session, const Picture& rest, Picture& picture);
-  /// The same of the finger alone, while there is no scene.
+  /// The same for the finger only, while there is no scene.
   void bring_finger() { finger_.put(placing_.finger()); }
-  /// What was moved is in a file now: a run of that file moves nothing, whatever its name.
+  /// Call when the moved things have been saved: a run of that file moves nothing, whatever its name.
   void forget_scene() { scene_.clear(); }
 
  private:
   HeldFinger finger_;
   Placing placing_;
-  std::vector<Transform> placed_;  ///< as the run has the solids
-  std::string scene_;              ///< whose things they are; empty: none's
+  std::vector<Transform> placed_;  ///< the solids' poses in the run
+  std::string scene_;              ///< the scene that the things belong to; empty: none
 };
 
 }  // namespace palpa::viewer

@@ -1,4 +1,5 @@
-// What is opened beside what is shown: files that are dropped, scenes that are written again, recordings that are made.
+// Opens files in the background while the picture stays: dropped files, scenes that were written again, recordings that
+// were made.
 #pragma once
 
 #include <functional>
@@ -12,40 +13,40 @@
 
 namespace palpa::viewer {
 
-/// What has been loaded, or why it was not.
+/// What was loaded, or why loading failed.
 struct Opened {
   enum class Kind {
-    scene,      ///< of a live run: it was found to be one
-    touch,      ///< a scene that is touched once: `show`
-    recording,  ///< it was found to be one
+    scene,      ///< of a live run: the file was found to be a scene
+    touch,      ///< a scene with a single touch, see `show`
+    recording,  ///< the folder was found to be a recording
   };
   Kind kind = Kind::scene;
   std::string path;
-  bool same = false;                     ///< it is the one that was shown, written again
-  std::string fault{};                   ///< empty where there is none
+  bool same = false;                     ///< it is the scene that was shown, written again
+  std::string fault{};                   ///< empty if there is none
   std::unique_ptr<Show> show{};          ///< of a touch
-  std::optional<ViewerOptions> touch{};  ///< what it was made of
+  std::optional<ViewerOptions> touch{};  ///< the options that `show` was made from
 };
 
-/// One thing at a time; what begins takes the place of what is under way.
+/// Opens one thing at a time. A new one replaces the one under way.
 class Opening {
  public:
-  /// `wake` is called on another thread when something is loaded, or failed to be.
+  /// `wake` is called on another thread when something was loaded or failed to load.
   explicit Opening(std::function<void()> wake) : loader_(std::move(wake)) {}
 
-  /// The scene of these options; `same`: the one that runs.
+  /// Begins to load the scene of these options. `same`: it is the scene that runs.
   void begin_scene(const setup::LiveOptions& options, bool same);
-  /// The same of a touch, with all that is shown of it.
+  /// The same for a touch, with everything that is shown of it.
   void begin_touch(const ViewerOptions& options, bool same);
   void begin_recording(const std::string& path);
   void cancel() { loader_.cancel(); }
   bool busy() const { return loader_.busy(); }
-  /// Of what began last, once.
+  /// The result of the load that began last, returned once.
   std::optional<Opened> take();
 
  private:
   Opened opened_;
-  std::shared_ptr<std::unique_ptr<Show>> show_;  ///< where the loader's thread leaves it
+  std::shared_ptr<std::unique_ptr<Show>> show_;  ///< the loader's thread leaves its result here
   Loader loader_;
 };
 

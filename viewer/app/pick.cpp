@@ -8,7 +8,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// How far along the ray a triangle is; nothing where it is missed (Moeller and Trumbore, 1997).
+/// How far along the ray a triangle is; nullopt if the ray misses it (Moeller and Trumbore, 1997).
 std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, p = glm::cross(ray.direction, ac);
   const double determinant = glm::dot(ab, p);
@@ -21,7 +21,7 @@ std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Ve
   return t;
 }
 
-/// The nearest to the pointer of those that are offered.
+/// The place nearest to the pointer among those offered.
 class Nearest {
  public:
   Nearest(const ViewState& state, double x, double y, double width, double height, double reach)

@@ -1,4 +1,4 @@
-// What lies under the pointer, for whoever wants to know where it is and how deep.
+// Finds what lies under the pointer, where it is and how deep.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,9 @@
 
 namespace palpa::viewer {
 
-/// The focus, contact or skin point within a few pixels of x, y, in this order, else the nearest surface of a solid
-/// there. Of layers that are shown. `width`, `height`: of the picture in pixels. A depth is that of the place in the
-/// solid in which it lies deepest; looks at every triangle.
+/// The focus, contact or skin point within a few pixels of x, y, in this order; otherwise the nearest surface of a
+/// solid there. Only layers that are shown count. `width`, `height`: the picture in pixels. If the place lies in
+/// several solids, the depth is in the one where it is deepest. Looks at every triangle.
 std::optional<Reading> pick(const Picture& picture, const ViewState& state, double x, double y, double width,
                             double height, double ratio);
 

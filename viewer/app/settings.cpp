@@ -102,7 +102,7 @@ void SettingsMemory::remember(const Settings& now) {
   if (!remembers()) return;
   const Settings next = to_remember(recalled_, began_, now);
   if (next == recalled_) return;
-  recalled_ = next;  // asked once: where it cannot be written one warning says so
+  recalled_ = next;  // tried once: if it cannot be written, there is one warning
   try {
     save_settings(file_, next);
   } catch (const std::exception& error) {

@@ -1,5 +1,5 @@
-// How somebody likes to look at things, remembered from one day to the next: layers, background, panels, fine pictures,
-// pace. Not what is looked at.
+// The user's preferences, remembered between runs: layers, background, panels, fine pictures, pace. What is shown is
+// not one of them.
 #pragma once
 
 #include <filesystem>
@@ -20,21 +20,21 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
-/// $XDG_CONFIG_HOME/palpa/viewer.toml, else ~/.config/palpa/viewer.toml; nothing where neither is known.
+/// $XDG_CONFIG_HOME/palpa/viewer.toml, else ~/.config/palpa/viewer.toml; nullopt if neither is known.
 std::optional<std::filesystem::path> settings_file();
 
-/// What the file says; the usual where there is none. Throws bad_input naming file and fault.
+/// The settings in the file, or the defaults if there is no file. Throws bad_input that names the file and the fault.
 Settings load_settings(const std::filesystem::path& file);
-/// One warning where load_settings() would throw: for pictures without a window, which look the same for everybody.
+/// Warns once if load_settings() would throw. For pictures without a window, which look the same for everybody.
 void warn_of_settings(const std::filesystem::path& file);
-/// Writes it anew, with the folders it lies in; readers see the old file or the new one. Throws failure().
+/// Replaces the file and makes its folders. Readers see either the old file or the new one. Throws failure().
 void save_settings(const std::filesystem::path& file, const Settings& settings);
 
-/// What to remember of `now`: what was changed since the program `began`, and of all else what was remembered `before`,
-/// so that what a command line says is for its run alone.
+/// What to remember of `now`: settings that changed since the program `began`, and all others as remembered `before`.
+/// Settings from a command line therefore apply only to that run.
 Settings to_remember(const Settings& before, const Settings& began, const Settings& now);
 
-/// The settings of a program from its beginning to its end, in one file.
+/// The settings of a program from its start to its end, kept in one file.
 class SettingsMemory {
  public:
   /// Empty: nothing is remembered.
@@ -42,11 +42,11 @@ class SettingsMemory {
   bool remembers() const { return !file_.empty(); }
   /// Reads the file. Throws as load_settings() does.
   void load() { recalled_ = load_settings(file_); }
-  /// As load() has read them or remember() has written them, the usual before.
+  /// As read by load() or written by remember(); the defaults before that.
   const Settings& recalled() const { return recalled_; }
-  /// The program begins with these: what is recalled, and what the command line says.
+  /// The settings with which the program begins: the recalled ones, changed by the command line.
   void begin(const Settings& settings) { began_ = settings; }
-  /// Writes what has been changed since. Warns where that cannot be done, once for the same settings.
+  /// Writes what has changed since begin(). If writing fails, warns once for the same settings.
   void remember(const Settings& now);
 
  private:

@@ -18,7 +18,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand: only what lies this near the solids is drawn.
+/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
 constexpr double skin_reach = 0.12;
 
 std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
@@ -59,7 +59,7 @@ void Show::load_objects(const ViewerOptions& options) {
   setup::TouchArray array{.layout = {}, .drive = drive_options_, .pressure_pa = options.drive.pressure_pa};
   const auto asks = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
   const bool felt = options.felt.spectrum || options.touch.tune || !options.skin.empty();
-  // Only what skin feels in time and what pressures are reached depend on the array; drives come slot by slot.
+  // Only what skin feels in time, and the pressures that are reached, depend on the array. Drives come slot by slot.
   if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = *layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
                                                 std::move(solids), input, std::move(array), times);
@@ -79,7 +79,7 @@ void Show::load_objects(const ViewerOptions& options) {
 void Show::load_skin_surface(const ViewerOptions& options) {
   const geometry::Ply ply = geometry::read_ply(options.skin);
   if (ply.triangles.empty())
-    throw bad_input(options.skin, "has no faces; --skin wants a mesh, --points takes points alone");
+    throw bad_input(options.skin, "has no faces; --skin needs a mesh, --points takes points without faces");
   geometry::Mesh mesh = geometry::weld({ply.positions, ply.triangles});
   if (options.input.penetration_m && !mesh.positions.empty()) {
     double top = -1e300, lowest = 1e300;

@@ -1,4 +1,4 @@
-// From the command line to a picture, slot by slot: loads what is shown and lets the engine touch it.
+// A single touch, from the command line to a picture, slot by slot: loads what is shown and lets the engine touch it.
 #pragma once
 
 #include <cstdint>
@@ -25,15 +25,15 @@ class Show {
   Picture& picture() { return picture_; }
   /// Whether slots look different from each other.
   bool changes() const;
-  /// The running foci and the drive of that slot.
+  /// Shows the running foci and the drive of that slot.
   void go_to(std::uint64_t slot);
-  /// Puts the field of that drive into the picture; nothing where there is none.
+  /// Puts the field of that drive into the picture. Without a drive, does nothing.
   void show_field(FieldSlice& field, const SliceState& slice);
 
-  /// Of --layout or the rig, in the world.
+  /// The layout of --layout or of the rig, in the world.
   const array::Layout& layout() const { return *layout_; }
-  /// What the slot of go_to() sounds like, and what is felt of all of them; valid as long as this is and no other slot
-  /// is shown. It has a plan where --skin and an array are there.
+  /// What sounds in the slot of go_to(), and what is felt of all slots. Valid as long as this object lives and no other
+  /// slot is shown. It has a plan if there are --skin and an array.
   Sounding sounding() const;
 
  private:
@@ -43,7 +43,7 @@ class Show {
 
   Picture picture_;
   array::Schedule schedule_;
-  std::shared_ptr<const array::Layout> layout_;  ///< in the world; without transducers where there is none
+  std::shared_ptr<const array::Layout> layout_;  ///< in the world; without transducers if there is no array
   std::optional<session::Plan> plan_;
   acoustics::Air air_;
   std::optional<double> spot_m_;

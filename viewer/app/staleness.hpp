@@ -1,4 +1,4 @@
-// What of a picture is not up to date.
+// Which part of a picture is out of date.
 #pragma once
 
 #include <cstdint>
@@ -7,33 +7,33 @@
 
 namespace palpa::viewer {
 
-/// How much of what is on the device is to be brought up to date; each has what stands before it, see DrawnPicture.
+/// How much of the picture on the device must be updated. Each value includes those before it, see DrawnPicture.
 enum class Stale { nothing, marks, skin, surfaces };
 
-/// Of a picture that is new: nothing was drawn yet.
+/// Begins with a new picture, of which nothing has been drawn yet.
 class Staleness {
  public:
-  /// As much of the picture has changed.
+  /// Call when this much of the picture has changed.
   void add(Stale what);
-  /// What lies over the picture has changed, or from where it is looked at.
+  /// Call when something over the picture, or the viewpoint, has changed.
   void redraw() { dirty_ = true; }
-  /// Whether `now` asks for other marks, or for surfaces elsewhere, than the picture on the device has.
+  /// Compares `now` with the picture on the device: it may need other marks, or surfaces in other places.
   void look(const ViewState& now);
 
   Stale what() const { return what_; }
-  /// What is to be brought up to date, which is then as `now` asks for.
+  /// Returns what must be updated. The caller then updates it to `now`.
   Stale take(const ViewState& now);
-  /// Whether another drawing would look different; drew() says that there was one.
+  /// Whether a new drawing would look different. Call drew() after each drawing.
   bool dirty() const { return dirty_; }
   void drew() { dirty_ = false; }
-  /// Another number where surfaces are others, or elsewhere.
+  /// Changes whenever surfaces change or move.
   std::uint64_t surfaces_version() const { return surfaces_version_; }
 
  private:
   Stale what_ = Stale::surfaces;
   bool dirty_ = true;
   std::uint64_t surfaces_version_ = 1;
-  ViewState drawn_;  ///< as the picture on the device was made
+  ViewState drawn_;  ///< the state from which the picture on the device was made
 };
 
 }  // namespace palpa::viewer

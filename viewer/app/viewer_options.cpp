@@ -26,7 +26,7 @@ Vec3 point(const std::string& option, const std::string& text) {
   return {p[0], p[1], p[2]};
 }
 
-/// What --view says before a colon.
+/// The part of --view before a colon.
 std::string_view standard_view(const ViewerOptions& o) {
   const std::string_view view = o.view;
   return view.starts_with("camera:") ? view.substr(0, 6) : view;
@@ -39,10 +39,10 @@ const CameraMark& camera_of(const ViewerOptions& o, const Picture& picture) {
     if (name.empty() || name.substr(1) == camera.name) return camera;
     names += (names.empty() ? "" : ", ") + camera.name;
   }
-  throw bad_usage(fmt::format("--view: there is no camera '{}'; give one of {}", name.substr(1), names));
+  throw bad_usage(fmt::format("--view: unknown camera '{}'; give one of {}", name.substr(1), names));
 }
 
-/// The parts of "a,b,c"; none of an empty text.
+/// The parts of "a,b,c". An empty text has none.
 std::vector<std::string_view> items_of(std::string_view text) {
   std::vector<std::string_view> items;
   if (text.empty()) return items;
@@ -56,7 +56,7 @@ std::vector<std::string_view> items_of(std::string_view text) {
 
 Layer layer_of(const char* option, std::string_view word) {
   if (const std::optional<Layer> layer = value_of(layer_words, word)) return *layer;
-  throw bad_usage(fmt::format("{}: '{}' is no layer; give {}", option, word, one_of(layer_words)));
+  throw bad_usage(fmt::format("{}: '{}' is not a layer; give {}", option, word, one_of(layer_words)));
 }
 
 std::vector<Layer> layers_in(const char* option, std::string_view text) {
@@ -73,7 +73,7 @@ std::optional<double> number_in(std::string_view text) {
   return value;
 }
 
-/// Those that are normally visible, or those that are not.
+/// The layers that are normally visible, or those that are not.
 std::string names_of_layers(bool visible) {
   std::string names;
   for (const Word<Layer>& entry : layer_words) {
@@ -121,8 +121,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
   what.flag("--dark", o.dark, "dark background");
   what.choice("--fine", o.fine, fine_words,
-              "pictures with four samples for each pixel; auto: where they take long, of what rests; without a window, "
-              "of all");
+              "pictures with four samples for each pixel; auto: on slow devices, only while nothing moves; always "
+              "without a window");
 
   const setup::Group where(app, "View");
   where.text("--view", o.view, "FROM",
@@ -189,10 +189,9 @@ void refuse_headings(const ViewerOptions& o, std::initializer_list<std::string_v
 void refuse_idle_in_picture(const ViewerOptions& o) {
   const Layers layers = first_state(o).layers;
   if (!layers.shows(Layer::slice)) refuse_given(o, {"--slice-size"}, "goes with --slice or --slice-at");
-  if (!o.eye.empty()) refuse_given(o, {"--frame"}, "goes with --view: --eye says what fills the picture");
+  if (!o.eye.empty()) refuse_given(o, {"--frame"}, "goes with --view: --eye sets what fills the picture");
   if (o.participant) {
-    refuse_given(o, {"--view", "--frame", "--ortho"},
-                 "says where the picture is looked at from: a participant looks through the screen");
+    refuse_given(o, {"--view", "--frame", "--ortho"}, "sets the viewpoint: a participant looks through the screen");
     if (o.stereo == Stereo::none) refuse_given(o, {"--eyes-apart"}, "goes with --stereo");
   } else {
     refuse_given(o, {"--eyes-apart"}, "goes with --participant");
@@ -200,7 +199,7 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
   if (!o.participant || (o.stereo != Stereo::columns && o.stereo != Stereo::rows))
     refuse_given(o, {"--barrier-pitch", "--barrier-gap", "--barrier-phase"}, "goes with --stereo columns or rows");
   if (!has_skin(o)) {
-    refuse_headings(o, {"Touch"}, "goes with --points or --depth: nothing is touched without");
+    refuse_headings(o, {"Touch"}, "goes with --points or --depth: without them, nothing is touched");
     refuse_given(o, {"--tune-shortest", "--tune-longest"}, "goes with --points or --depth");
   }
   if (o.input.scene.empty()) {
@@ -208,15 +207,15 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
     refuse_given(o, {"--gltf-scene"}, "goes with --scene");
   }
   if (o.layout.empty() && o.input.rig.empty())
-    refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it is how an array is driven");
+    refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it sets how an array is driven");
 }
 
 void refuse_idle(const ViewerOptions& o) {
   if (o.headless) refuse_given(o, {"--no-panels"}, "goes with a window: leave it or --headless out");
   if (!o.headless) refuse_given(o, {"--panels"}, "goes with --headless: a window has panels");
-  if (!o.eye.empty()) refuse_given(o, {"--view"}, "and --eye both say where from: give one of them");
+  if (!o.eye.empty()) refuse_given(o, {"--view"}, "and --eye both set the viewpoint: give one of them");
   if (o.is_live()) {
-    refuse_given(o, {"--camera"}, "goes with --depth: --source has the cameras of --rig");
+    refuse_given(o, {"--camera"}, "goes with --depth: --source uses the cameras of --rig");
     refuse_given(o, {"--tune-shortest", "--tune-longest"},
                  "goes with --points or --depth: while running, --tune chooses strides alone");
   } else if (o.headless && o.interact.empty()) {
@@ -233,15 +232,15 @@ void check(const ViewerOptions& o) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (o.is_live()) {
-    if (has_skin(o)) throw bad_usage("--source and --points or --depth both say what touches: give one of them");
-    if (o.felt.spectrum) throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
+    if (has_skin(o)) throw bad_usage("--source and --points or --depth both set what touches: give one of them");
+    if (o.felt.spectrum) throw bad_usage("--spectrum goes with --points or --depth: it needs a touch");
     live_options(o.given);
   } else if (has_skin(o)) {
     setup::check(o.input);
     setup::check(o.touch);
     setup::check(o.felt, o.touch);
   } else if (o.felt.spectrum) {
-    throw bad_usage("--spectrum goes with --points or --depth: it is of a touch");
+    throw bad_usage("--spectrum goes with --points or --depth: it needs a touch");
   } else if (o.touch.spot_m) {
     throw bad_usage("--spot goes with --spectrum or --tune");
   } else if (!o.input.cameras.empty() || !o.input.rig.empty()) {
@@ -252,26 +251,27 @@ void check(const ViewerOptions& o) {
   }
   if (o.input.penetration_m && o.input.scene.empty()) throw bad_usage("--penetration goes with --scene");
   if (!value_of(view_words, standard_view(o)))
-    throw bad_usage(fmt::format("--view: '{}' is no view; give {}, or camera:NAME", o.view, one_of(view_words)));
+    throw bad_usage(fmt::format("--view: '{}' is not a view; give {}, or camera:NAME", o.view, one_of(view_words)));
   if (standard_view(o) == "camera" && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
   const Layers layers = first_state(o).layers;
   if (layers.shows(Layer::slice) || layers.shows(Layer::heat)) {
     const char* what = layers.shows(Layer::heat) ? "--show heat" : "--slice";
     if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()))
-      throw bad_usage(fmt::format("{} goes with --points or --depth: it is of a touch", what));
+      throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
     if (!o.is_live() && o.layout.empty() && o.input.rig.empty())
-      throw bad_usage(fmt::format("{} goes with --layout or --rig: it is of an array's sound", what));
+      throw bad_usage(fmt::format("{} goes with --layout or --rig: it shows an array's sound", what));
     if (!o.is_live() && layers.shows(Layer::heat) && o.skin.empty())
-      throw bad_usage("--show heat goes with --skin: it is on the finger's closed mesh");
+      throw bad_usage("--show heat goes with --skin: it needs the finger's closed mesh");
   }
   if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
   if (o.participant) {
     if (o.headless && (o.is_live() || !o.interact.empty()))
-      throw bad_usage("--participant with --headless goes with neither --source nor --interact");
+      throw bad_usage("--participant with --headless goes without --source and --interact");
     if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
-    if (!o.target.empty()) throw bad_usage("--target goes with --eye alone: a participant looks through the screen");
-    if (o.inset) throw bad_usage("--inset is no part of what a participant sees");
-    if (!o.monitor.empty() && o.headless) throw bad_usage("--monitor is of a window");
+    if (!o.target.empty())
+      throw bad_usage("--target goes with --eye, not with --participant: a participant looks through the screen");
+    if (o.inset) throw bad_usage("--inset is not part of a participant's view");
+    if (!o.monitor.empty() && o.headless) throw bad_usage("--monitor goes with a window: leave it or --headless out");
   } else if (!o.monitor.empty()) {
     throw bad_usage("--monitor goes with --participant");
   } else if (!o.screen.empty() || o.stereo != Stereo::none) {
@@ -282,7 +282,7 @@ void check(const ViewerOptions& o) {
       const bool ours = info.heading == "What to run" || info.heading == "From frame to frame";
       const bool of_scene = info.name == "--scene" || info.name == "--gltf-scene" || info.name == "--allow-outside";
       if (ours && !of_scene && o.given.contains(info.name))
-        throw bad_usage(info.name + " goes with --source: it is of a live run");
+        throw bad_usage(info.name + " goes with --source: it needs a live run");
     }
   }
   if (o.panels && o.no_panels) throw bad_usage("--panels and --no-panels exclude each other");
@@ -311,7 +311,7 @@ Size picture_size(const ViewerOptions& o) {
     if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height)) return size;
   }
   throw bad_usage(
-      fmt::format("--size: '{}' is no size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
+      fmt::format("--size: '{}' is not a size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
 }
 
 Fineness fineness_without_window(const ViewerOptions& o) {
@@ -329,7 +329,7 @@ ViewState first_state(const ViewerOptions& o, const Layers& layers) {
     const std::size_t equals = std::min(item.find('='), item.size());
     const std::optional<double> opacity = number_in(item.substr(std::min(equals + 1, item.size())));
     if (!opacity || !(*opacity >= 0 && *opacity <= 1))
-      throw bad_usage(fmt::format("--opacity: '{}' is no layer=0..1, such as solids=0.5", item));
+      throw bad_usage(fmt::format("--opacity: '{}' is not layer=0..1, such as solids=0.5", item));
     state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);
   }
   if (o.slice_plane || !o.slice_at.empty()) state.layers[Layer::slice].visible = true;

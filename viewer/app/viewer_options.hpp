@@ -1,4 +1,4 @@
-// The command line of palpa-viewer. Groups that `palpa` has too come from engine/setup, with the same names and
+// The command line of palpa-viewer. Groups that `palpa` also has come from engine/setup, with the same names and
 // defaults.
 #pragma once
 
@@ -21,15 +21,15 @@ namespace palpa::viewer {
 
 struct ViewerOptions {
   setup::CommonOptions common;
-  setup::TouchInputOptions input;  ///< all of it may be absent where there is a layout
+  setup::TouchInputOptions input;  ///< all of it may be absent if there is a layout
   setup::TouchOptions touch;
   setup::FeltOptions felt;
   setup::DriveOptionsGroup drive;
   setup::LiveOptions live;  ///< what only a live run has; all of its options are in `given`
-  setup::Given given;       ///< the whole line
+  setup::Given given;       ///< the whole command line
   /// Whether frames come from a source.
   bool is_live() const { return given.contains("--source"); }
-  std::string layout;  ///< built-in name or file; empty: the rig's array where there is a rig, else none
+  std::string layout;  ///< built-in name or file; empty: the rig's array if there is a rig, else none
 
   std::string skin;  ///< mesh of the finger or hand, as PLY
   std::string title;
@@ -49,8 +49,8 @@ struct ViewerOptions {
   bool inset = false;
 
   bool participant = false;
-  std::string monitor;  ///< name or number of the participant's; empty: the last
-  std::string screen;   ///< rig whose screen it is; empty: that of --rig, else the paper's
+  std::string monitor;  ///< name or number of the participant's monitor; empty: the last
+  std::string screen;   ///< rig whose screen is used; empty: that of --rig, else the paper's
   Stereo stereo = Stereo::none;
   double eyes_apart_m = 63e-3;
   std::optional<double> barrier_pitch_m, barrier_gap_m;
@@ -68,31 +68,30 @@ struct ViewerOptions {
 
 /// Puts every option on `app`.
 void add_options(CLI::App& app, ViewerOptions& options);
-/// Throws bad_usage for what is missing, excludes each other or does not parse.
+/// Throws bad_usage if an option is missing, options exclude each other, or a value does not parse.
 void check(const ViewerOptions& options);
 
 struct Size {
   std::uint32_t width = 0, height = 0;  ///< pixels
   bool operator==(const Size&) const = default;
 };
-/// Of --size.
+/// The size that --size gives.
 Size picture_size(const ViewerOptions& options);
-/// Of pictures that nobody waits for.
+/// The fineness of pictures that nobody waits for.
 Fineness fineness_without_window(const ViewerOptions& options);
-/// How the picture is looked at as long as nobody changes it: `layers` but for what the options say of them. Its
-/// viewpoint is not set yet.
+/// The initial state of the view: `layers`, changed as the options say. Its viewpoint is not set yet.
 ViewState first_state(const ViewerOptions& options, const Layers& layers = {});
-/// Where the slice lies, unless --slice-at says: in the middle of the touch.
+/// Places the slice at --slice-at, by default in the middle of the touch.
 void place_slice(ViewState& state, const ViewerOptions& options, const Picture& picture);
-/// Where the viewpoint stands at first, for a picture of that size. Throws bad_usage for a camera that is not there.
+/// The first viewpoint, for a picture of that size. Throws bad_usage for a camera that does not exist.
 Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const ViewState& state,
                           const Size& size);
-/// What is drawn from there: the whole, and with --inset a close-up of the touch, if there is one.
+/// The views from `viewpoint`: the whole picture, and with --inset a close-up of the touch, if there is one.
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& options, const Picture& picture,
                              const Size& size, double ratio);
-/// Of --participant. Throws bad_input for a rig without a screen.
+/// The settings for --participant. Throws bad_input for a rig without a screen.
 Participant participant_of(const ViewerOptions& options);
-/// What F frames, and what the first viewpoint does unless an eye is given.
+/// What the key F frames. The first viewpoint frames it, too, unless an eye is given.
 Box home_of(const ViewerOptions& options, const Picture& picture, const ViewState& state);
 
 }  // namespace palpa::viewer

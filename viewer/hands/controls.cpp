@@ -5,7 +5,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// From the other side.
+/// Looks from the other side.
 void look_back(Viewpoint& viewpoint) {
   if (viewpoint.elevation != 0) {
     viewpoint.elevation = -viewpoint.elevation;

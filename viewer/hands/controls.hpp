@@ -1,4 +1,4 @@
-// What mouse and keyboard do to the view, without knowing where they come from: a window, a script, a test.
+// What mouse and keyboard do to the view. The events may come from a window, a script or a test.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace palpa::viewer {
 
 enum class Button { left, middle, right };
 
-/// Keys that are characters are that character, letters small; these are the others.
+/// A key that types a character has the value of that character, letters in lower case. These are the other keys.
 enum class Key : char {
   other = 0,
   tab = 1,
@@ -32,25 +32,25 @@ constexpr Key key_of(char character) {
   return static_cast<Key>(character);
 }
 
-/// One thing that happened to a window. Positions are pixels from its top left.
+/// One event of a window. Positions are pixels from its top left.
 struct WindowEvent {
   enum class Kind { press, release, move, scroll, key, text, drop, damage };
-  Kind kind = Kind::damage;  ///< damage: the window must be drawn anew
+  Kind kind = Kind::damage;  ///< damage: the window must be drawn again
   double x = 0, y = 0;       ///< pointer
   double steps = 0;          ///< of scroll, positive away from the user
   Button button = Button::left;
   bool shift = false, ctrl = false;
   Key key = Key::other;
-  bool down = true;     ///< of key: pressed or repeated, else let go
-  bool repeat = false;  ///< of key: it was held down so long that it comes once more
+  bool down = true;     ///< of key: pressed or repeated, else released
+  bool repeat = false;  ///< of key: a repetition, because it is held down
   std::string text{};   ///< of text: what was typed, UTF-8; of drop: a file's or folder's path
 };
 
-/// What the program is to do after an event.
+/// What the program must do after an event.
 enum class Reply { nothing, redraw };
 
-/// Left-drag orbits, wheel zooms towards the pointer, middle- or shift-drag pans, 1 3 7 are front, right and top, with
-/// Ctrl their opposites, 9 from a corner, 5 toggles the projection, F frames everything.
+/// Left-drag orbits, the wheel zooms towards the pointer, middle- or shift-drag pans. 1, 3 and 7 are front, right and
+/// top, with Ctrl their opposites; 9 is from a corner. 5 toggles the projection, F frames everything.
 class Controls {
  public:
   /// `home` is what F frames. `width` and `height` are the window's.
@@ -64,7 +64,7 @@ class Controls {
   double x_ = 0, y_ = 0;
 };
 
-/// zoom() that leaves what is under the pointer, as far away as the target, where it is.
+/// Like zoom(), but the point under the pointer, at the target's depth, stays where it is.
 void zoom_at(Viewpoint& viewpoint, double steps, double x, double y, double width, double height);
 
 }  // namespace palpa::viewer

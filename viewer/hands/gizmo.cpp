@@ -11,11 +11,11 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr double arrow_points = 78;                    ///< how long arrows are in a picture
+constexpr double arrow_points = 78;                    ///< length of the arrows in a picture
 constexpr double reach_points = 7;                     ///< how near to a handle the pointer must be
-constexpr double ring = 0.72;                          ///< its radius, of an arrow's length
-constexpr double plane_low = 0.26, plane_high = 0.46;  ///< of a square, of an arrow's length
-constexpr double arrow_begins = 0.14;                  ///< so that what is in the middle can be seen
+constexpr double ring = 0.72;                          ///< radius, as a share of an arrow's length
+constexpr double plane_low = 0.26, plane_high = 0.46;  ///< of a square, as a share of an arrow's length
+constexpr double arrow_begins = 0.14;                  ///< keeps the middle visible
 constexpr double head = 0.13;
 constexpr double step_m = 1e-3, step_angle = std::numbers::pi / 36;
 
@@ -32,7 +32,7 @@ std::array<Vec3, 3> axes_of(Handle handle) {
   return axes;
 }
 
-/// In the world; the last point of a ring and of a square is the first.
+/// The handle's outline in the world. The last point of a ring or a square is its first.
 std::vector<Vec3> outline(const Gizmo& gizmo, Handle handle) {
   const auto [axis, second, third] = axes_of(handle);
   const auto at = [&, u = axis, v = second, w = third](double a, double b, double c) {
@@ -56,7 +56,7 @@ std::vector<Vec3> outline(const Gizmo& gizmo, Handle handle) {
   return points;
 }
 
-/// In pixels; nothing of what is behind the eye.
+/// The points in pixels, without those behind the eye.
 std::vector<Vec2> flat(const std::vector<Vec3>& points, const Sight& sight) {
   const shader::ViewPush push = projection(sight.viewpoint, sight.width, sight.height);
   std::vector<Vec2> out;
@@ -84,7 +84,7 @@ bool inside(const Vec2& p, const std::vector<Vec2>& convex) {
   return left == 0 || right == 0;
 }
 
-/// How far along the line through `at` its place nearest to the ray is.
+/// How far along the line through `at` the point nearest to the ray is.
 std::optional<double> along_line(const Ray& ray, const Vec3& at, const Vec3& axis) {
   const double both = glm::dot(ray.direction, axis), across = 1 - both * both;
   if (across < 2.5e-3) return std::nullopt;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t most_steps = 200;
 constexpr double above_m = 4e-3;                       ///< where a finger waits
-constexpr double wheel_m = 1e-3, fine_wheel_m = 1e-4;  ///< of a step
+constexpr double wheel_m = 1e-3, fine_wheel_m = 1e-4;  ///< per step
 
 }  // namespace
 
@@ -147,7 +147,7 @@ bool Placing::move(const WindowEvent& event, const Sight& sight) {
     finger_was_put_ = finger_was_put_ || grip_->step.thing == poses_.size();
     return true;
   }
-  if (grip_) {  // the finger turns around its tip, as a ball under the pointer would
+  if (grip_) {  // the finger turns around its tip, like a ball under the pointer
     const Basis b = basis(sight.viewpoint);
     const double per_pixel = std::numbers::pi / std::max(sight.height, 1.0);
     const Transform& before = grip_->step.before;

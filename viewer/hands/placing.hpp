@@ -1,5 +1,5 @@
-// Where solids and a held finger are put by hand: the pointer moves the finger, handles move and turn both, and what
-// was done last can be undone. Knows neither session nor panels.
+// Places solids and a held finger by hand. The pointer moves the finger, handles move and turn solids and finger, and
+// the last move can be undone. Knows neither the session nor the panels.
 #pragma once
 
 #include <cstddef>
@@ -15,33 +15,33 @@ namespace palpa::viewer {
 
 class Placing {
  public:
-  /// The things of a scene, each where the scene has it; `finger`: whether there is one to be held, too. Solids that
-  /// were moved stay so where the scene is the `same`. A finger that nobody has moved yet waits above the highest
-  /// solid.
+  /// Takes the things of a scene, each where the scene has it. `finger`: there is also a finger to hold. If the scene
+  /// is the `same`, solids that were moved stay where they are. A finger that has not been moved yet waits above the
+  /// highest solid.
   void begin(const Picture& rest, bool finger, bool same);
 
-  /// Where each solid is, by T_world_rest; the finger, by T_world_finger.
+  /// The poses: T_world_rest of each solid, and T_world_finger of the finger.
   const std::vector<Transform>& poses() const { return poses_; }
   const Transform& finger() const { return finger_; }
   bool holds_finger() const { return holds_finger_; }
-  /// Whether a solid is elsewhere than in the scene.
+  /// Whether a solid is not where the scene has it.
   bool moved() const;
 
-  /// Takes what is meant for it: then it is nobody else's.
+  /// Returns true if the event was meant for this object. Nobody else may handle it then.
   bool handle(const WindowEvent& event, const Sight& sight);
 
-  /// Whose handles are shown: a solid, after the last of them the finger; nothing: nobody's.
+  /// The thing whose handles are shown: a solid, or the finger, whose index follows the last solid's. nullopt: none.
   std::optional<std::size_t> chosen() const { return chosen_; }
   void choose(std::optional<std::size_t> thing);
   const std::vector<std::string>& names() const { return names_; }  ///< of the things
-  /// The finger goes where the pointer goes.
+  /// Whether the finger follows the pointer.
   bool follows() const { return follows_; }
   void follow(bool on) { follows_ = on; }
   void undo();
-  /// All solids back to where the scene has them.
+  /// Returns all solids to where the scene has them.
   void restore();
 
-  /// The handles, as they lie in a picture.
+  /// The handles in a picture.
   std::vector<FlatMark> marks(const Sight& sight) const;
 
  private:
@@ -67,10 +67,10 @@ class Placing {
   std::optional<Handle> hovered_;
   std::vector<Step> history_;
 
-  /// What a button that is held down does.
+  /// What a held button does.
   struct Grip {
     Step step;
-    std::optional<Handle> handle;  ///< none: it turns the finger
+    std::optional<Handle> handle;  ///< nullopt: the finger is turned
     Gizmo gizmo;
     Vec2 from{};
     Button button = Button::left;
@@ -79,7 +79,7 @@ class Placing {
   int held_ = 0;  ///< buttons that are down
 };
 
-/// The picture's solids and tile where `poses` take them from `rest`, of which it otherwise is a copy.
+/// Moves the picture's solids and tile from their places in `rest` by `poses`. `picture` is otherwise a copy of `rest`.
 void pose_solids(Picture& picture, const Picture& rest, const std::vector<Transform>& poses);
 
 }  // namespace palpa::viewer

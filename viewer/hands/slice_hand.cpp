@@ -53,7 +53,7 @@ bool SliceHand::handle(const WindowEvent& event, const Sight& sight, SliceState&
     for (const SliceHandle handle : slice_handles) {
       const Vec3 at = place_of(handle, slice);
       const double away = glm::distance(pixels_of(sight, at), pointer);
-      if (!visible(sight, at) || away >= best) continue;  // of two the one that is named first
+      if (!visible(sight, at) || away >= best) continue;  // of two, the one named first
       best = away;
       held_ = handle;
     }
@@ -73,12 +73,12 @@ bool SliceHand::handle(const WindowEvent& event, const Sight& sight, SliceState&
     return event.button == Button::left;
   }
   if (event.kind != WindowEvent::Kind::move) return false;
-  // How the handle goes over the picture while the plane moves by a little, and how far in the world that is.
+  // How the handle moves over the picture when the plane moves a little, and how far that is in the world.
   const double step = *held_ == SliceHandle::middle ? 1e-4 : 1e-3;
   const Vec2 way =
       (pixels_of(sight, place_of(*held_, moved(slice, *held_, step))) - pixels_of(sight, place_of(*held_, slice))) /
       step;
-  // Seen from its end a way has no direction: then it is taken for a part of its length, so that nothing jumps.
+  // Seen from its end, a way has no direction. It is then taken as a part of its length, so that nothing jumps.
   const double arm =
       *held_ == SliceHandle::middle ? 1 : glm::distance(place_of(*held_, slice), Vec3(slice.T_world_slice[3]));
   const double least = 0.25 * arm / metres_per_pixel(sight.viewpoint, sight.height);

@@ -1,5 +1,5 @@
-// A plane moved by hand: it is dragged along its normal by its middle and turned about either of its axes by the ends
-// of the other. Values and arithmetic: what is drawn and what is dragged stand on the same places.
+// A plane that is moved by hand. Its middle drags it along its normal, and the ends of one axis turn it about the
+// other. Values and arithmetic only: handles are drawn and dragged at the same places.
 #pragma once
 
 #include <array>
@@ -13,21 +13,21 @@ namespace palpa::viewer {
 
 enum class SliceHandle { middle, x_end, y_end };
 inline constexpr std::array<SliceHandle, 3> slice_handles{SliceHandle::middle, SliceHandle::x_end, SliceHandle::y_end};
-/// Where it is in the world.
+/// Where the handle is in the world.
 Vec3 place_of(SliceHandle handle, const SliceState& slice);
-/// Of the arrow along the normal that says which way the middle goes.
+/// The tip of the arrow along the normal, which shows the way in which the middle moves.
 Vec3 normal_tip(const SliceState& slice);
 
 class SliceHand {
  public:
-  /// True where the event is the hand's alone. Handles are what is within some points of the pointer. Escape lets go of
-  /// what is dragged, where it was.
+  /// Returns true if the event is only for this hand. It takes a handle within some points of the pointer. Escape
+  /// returns what is dragged to its old place.
   bool handle(const WindowEvent& event, const Sight& sight, SliceState& slice);
   bool dragging() const { return held_.has_value(); }
 
  private:
   std::optional<SliceHandle> held_;
-  SliceState before_;  ///< when it was taken
+  SliceState before_;  ///< when the handle was taken
   double x_ = 0, y_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr double longest_s = 0.25;  ///< a frame under way longer than that, or that far from the next, is no rhythm
+constexpr double longest_s = 0.25;  ///< a frame that takes longer, or is farther from the next, is no rhythm
 
 double mean(double before, double now) {
   constexpr double weight = 1.0 / 8;
@@ -19,14 +19,14 @@ double mean(double before, double now) {
 void Rhythm::arrived(std::uint64_t sequence, double now_s) {
   if (last_s_) {
     const double after_s = now_s - *last_s_;
-    // One that was left out says nothing of how often they come; several in a row do.
+    // A single skipped frame says nothing about the rate; several in a row do.
     gaps_ = every_s_ > 0 && after_s > 1.5 * every_s_ ? gaps_ + 1 : 0;
     if (after_s > longest_s)
       every_s_ = 0;
     else if (gaps_ == 0 || gaps_ > 3)
       every_s_ = mean(gaps_ ? 0 : every_s_, after_s);
   }
-  // Whatever keeps a source makes its frames late, never early.
+  // Anything that holds up a source makes its frames late, never early.
   const double late_s = now_s - due_s_;
   due_s_ = std::abs(late_s) < 0.5 * every_s_ ? due_s_ + (late_s > 0 ? 0.05 : 0.5) * late_s : now_s;
   due_s_ += every_s_;
@@ -37,7 +37,7 @@ void Rhythm::arrived(std::uint64_t sequence, double now_s) {
 }
 
 void Rhythm::planned(std::uint64_t sequence, double now_s) {
-  begun_s_ = now_s;  // of the next, if that has come
+  begun_s_ = now_s;  // for the next frame, if that has come
   if (!last_s_ || sequence != newest_) return;
   takes_s_ = mean(takes_s_, now_s - *last_s_);
   under_way_ = false;
@@ -101,7 +101,8 @@ double PictureSteps::end() {
 void PictureSteps::pause() {
   ends();
   if (next_ == take_s_.size()) take_s_.push_back(0);
-  // Some take longer than usual; what took very long once, e.g. since a driver compiled, will hardly do so again.
+  // Some pieces take longer than usual. A piece that took very long once, e.g. because a driver compiled, will hardly
+  // do so again.
   const double work_s = std::min(1.25 * take_s_[next_] + 2e-3, 12e-3);
   if (waited_s_ < most_s) waited_s_ += let_run_(work_s, most_s - waited_s_);
   begun_s_ = clock_.now();

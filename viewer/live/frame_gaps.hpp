@@ -1,5 +1,6 @@
-// When a run's frames come and how long each takes, so that who shares its processor works in between. A processor that
-// draws pictures is not taken from them at once when a frame comes: the kernel lets them have it for milliseconds.
+// When a run's frames come and how long each takes, so that other work on the same processor runs between them. When a
+// frame comes while the processor draws a picture, the kernel does not take the processor away at once, but lets the
+// drawing have it for milliseconds.
 #pragma once
 
 #include <condition_variable>
@@ -15,15 +16,16 @@
 
 namespace palpa::viewer {
 
-/// Times in seconds on one clock.
+/// All times are in seconds on one clock.
 class Rhythm {
  public:
   void arrived(std::uint64_t sequence, double now_s);
-  /// Nor is any under way that had come before it.
+  /// The frame has been planned. No frame that came before it is under way any more either.
   void planned(std::uint64_t sequence, double now_s);
-  /// Nothing where it is the time to work for `work_s`; else when to ask again, if no frame has come or been planned by
-  /// then. Where frames leave less time than that, work begins when one is planned; where another has always come by
-  /// then, there is no such time. A frame that does not come, or is not planned for long, is not waited for.
+  /// nullopt if now is the time to work for `work_s`. Otherwise, the time at which to ask again if no frame has come or
+  /// been planned by then. If frames leave less time than `work_s` between them, work begins when a frame is planned.
+  /// If another frame has always come by then, no time is right. A frame that does not come, or is not planned for a
+  /// long time, is not waited for.
   std::optional<double> wait_until(double now_s, double work_s) const;
 
  private:
@@ -31,19 +33,19 @@ class Rhythm {
   bool under_way_ = false;
   double begun_s_ = 0;
   std::optional<double> last_s_;
-  double due_s_ = 0;                  ///< when the next comes, where every_s_ is known
+  double due_s_ = 0;                  ///< when the next frame comes, if every_s_ is known
   double every_s_ = 0, takes_s_ = 0;  ///< means; 0: not known
   int gaps_ = 0;                      ///< since the last frame that came when it was due
 };
 
-/// The same for threads.
+/// The same, shared between threads.
 class FrameGaps {
  public:
   void arrived(std::uint64_t sequence);
   void planned(std::uint64_t sequence);
   /// No more frames come.
   void over();
-  /// Waits for the time to work for `work_s`, at most `most_s`; returns how long that was.
+  /// Waits, at most `most_s`, for the time to work for `work_s`. Returns how long it waited.
   double wait(double work_s, double most_s);
 
  private:
@@ -53,10 +55,10 @@ class FrameGaps {
   Rhythm rhythm_;
 };
 
-/// Of pictures, each of which is drawn piece by piece.
+/// Waits during pictures that are drawn piece by piece.
 class PictureSteps {
  public:
-  /// Waits for the time to work for `work_s`, at most `most_s`; returns how long that was.
+  /// Waits, at most `most_s`, for the time to work for `work_s`. Returns how long it waited.
   using LetRun = std::function<double(double work_s, double most_s)>;
   explicit PictureSteps(LetRun let_run) : let_run_(std::move(let_run)) {}
 

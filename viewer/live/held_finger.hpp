@@ -1,4 +1,4 @@
-// A made-up finger under somebody's hand.
+// A made-up finger that the user moves.
 #pragma once
 
 #include <glm/ext/matrix_transform.hpp>
@@ -10,22 +10,22 @@
 
 namespace palpa::viewer {
 
-/// The viewer's thread says where it is, the capture thread has the rig's cameras see it there: a session knows no
-/// other finger from it.
+/// The viewer's thread sets where it is, and the capture thread lets the rig's cameras see it there. A session cannot
+/// tell it from any other finger.
 class HeldFinger {
  public:
-  /// Its tip is at the origin of its own frame, its body along +y.
+  /// In its own frame, its tip is at the origin and its body along +y.
   Transform pose() const;
   void put(const Transform& T_world_finger);
 
   /// Whether --source is of the kind `mouse`.
   static bool is_held(const std::string& source);
-  /// That kind. The finger outlives what it opens.
+  /// The kind `mouse`. The finger must outlive the sources that it opens.
   session::SourceKind source();
 
  private:
   mutable std::mutex mutex_;
-  /// Out of everybody's sight until somebody has put it where it is to be.
+  /// Out of sight until it is put somewhere.
   Transform T_world_finger_ = glm::translate(Transform(1.0), Vec3(0, 10, 0));
 };
 

@@ -1,4 +1,4 @@
-// What the array does at this moment, without asking the array: what its link was handed.
+// What the array does at this moment. The array is not asked: this is what its link was given.
 #pragma once
 
 #include <atomic>
@@ -6,7 +6,7 @@
 
 namespace palpa::viewer {
 
-/// Written by the session's threads, read by the window's.
+/// Written by the session's threads, read by the window's thread.
 struct LinkWatch {
   std::atomic<bool> open{false};
   std::atomic<bool> sounding{false};  ///< the last drive was not silence

@@ -32,7 +32,7 @@ void LiveEdit::play_recording(const std::string& folder) {
 }
 
 void LiveEdit::leave_touch() {
-  if (options_.touch.tune) return;  // it needs the spot in a live run, too
+  if (options_.touch.tune) return;  // tuning needs the spot in a live run, too
   options_.touch.spot_m.reset();
   line_.erase("--spot");
 }

@@ -1,4 +1,4 @@
-// The options of a live run while somebody changes them.
+// The options of a live run while the user changes them.
 #pragma once
 
 #include <optional>
@@ -9,37 +9,38 @@
 
 namespace palpa::viewer {
 
-/// The values, and beside them how a command line says them: that line has just what somebody has set. Whatever changes
-/// one changes the other. Fields where text is typed go by an option's name; all else has a function of its own.
+/// Holds the values and also the command line that gives them. The line has only the options that were set. Both always
+/// change together. Text fields are set by the option's name; everything else has its own function.
 class LiveEdit {
  public:
   LiveEdit() = default;
-  /// Of the viewer's line what `palpa run` has, too; see live_table(). The values need not go together: a single touch
-  /// has a scene but no source. Throws bad_usage for a text that is no value of its option.
+  /// Takes those options of the viewer's command line that `palpa run` also has, see live_table(). The values need not
+  /// go together: a single touch has a scene but no source. Throws bad_usage for a text that is not a value of its
+  /// option.
   explicit LiveEdit(const setup::Given& line);
 
   const setup::LiveOptions& options() const { return options_; }
-  /// Throws bad_usage where they do not go together; warns of what is unusual.
+  /// Throws bad_usage if the options do not go together. Warns about unusual ones.
   void check() const;
 
-  /// The scene is in this file from now on. What was said of another file's contents alone is cleared.
+  /// The scene is in this file from now on. Clears options that only concern the contents of another file.
   void open_scene(const std::string& file);
-  /// The same where the file is a new one, whatever its name.
+  /// The same for a new file, whatever its name.
   void replace_scene(const std::string& file);
-  /// Frames come from this recording from now on. What was said of frames that are made up is cleared.
+  /// Frames come from this recording from now on. Clears options that concern made-up frames.
   void play_recording(const std::string& folder);
-  /// A single touch becomes a live run: what was said of its spectrum alone is cleared.
+  /// A single touch becomes a live run. Clears options that only concern its spectrum.
   void leave_touch();
 
-  /// What a text field of that option shows: the first value; empty for a flag. Nothing where it is as usual.
+  /// What a text field of that option shows: the first value; empty for a flag. nullopt if the option has its default.
   std::optional<std::string> text(const std::string& option) const;
-  /// As such a field says; nothing: as usual again. The option is one of live_table() or copied_table(). Throws
-  /// bad_usage for a text that is no value of it, and then changes nothing.
+  /// Sets the option to the text of such a field; nullopt restores the default. The option is one of live_table() or
+  /// copied_table(). Throws bad_usage for a text that is not a value of the option, and then changes nothing.
   void set(const std::string& option, const std::optional<std::string>& text);
 
-  /// Whether a run with one is a run with the other.
+  /// Whether a run with either is the same run.
   bool runs_as(const LiveEdit& other) const { return line_ == other.line_; }
-  /// `palpa run` with the same options and those of copied_table().
+  /// The command `palpa run` with the same options and those of copied_table().
   std::string command() const;
 
  private:

@@ -32,12 +32,12 @@ bool is_copied(const setup::OptionInfo& info) {
   return std::ranges::find(names, info.name) != std::end(names);
 }
 
-/// Every option with what reads its text. Made once: a panel has texts read again and again.
+/// Every option with the parser of its text. Made once, because a panel reads texts again and again.
 class Reader {
  public:
   Reader() { add_options(app_, options_); }
   LineOptions read(const setup::Given& given) {
-    options_ = LineOptions();  // an option that is not given is as usual, whatever it was before
+    options_ = LineOptions();  // an option that is not given has its default, whatever it was before
     setup::read_given(app_, given);
     return options_;
   }
@@ -45,7 +45,7 @@ class Reader {
 
  private:
   CLI::App app_{"", "palpa-viewer"};
-  LineOptions options_;  ///< what the app's options are read into
+  LineOptions options_;  ///< the app's options are read into this
 };
 
 LineOptions read(const setup::Given& given) {

@@ -24,7 +24,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
     touch::Placement placement;
     placement.foci = finger.foci;
     placement.together = voice.foci_per_slot > 1;
-    // Of a method with foci of its own every focus has its place.
+    // If the method has its own foci, every focus has its place.
     placement.complete = finger.placed || voice.foci.size() != finger.foci.size();
     placements.push_back(std::move(placement));
   }
@@ -33,7 +33,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
 
 namespace {
 
-/// Whether the plan is of something that sounds, and of this array.
+/// Whether the plan plays something, and is for this array.
 bool plays(const LiveScene& scene, const session::Plan& plan) {
   const std::size_t transducers = scene.layout.transducers.size();
   return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.cycle.length * transducers;

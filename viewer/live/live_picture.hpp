@@ -12,20 +12,20 @@
 
 namespace palpa::viewer {
 
-/// The fingers, contacts and foci of `snapshot`, and the skin of `seen`, which may be of a frame before or after it;
-/// with `depth`, its images too.
+/// Shows the fingers, contacts and foci of `snapshot`, and the skin of `seen`, which may be of an earlier or later
+/// frame. With `depth`, also shows the images of `seen`.
 void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, const Seen& seen, bool depth);
-/// What the array gets in a slot, as the output thread has it; into `scratch` where it has to be computed. None where
-/// nothing plays, and where the plan is of another array.
+/// The drive that the array gets in a slot, as the output thread has it. If it must be computed, it is written to
+/// `scratch`. Empty if nothing plays, or if the plan is for another array.
 std::span<const array::TransducerDrive> drive_of(const LiveScene& scene, const session::Plan& plan, std::uint64_t slot,
                                                  session::SlotScratch& scratch);
-/// Which focus of it sounds in `slot`, and its drive.
+/// Shows which focus of `snapshot` sounds in `slot`, and its drive.
 void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot,
                     session::SlotScratch& scratch);
-/// What plays, valid as long as `snapshot`; no slot of it.
+/// What plays, without any slot. Valid as long as `snapshot`.
 Sounding sounding_of(const std::shared_ptr<const LiveScene>& scene, const Snapshot& snapshot);
 
-/// The scene's solids where `poses` take them, for a file of them.
+/// The scene's solids, moved by `poses`, for writing them to a file.
 std::vector<geometry::SceneMesh> meshes_of(const LiveScene& scene, const std::vector<Transform>& poses);
 
 }  // namespace palpa::viewer

@@ -17,13 +17,13 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand: only what lies this near the solids is drawn.
+/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
 constexpr double skin_reach = 0.12;
 
-/// What finding it takes, about, and how long that may wait for the run.
+/// About how long finding the skin takes, and how long that may wait for the run.
 constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 
-/// Around the box where the pose takes it.
+/// The box around the given box after the pose has moved it.
 Box moved(const Box& box, const Transform& pose) {
   Box out;
   for (int i = 0; i < 8; ++i)
@@ -78,7 +78,7 @@ void LiveSession::work() {
     wake_();
     stats = run.run(looking);
   } catch (const WaitEnded&) {
-    // Its pipe has found no reader before the user ended it.
+    // The run's pipe had found no reader before the user ended the run.
   } catch (const std::exception& error) {
     end = LiveState::failed;
     fault = error.what();
@@ -86,7 +86,7 @@ void LiveSession::work() {
   }
   link_.open = link_.sounding = false;
   gaps_.over();
-  close_recorder();  // whatever ended the run: what it has written is whole
+  close_recorder();  // however the run ended, its recording is complete
   {
     const std::lock_guard lock(mutex_);
     recording_.clear();
@@ -154,7 +154,7 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
         folder = record_to_;
         recording_.clear();
       }
-      // A disk that takes its time keeps nobody else.
+      // A slow disk holds up nothing else.
       close_recorder();
       if (!folder.empty()) {
         recorded_ = 0;
@@ -178,7 +178,7 @@ void LiveSession::write_down(const sensing::FrameSet& set) {
 
 // On the recorder's thread, or after it.
 void LiveSession::close_recorder() {
-  if (recorder_) recorder_->discard();  // of a recording without a frame nothing is left
+  if (recorder_) recorder_->discard();  // a recording without a frame leaves nothing behind
   recorder_.reset();
   record_outputs_.reset();
 }
@@ -280,7 +280,7 @@ void LiveSession::publish_snapshot(const session::FrameReport& report, const ses
   wake_();
 }
 
-// On a thread that nobody waits for, unless every frame is looked at.
+// On a thread that nothing waits for, unless every frame is looked at.
 void LiveSession::saw(const sensing::FrameSet& set) {
   if (!std::exchange(modest_, true) && options_.record.empty()) session::give_way();
   write_down(set);

@@ -1,5 +1,5 @@
-// The session of `palpa run` on threads of its own, with the viewer looking on. Whatever the viewer does, draws or
-// fails to do, nobody in the session waits for it; and where it does not look any more, the session ends in silence.
+// The session of `palpa run` on its own threads, with the viewer looking on. Whatever the viewer does, draws or fails
+// to do, nothing in the session waits for it. If the viewer stops looking, the session falls silent and ends.
 #pragma once
 
 #include <atomic>
@@ -28,10 +28,10 @@
 
 namespace palpa::viewer {
 
-/// What a session stands on, once it is loaded.
+/// What a session uses, once it is loaded.
 struct LiveScene {
   Picture picture;                          ///< solids and array; no touch
-  std::vector<geometry::SceneMesh> meshes;  ///< of the picture's solids, in their order: what a file of them has
+  std::vector<geometry::SceneMesh> meshes;  ///< of the picture's solids, in their order, for writing them to a file
   std::vector<std::string> solid_names;
   std::vector<sensing::Camera> cameras;
   array::Layout layout;            ///< in the world
@@ -43,77 +43,78 @@ struct LiveScene {
 enum class LiveState {
   loading,
   running,
-  ended,   ///< by the source, the frames that were asked for, or all_off()
+  ended,   ///< by the source, by reaching the requested frames, or by all_off()
   failed,  ///< see fault()
 };
 
-/// How long a viewer that does not look is waited for before the array falls silent.
+/// How long the viewer may fail to look before the array falls silent.
 struct Patience {
   std::chrono::milliseconds usual{5000};
-  /// Before it has looked twice: it is still beginning, and drivers compile.
+  /// Applies until it has looked twice: it is still starting, and drivers compile.
   std::chrono::milliseconds beginning{60000};
 };
 
 class LiveSession {
  public:
-  /// What it is made of, beside the options. The kinds come beside palpa's own.
+  /// Kinds of sources and links in addition to palpa's own.
   struct Kinds {
     std::vector<session::SourceKind> sources;
     std::vector<session::LinkKind> links;
   };
 
-  /// Begins to load and then runs. `stop` ends the run from any thread, whoever sets it. `wake` is called from other
-  /// threads when there is something new to see; it must not wait.
+  /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
+  /// there is something new to see; it must not wait.
   LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
               Patience patience = {});
-  /// all_off(), then waits for the end: of what is being loaded, too.
+  /// Calls all_off() and waits for the end, also that of loading.
   ~LiveSession();
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
-  /// Silence from the next slot on, and the end of the run. Only sets a flag, which the output thread looks at for
-  /// every slot: neither a full disk nor a GPU that hangs keeps it.
+  /// Silence from the next slot on, and the end of the run. Only sets a flag, which the output thread checks for every
+  /// slot. Neither a full disk nor a GPU that hangs delays it.
   void all_off() { *stop_ = true; }
 
-  /// How many there are whose run's thread is not done yet.
+  /// The number of sessions whose run's thread has not finished yet.
   static int under_way() { return under_way_; }
 
-  /// Says that the viewer is alive, once for every time it goes round; see Patience.
+  /// Reports that the viewer is alive. Called once per round of its loop; see Patience.
   void look() {
     looked_ = Clock::now().time_since_epoch().count();
     ++looks_;
   }
 
   LiveState state() const { return state_; }
-  /// Whether the run's thread is done with everything.
+  /// Whether the run's thread has finished everything.
   bool over() const { return over_; }
-  /// Why it failed; empty where it did not.
+  /// Why it failed; empty if it did not.
   std::string fault() const;
-  /// Throws that again; returns where it did not fail.
+  /// Throws that error again; returns if it did not fail.
   void rethrow() const;
-  /// Once it is loaded; the same object until the end.
+  /// Available once it is loaded; the same object until the end.
   std::shared_ptr<const LiveScene> scene() const;
 
   /// Whether there is a newer snapshot(); it is valid until the next call.
   bool take() { return wants(wants_snapshot_, snapshots_); }
   const Snapshot& snapshot() { return snapshots_.front(); }
-  /// The same of seen().
+  /// The same for seen().
   bool take_seen() { return wants(wants_seen_, seen_); }
   const Seen& seen() { return seen_.front(); }
 
-  /// Waits until work of `work_s` is in no frame's way, at most `most_s`; returns how long that was.
+  /// Waits, at most `most_s`, until work of `work_s` delays no frame. Returns how long it waited.
   double let_run(double work_s, double most_s) { return gaps_.wait(work_s, most_s); }
 
-  /// From the next frame on each solid is where its pose takes it from its place in the scene; see Session::set_pose.
+  /// From the next frame on, each pose moves its solid from its place in the scene; see Session::set_pose.
   void place(std::vector<Transform> poses);
 
-  /// From now on frames are written to this new folder, too; empty: no more. A fault is told in the log and ends it.
+  /// From now on, frames are also written to this new folder. Empty: recording ends. An error is logged and ends the
+  /// recording.
   void record(const std::string& folder);
   std::string recording() const;  ///< that folder, until its last frame is written or the run has ended
-  std::uint64_t recorded() const { return recorded_; }  ///< frames of it, or of the one before
+  std::uint64_t recorded() const { return recorded_; }  ///< frames in it, or in the one before
 
   const LinkWatch& link() const { return link_; }
-  /// Complete once it is over; nothing where it failed.
+  /// Complete once the run is over; nullopt if it failed.
   std::optional<session::LoopStats> stats() const;
 
  private:
@@ -143,7 +144,7 @@ class LiveSession {
   Patience patience_;
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
-  std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or was made
+  std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or when it was constructed
   std::atomic<std::uint64_t> looks_{0};
   std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
   session::Newest<Snapshot> snapshots_;
@@ -152,17 +153,17 @@ class LiveSession {
   FrameGaps gaps_;
   LiveNumbers numbers_;                  ///< of the compute thread
   session::Session* session_ = nullptr;  ///< while it runs
-  std::uint64_t placed_ = 0;             ///< poses that it has
+  std::uint64_t placed_ = 0;             ///< the number of the poses that it has
   std::optional<std::uint64_t> last_sequence_;
   Clock::time_point last_frame_{};
-  // Of the recorder's thread, made before it begins.
+  // For the recorder's thread; made before it begins.
   std::vector<Box> boxes_;  ///< of the solids at rest
   std::uint64_t looked_around_ = 0;
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
   std::vector<sensing::Crop> crops_;
   bool modest_ = false;
-  std::optional<Outputs> record_outputs_;  ///< what it writes
+  std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;
   std::uint64_t recordings_seen_ = 0;
   std::atomic<std::uint64_t> placements_{0}, recordings_{0}, recorded_{0};

@@ -1,4 +1,4 @@
-// Loads beside what is shown, so that a file that is broken, or that nobody wants any more, ends nothing.
+// Loads in the background, so that a file that is broken or no longer wanted ends nothing.
 #pragma once
 
 #include <atomic>
@@ -13,19 +13,19 @@ namespace palpa::viewer {
 
 class Loader {
  public:
-  /// `wake` is called on another thread when something is loaded, or failed to be.
+  /// `wake` is called on another thread when something was loaded or failed to load.
   explicit Loader(std::function<void()> wake);
-  /// Cancels, and waits for that.
+  /// Cancels the job and waits for its end.
   ~Loader();
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Does `job` on a thread that gives way, in place of one that is under way.
+  /// Runs `job` on a thread that gives way, in place of a job that is under way.
   void begin(std::function<void()> job);
-  /// Its end is nobody's business any more; it ends where it begins something else (base/activity.hpp).
+  /// The job's result is no longer wanted. The job ends when it begins its next Activity (base/activity.hpp).
   void cancel();
   bool busy() const;
-  /// Of the newest job, once: why it failed, empty where it did not. Nothing while it is under way.
+  /// Why the newest job failed, returned once; empty if it did not fail. nullopt while it is under way.
   std::optional<std::string> take();
 
  private:

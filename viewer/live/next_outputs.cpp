@@ -11,14 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file or folder with something in it.
+/// Whether it is a file or folder with something in it.
 bool written(const fs::path& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   return (fs::is_regular_file(status) || fs::is_directory(status)) && !fs::is_empty(path, ignored) && !ignored;
 }
 
-/// A folder's name has no ending, whatever it looks like.
+/// A folder's name has no extension, even if it looks like one.
 fs::path numbered(const fs::path& path, unsigned number, bool folder) {
   fs::path name = folder ? path.filename() : path.stem();
   name += fmt::format("-{}", number);

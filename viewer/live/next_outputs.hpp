@@ -1,4 +1,4 @@
-// A run that begins anew writes beside what the one before it has written, not over it.
+// A run that restarts writes new files beside those of the run before and does not overwrite them.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@ namespace palpa::viewer {
 
 class NextOutputs {
  public:
-  /// The outputs of a run that is about to begin: where an earlier one of this program has written something under the
-  /// same name, it gets the first free one of "take-2.csv", "take-3.csv", ... Streams, devices and pipes go on as they
-  /// are. A line for each name that changed. `links` are all there are.
+  /// Names the outputs of a run that is about to begin. If an earlier run of this program has written something under
+  /// the same name, the output gets the first free name of "take-2.csv", "take-3.csv", ... Streams, devices and pipes
+  /// keep their names. Returns a line for each name that changed. `links`: all kinds of links.
   std::vector<std::string> name(setup::LiveOptions& options, std::span<const session::LinkKind> links);
 
  private:

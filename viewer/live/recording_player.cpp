@@ -62,7 +62,7 @@ class PlayerSource final : public sensing::DepthSource {
     return recording_.entries[frame].time_s - recording_.entries.front().time_s;
   }
 
-  /// Nothing where none is due until then; `frames` at the end.
+  /// nullopt if no frame is due until then; `frames` at the end.
   std::optional<std::uint64_t> wait_for_frame(std::unique_lock<std::mutex>& lock, Clock::time_point until) {
     for (;;) {
       const Playback play = *hand_->now_;
@@ -78,7 +78,7 @@ class PlayerSource final : public sensing::DepthSource {
         const auto due = shown_ + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(apart / std::max(play.speed, 1e-3)));
         if (Clock::now() >= due) {
-          // Frames that come late do not hurry those after them.
+          // A late frame does not shorten the time to the next one.
           shown_ = Clock::now() - due > std::chrono::milliseconds(50) ? Clock::now() : due;
           return following < play.frames ? following : 0;
         }
@@ -91,7 +91,7 @@ class PlayerSource final : public sensing::DepthSource {
     }
   }
 
-  /// Times as they pass here, numbers as they are shown.
+  /// Sets times as they pass here, and numbers in the order of showing.
   void stamp(sensing::FrameSet& out) {
     const double now_s = std::chrono::duration<double>(Clock::now() - begin_).count();
     const double shift = now_s - out.time_s;

@@ -1,4 +1,4 @@
-// A recording under somebody's hand: played, stopped, stepped through and gone to, at any speed.
+// A recording that the user controls: play, stop, step, and go to a frame, at any speed.
 #pragma once
 
 #include <chrono>
@@ -12,29 +12,29 @@
 
 namespace palpa::viewer {
 
-/// Where a recording is being played.
+/// Where in a recording the player is, and how it plays.
 struct Playback {
-  std::uint64_t frame = 0, frames = 0;  ///< of so many
+  std::uint64_t frame = 0, frames = 0;  ///< the current frame, and how many there are
   double time_s = 0, length_s = 0;      ///< since its first frame
   bool playing = true;
   double speed = 1;
   bool loop = true;
 };
 
-/// What the viewer's thread says and the capture thread does. Frames that are shown for a second time, or before those
-/// that came before, have times and numbers that go on all the same: to a session they are new.
+/// The viewer's thread says what to do, and the capture thread does it. Frames that are shown again, or out of order,
+/// still get ascending times and numbers, so to a session they are new.
 class RecordingPlayer {
  public:
-  /// Nothing where no recording is open.
+  /// nullopt if no recording is open.
   std::optional<Playback> now() const;
-  /// Plays on, or stops, as `wanted` says, from wherever it is: its frame and times are of no account.
+  /// Plays or stops as `wanted` says, from the current frame. The frame and times of `wanted` are ignored.
   void play(const Playback& wanted);
   void go_to(std::uint64_t frame);
-  /// Stops, and goes so many frames on.
+  /// Stops, and goes on by `frames` frames.
   void step(int frames);
 
-  /// The kind `recording`, under this hand. It outlives what it opens. Not with --every-frame, where frames come as
-  /// fast as they are asked for.
+  /// The kind `recording`, controlled by this player, which must outlive the sources that it opens. Not with
+  /// --every-frame, where frames come as fast as they are asked for.
   session::SourceKind source();
 
  private:
@@ -42,7 +42,7 @@ class RecordingPlayer {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Playback> now_;
-  std::optional<std::uint64_t> go_to_;  ///< a frame that is to be shown next
+  std::optional<std::uint64_t> go_to_;  ///< the frame to be shown next
 };
 
 }  // namespace palpa::viewer

@@ -95,7 +95,7 @@ std::optional<std::vector<std::string>> RunControl::begin() {
   session_.reset();
   scene_.reset();
   *stop_ = false;
-  if (setup::Interrupt::signalled()) {  // asked after the flag was cleared: it may have come just before
+  if (setup::Interrupt::signalled()) {  // checked after clearing the flag: it may have come just before
     *stop_ = true;
     state_ = RunState::none;
     return std::nullopt;
@@ -119,7 +119,7 @@ bool RunControl::take_scene() {
 }
 
 bool RunControl::finish(double patience_s) {
-  constexpr double while_loading_s = 0.3;  // what loads looks at no flag
+  constexpr double while_loading_s = 0.3;  // loading does not look at the flag
   if (!session_) return true;
   session_->all_off();
   const auto begin = std::chrono::steady_clock::now();

@@ -1,5 +1,5 @@
-// What the viewer knows of a session that runs beside it, as plain values. The session's threads write it down when the
-// viewer is ready for another; the newest wins, and nothing of it grows with time.
+// What the viewer knows of a running session, as plain values. The session's threads write a snapshot when the viewer
+// is ready for another. The newest wins, and nothing in it grows with time.
 #pragma once
 
 #include <array>
@@ -14,19 +14,19 @@
 
 namespace palpa::viewer {
 
-/// How long frames took, counted: bin i holds those from i to i + 1 tenths of the budget, the last all that took
-/// longer.
+/// A histogram of how long frames took. Bin i counts frames from i to i + 1 tenths of the budget, and the last bin all
+/// that took longer.
 struct TimeBins {
   static constexpr double budget_s = 1.0 / 90;  ///< of a frame, at the cameras' 90 Hz
   std::array<std::uint32_t, 31> counts{};
 
   void add(double seconds);
-  /// The time below which a share `p` of them lie, by the bins' upper ends.
+  /// The time below which a share `p` of the frames lies, by the bins' upper ends.
   double quantile(double p) const;
   std::uint32_t total() const;
 };
 
-/// The time of one pass: of the last frame and on average over about the last fifty.
+/// The time of one pass: in the last frame, and on average over about the last fifty.
 struct PassTimes {
   std::string name;
   double last_ms = 0, mean_ms = 0;
@@ -36,14 +36,14 @@ struct PassTimes {
 struct LiveNumbers {
   std::uint64_t frames = 0;    ///< looked at
   std::uint64_t touching = 0;  ///< of these with a finger
-  std::uint64_t dropped = 0;   ///< left out between them, by the source's own numbers
-  double rate_hz = 0;          ///< frames a second, lately
-  double last_s = 0;           ///< frame in memory to drives in memory, of the last
+  std::uint64_t dropped = 0;   ///< left out between them, according to the source's own numbers
+  double rate_hz = 0;          ///< recent frames per second
+  double last_s = 0;           ///< of the last frame: from frame in memory to drives in memory
   TimeBins bins;
   std::vector<PassTimes> passes;
 };
 
-/// One frame and what became of it.
+/// One frame and its results.
 struct Snapshot {
   std::uint64_t sequence = 0;
   double time_s = 0;  ///< capture, on the source's clock

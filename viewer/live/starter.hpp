@@ -9,7 +9,8 @@
 
 namespace palpa::viewer {
 
-/// Threads give way as much as the one that starts them. Made before give_way(), this one starts those that must not.
+/// A new thread gives way as much as the thread that starts it. A Starter that is made before give_way() starts the
+/// threads that must not give way.
 class Starter {
  public:
   Starter();
@@ -17,7 +18,7 @@ class Starter {
   Starter(const Starter&) = delete;
   Starter& operator=(const Starter&) = delete;
 
-  /// Does `job` on this thread and waits for its end. Throws what that throws.
+  /// Runs `job` on this thread and waits for its end. Throws what `job` throws.
   void run(const std::function<void()>& job);
 
  private:

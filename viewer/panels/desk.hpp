@@ -1,5 +1,5 @@
-// What lies on the viewer's desk: all that its panels show, change and ask for, as plain values. The application fills
-// the first part before a picture, panels change the second, and the application does what the third asks for.
+// The viewer's desk: everything that its panels show, change and ask for, as plain values. The application fills the
+// first part before each picture. The panels change the second part. The application does what the third part asks for.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Toast {
   double until_s = 0;  ///< on the application's clock
 };
 
-/// How far a finger is in.
+/// How deep a finger is in a solid.
 struct Depth {
   std::string solid;
   double depth_m = 0;  ///< of its deepest skin point
@@ -41,16 +41,16 @@ struct Reading {
   std::optional<double> depth_m;  ///< inside a solid, positive inside; of a contact
 };
 
-/// Where something of the panels was drawn, pixels.
+/// Where a part of the panels was drawn, in pixels.
 struct Area {
   double left = 0, top = 0, right = 0, bottom = 0;
   bool holds(double x, double y) const { return x >= left && x < right && y >= top && y < bottom; }
 };
 
-/// What the field of an option says, see LiveEdit::set.
+/// The text in an option's field, see LiveEdit::set.
 struct OptionText {
   std::string option;
-  std::optional<std::string> text;  ///< nothing: as usual
+  std::optional<std::string> text;  ///< nullopt: the default
 };
 
 struct Desk {
@@ -61,10 +61,10 @@ struct Desk {
   bool sounding = false, link_open = false;
   std::uint64_t drives = 0, silent_drives = 0;
   std::string doing;           ///< while something is loaded
-  std::optional<double> done;  ///< of that, 0..1, where somebody counts
-  bool opening = false;        ///< a scene is loaded beside what is shown
+  std::optional<double> done;  ///< the progress of that, 0..1, if it is known
+  bool opening = false;        ///< a scene is being loaded in the background
   std::string recording;       ///< the folder that frames are written to
-  std::uint64_t recorded = 0;  ///< of them
+  std::uint64_t recorded = 0;  ///< frames written to it
   LiveNumbers numbers;
   std::optional<Playback> playback;
   double picture_ms = 0;  ///< to draw the last picture
@@ -74,7 +74,7 @@ struct Desk {
   std::vector<Depth> depths;                 ///< of the fingers of a live run
   std::vector<FlatMark> marks;               ///< over the picture
   std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
-  LiveEdit edit;                             ///< the options of the run; of a touch those that a run of it would have
+  LiveEdit edit;                             ///< the options of the run; for a touch, those that a run of it would have
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
@@ -83,7 +83,7 @@ struct Desk {
     std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
     std::optional<Vec3> tip;                           ///< shown: of the finger that is held, world
     bool moved = false;                                ///< shown: a solid is elsewhere than in its scene
-    std::optional<std::size_t> chosen;                 ///< of the things: has handles
+    std::optional<std::size_t> chosen;                 ///< the thing that has handles
     bool follows = true;                               ///< the finger goes where the pointer goes
     std::string file = "moved.glb";                    ///< to save to
     bool undo = false, restore = false, save = false;  ///< asked for
@@ -92,28 +92,28 @@ struct Desk {
   struct ParticipantWindowState {
     bool open = false;                   ///< shown
     std::vector<std::string> monitors;   ///< shown
-    std::size_t monitor = 0;             ///< of these
+    std::size_t monitor = 0;             ///< index into these
     bool hidden = false;                 ///< the objects; the marker tile stays
-    std::optional<Participant> setting;  ///< once it was open
+    std::optional<Participant> setting;  ///< set once the window was open
   } participant;
   bool panels = true;
   bool help = false;
-  bool wants_spectrum = false;  ///< somebody looks at it
+  bool wants_spectrum = false;  ///< the spectrum is being looked at
 
   // ---- asked for ---------------------------------------------------------------------------------------------------
   struct Asked {
     bool all_off = false, start = false, frame = false;
     std::optional<StandardView> view;
-    std::optional<setup::Plane> plane;   ///< the field's, through the touch
+    std::optional<setup::Plane> plane;   ///< for the field, through the touch
     bool copy = false;                   ///< the run, as a command line for other programs
-    std::vector<OptionText> options;     ///< to be as their fields say
-    std::optional<Playback> play;        ///< the recording is to play like that; its place is of no account
-    std::optional<std::uint64_t> go_to;  ///< a frame of it
-    bool cancel = false;                 ///< what is opening
-    bool record = false;                 ///< to begin, or to end
-    std::optional<bool> participant;     ///< whose window is to open, or to close
-    int step = 0;                        ///< frames of it
-    int slots = 0;                       ///< slots of the schedule
+    std::vector<OptionText> options;     ///< to be set as their fields say
+    std::optional<Playback> play;        ///< how the recording is to play; its place is ignored
+    std::optional<std::uint64_t> go_to;  ///< go to this frame of the recording
+    bool cancel = false;                 ///< cancel what is being opened
+    bool record = false;                 ///< begin or end recording
+    std::optional<bool> participant;     ///< open or close the participant's window
+    int step = 0;                        ///< frames of the recording
+    int slots = 0;                       ///< slots of the schedule to go on by
   } asked;
 
   // ---- where the panels of the last picture were -------------------------------------------------------------------

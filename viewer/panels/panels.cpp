@@ -31,7 +31,7 @@ bool heading(const char* name, bool open, const char* about) {
 
 Area last_area() {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what has been scrolled away is not there
+  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what is scrolled out of sight has no area
   const ImVec2 least = list.GetClipRectMin(), most = list.GetClipRectMax();
   return {std::max(low.x, least.x), std::max(low.y, least.y), std::min(high.x, most.x), std::min(high.y, most.y)};
 }
@@ -65,7 +65,7 @@ void draw_panels(Desk& desk, double now_s) {
     if (desk.live) {
       draw_link_panel(desk);
     }
-    ImGui::BeginChild("below");  // what is above stays in sight
+    ImGui::BeginChild("below");  // everything above stays in sight
     if (desk.live) {
       if (heading("Run", false, "What runs: the options of palpa run")) draw_options_panel(desk);
     }
@@ -81,11 +81,10 @@ void draw_panels(Desk& desk, double now_s) {
     if (desk.live && heading("Statistics", true, "How long frames take, and how many there are"))
       draw_statistics_panel(desk);
     const bool sounds = desk.live || (!desk.picture->transducers.empty() && !desk.picture->fingers.empty());
-    if (sounds && heading("Sound", false, "What the array's sound is like, and what it does to the finger"))
-      draw_sound_panel(desk);
+    if (sounds && heading("Sound", false, "The array's sound and its effect on the finger")) draw_sound_panel(desk);
     desk.wants_spectrum = sounds && heading("Spectrum", false, "What skin feels in time");
     if (desk.wants_spectrum) draw_spectrum_panel(desk);
-    if (heading("Log", false, "What palpa had to say, newest last")) draw_log_panel(desk);
+    if (heading("Log", false, "Messages of palpa, newest last")) draw_log_panel(desk);
     ImGui::TextDisabled("H: keys and mouse   Tab: hide this");
     ImGui::EndChild();
     ImGui::End();
@@ -132,7 +131,7 @@ void draw_link_panel(Desk& desk) {
   ImGui::BeginDisabled(!running);
   if (ImGui::SmallButton(desk.recording.empty() ? "record" : "stop recording")) desk.asked.record = true;
   ImGui::EndDisabled();
-  tip("Writes what the cameras see into a new folder, of whatever source, while the run goes on. Key: R");
+  tip("Records what the cameras see into a new folder while the run continues, with any source. Key: R");
   if (!desk.recording.empty()) {
     ImGui::SameLine();
     ImGui::Text("%s: %llu", desk.recording.c_str(), static_cast<unsigned long long>(desk.recorded));
@@ -149,7 +148,7 @@ void draw_view_panel(Desk& desk) {
     ImGui::SameLine();
   }
   if (ImGui::SmallButton("frame")) desk.asked.frame = true;
-  tip("Everything into the picture. Key: F");
+  tip("Fits everything into the picture. Key: F");
   ImGui::Checkbox("parallel", &desk.state.viewpoint.orthographic);
   tip("Parallel projection in place of perspective. Key: 5");
   ImGui::SameLine();
@@ -162,7 +161,8 @@ void draw_view_panel(Desk& desk) {
     }
     ImGui::EndCombo();
   }
-  tip("Four samples for each pixel. auto: where they take long, what moves has one, and four as soon as it rests");
+  tip("Four samples for each pixel. auto: if drawing is slow, one sample while the picture moves, and four when it "
+      "rests");
   auto explode = static_cast<float>(desk.state.explode);
   ImGui::SetNextItemWidth(em(7));
   if (ImGui::SliderFloat("explode", &explode, 0, 1, "%.2f")) desk.state.explode = std::clamp(explode, 0.0f, 1.0f);
@@ -227,13 +227,13 @@ void draw_opening(Desk& desk) {
   ImGui::SetNextWindowPos({free / 2, whole.y - em(1)}, ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSize({std::max(std::min(em(24), free - em(1)), 1.0f), 0});
   ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::TextWrapped("%s", desk.doing.empty() ? "opens a file" : desk.doing.c_str());
+  ImGui::TextWrapped("%s", desk.doing.empty() ? "opening a file" : desk.doing.c_str());
   if (desk.done) {
     ImGui::ProgressBar(static_cast<float>(*desk.done), {-em(5), 0});
     ImGui::SameLine();
   }
   if (ImGui::Button("cancel", {-1, 0})) desk.asked.cancel = true;
-  tip("What is shown, and what runs, stays. Key: Escape");
+  tip("Cancels; what is shown and what runs stay as they are. Key: Escape");
   ImGui::End();
 }
 

@@ -5,13 +5,13 @@
 
 namespace palpa::viewer {
 
-/// How much of a picture's width panels take, pixels; `line_height`: of a line of text, pixels.
+/// How much of a picture's width the panels take, in pixels. `line_height`: the height of a line of text, in pixels.
 double panels_width(double width, double line_height);
 
-/// All that the desk says is open; `now_s` is the application's clock.
+/// Draws everything that is open according to the desk. `now_s` is the application's clock.
 void draw_panels(Desk& desk, double now_s);
 
-// Each is the content of one heading.
+// Each draws the content of one heading.
 void draw_link_panel(Desk& desk);
 void draw_view_panel(Desk& desk);
 void draw_time_panel(Desk& desk);
@@ -23,15 +23,15 @@ void draw_spectrum_panel(const Desk& desk);
 void draw_options_panel(Desk& desk);
 void draw_log_panel(const Desk& desk);
 
-// Over everything.
+// These are drawn over everything.
 void draw_marks(const std::vector<FlatMark>& marks);
 void draw_toasts(Desk& desk, double now_s);
 void draw_opening(Desk& desk);
 void draw_cheat_sheet(Desk& desk);
 
-/// Where the widget before it is.
+/// Where the last widget is.
 Area last_area();
-/// Explains the widget before it, while the pointer rests on it.
+/// Explains the last widget while the pointer rests on it.
 void tip(const char* text);
 
 }  // namespace palpa::viewer

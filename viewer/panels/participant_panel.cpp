@@ -11,7 +11,7 @@ namespace {
 
 constexpr float mm = 1e-3f;
 
-/// By dragging alone: nothing is typed, so that keys stay keys.
+/// Only by dragging: nothing is typed, so keys stay keys.
 bool drag(const char* label, double& value, float unit, float speed, float low, float high, const char* format) {
   auto shown = static_cast<float>(value) / unit;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
@@ -23,22 +23,22 @@ bool drag(const char* label, double& value, float unit, float speed, float low, 
 }
 
 void draw_barrier(Participant& setting) {
-  // As for a screen of full HD; what is shown is computed with the window's own pixels.
+  // For a full HD screen. The picture itself is computed with the window's own pixels.
   Barrier barrier = barrier_of(setting, 1920, 1080);
   if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
-  tip("From slit to slit; of rows, of two rows");
+  tip("Distance from slit to slit; with rows, of two rows");
   if (setting.stereo == Stereo::columns) {
     if (drag("gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm")) setting.barrier_gap_m = barrier.gap_m;
     tip("From the screen to its barrier, towards the eyes");
   }
   drag("phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
-  tip("Where the slits are, in parts of a pitch");
+  tip("Position of the slits, as a part of the pitch");
   if (ImGui::SmallButton("as usual")) {
     setting.barrier_pitch_m.reset();
     setting.barrier_gap_m.reset();
     setting.barrier_phase = 0;
   }
-  tip("Pitch and gap with which neighbouring pixels are seen by different eyes");
+  tip("Pitch and gap at which each eye sees every other pixel");
 }
 
 }  // namespace

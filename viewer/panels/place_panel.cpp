@@ -1,4 +1,4 @@
-// How deep fingers are, what is moved by hand, and what lies flat on the picture.
+// How deep fingers are, moving things by hand, and marks that lie flat on the picture.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -12,7 +12,7 @@ namespace palpa::viewer {
 namespace {
 
 ImU32 colour_of(const drawing::Colour& colour) {
-  return to_pixel(colour);  // red in the lowest byte, as there
+  return to_pixel(colour);  // red in the lowest byte, as in ImGui
 }
 
 ImVec2 place(const Vec2& p) {
@@ -50,7 +50,7 @@ void draw_place_panel(Desk& desk) {
   Desk::Placed& placed = desk.placed;
   for (const Depth& depth : desk.depths) {
     ImGui::Text("%s  %.2f mm deep", depth.solid.c_str(), depth.depth_m * 1e3);
-    tip("Of a finger's deepest skin point that a camera sees, below the solid's surface");
+    tip("Depth below the solid's surface of a finger's deepest skin point that a camera sees");
   }
   if (desk.depths.empty()) ImGui::TextDisabled("nothing touches");
   if (placed.tip) {
@@ -73,19 +73,19 @@ void draw_place_panel(Desk& desk) {
   }
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
   if (ImGui::SmallButton("undo")) placed.undo = true;
-  tip("Takes the last move back. Key: Ctrl Z");
+  tip("Undoes the last move. Key: Ctrl Z");
   ImGui::SameLine();
   ImGui::BeginDisabled(!placed.moved);
   if (ImGui::SmallButton("as in the scene")) placed.restore = true;
-  tip("All solids go back to where their file has them");
+  tip("Puts all solids back where their file has them");
   ImGui::SameLine();
   if (ImGui::SmallButton("save as")) placed.save = !placed.file.empty();
-  tip("Writes the solids as they are now, and runs with that file: then the command line has what was moved, too");
+  tip("Writes the solids as they are now and runs with that file, so the command line includes the moves");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
   ImGui::InputText("##file", &placed.file);
   if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
-  tip("A .glb; one that is there is replaced");
+  tip("A .glb file; an existing one is replaced");
   ImGui::EndDisabled();
 }
 

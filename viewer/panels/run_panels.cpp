@@ -1,4 +1,4 @@
-// The panels of what runs: its options, its time, its numbers.
+// The panels of the run: its options, its time, its numbers.
 #include <fmt/core.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -55,7 +55,7 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
     const std::string hint = info.initial.empty() ? info.type : info.initial;
     ImGui::InputTextWithHint("##value", hint.c_str(), &text);
     if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
-    // What is being typed is nobody's business until it is done.
+    // Typed text is not used until it is finished.
     if (ImGui::IsItemDeactivatedAfterEdit() && text != now)
       asked.push_back({info.name, text.empty() ? std::nullopt : std::optional(text)});
   }
@@ -86,9 +86,8 @@ void draw_options_panel(Desk& desk) {
     }
     first = last;
   }
-  const bool open = ImGui::TreeNode("Of the copied command alone");
-  tip("How long palpa run goes on and what it tells in a terminal: the viewer goes on until it is closed, and has "
-      "panels");
+  const bool open = ImGui::TreeNode("Only in the copied command");
+  tip("How long palpa run runs and what it prints in a terminal: the viewer runs until it is closed, and has panels");
   if (!open) return;
   draw_options(desk, copied_table());
   ImGui::TreePop();
@@ -110,7 +109,8 @@ void draw_time_panel(Desk& desk) {
   ImGui::SetNextItemWidth(em(8));
   if (ImGui::SliderFloat("slots/s", &rate, 0.5f, 667, "%.1f", ImGuiSliderFlags_Logarithmic))
     time.slots_per_s = std::clamp(rate, 0.5f, 667.0f);
-  tip("Of the schedule as it is shown; 667 are real time for a dwell of 1.5 ms. The array keeps its own.");
+  tip("Speed at which the schedule is shown; 667 is real time for a dwell of 1.5 ms. The array's speed does not "
+      "change.");
   if (!desk.playback) return;
   ImGui::Separator();
   Playback play = *desk.playback;
@@ -140,10 +140,10 @@ void draw_time_panel(Desk& desk) {
     play.speed = std::clamp(speed, 0.05f, 4.0f);
     changed = true;
   }
-  tip("1 is as it was recorded");
+  tip("Speed; 1 is as recorded");
   ImGui::SameLine();
   changed = ImGui::Checkbox("again", &play.loop) || changed;
-  tip("Begin anew at the end");
+  tip("Start again at the end");
   if (changed) desk.asked.play = play;
 }
 
@@ -155,7 +155,7 @@ void draw_statistics_panel(const Desk& desk) {
                         share <= 1 ? ImVec4{0.20f, 0.50f, 0.78f, 1} : ImVec4{0.85f, 0.37f, 0, 1});
   ImGui::ProgressBar(std::min(share, 1.0f), {-1, 0}, text.c_str());
   ImGui::PopStyleColor();
-  tip("From a frame in memory to its drives, of the budget that 90 frames a second leave");
+  tip("Time from a frame in memory to its drives, and the budget at 90 frames a second");
   ImGui::Text("%llu frames, %.0f a second, %llu dropped", static_cast<unsigned long long>(n.frames), n.rate_hz,
               static_cast<unsigned long long>(n.dropped));
   ImGui::Text("median %.1f ms, p99 %.1f ms", n.bins.quantile(0.5) * 1e3, n.bins.quantile(0.99) * 1e3);
@@ -164,7 +164,8 @@ void draw_statistics_panel(const Desk& desk) {
     bars.push_back(static_cast<float>(count));
   ImGui::PlotHistogram("##times", bars.data(), static_cast<int>(bars.size()), 0, nullptr, 0, FLT_MAX,
                        {ImGui::GetContentRegionAvail().x, em(3)});
-  tip("How long frames took: each bar a tenth of the budget of 11.1 ms, the last one all that took longer than three");
+  tip("How long frames took: each bar is a tenth of the budget of 11.1 ms, and the last bar all that took longer than "
+      "three budgets");
   if (ImGui::TreeNode("passes")) {
     if (ImGui::BeginTable("passes", 2, ImGuiTableFlags_SizingStretchSame)) {
       for (const PassTimes& pass : n.passes) {
@@ -181,7 +182,7 @@ void draw_statistics_panel(const Desk& desk) {
   ImGui::Text("%llu drives, %llu silent", static_cast<unsigned long long>(desk.drives),
               static_cast<unsigned long long>(desk.silent_drives));
   ImGui::TextDisabled("picture %.1f ms", desk.picture_ms);
-  tip("To draw the picture; it gives way to the loop");
+  tip("Time to draw the picture, which gives way to the loop");
 }
 
 }  // namespace palpa::viewer

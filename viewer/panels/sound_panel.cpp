@@ -20,7 +20,7 @@ namespace {
 constexpr double lowest_hz = 4, highest_hz = 600;
 constexpr std::size_t most_fingers = 4;
 
-/// Of skin.hpp: where each kind of afferents feels.
+/// The frequency bands in which each kind of afferents feels, from skin.hpp.
 struct Band {
   const char* name;
   double low_hz, high_hz;
@@ -38,7 +38,7 @@ ImU32 packed(const Colour& colour, float alpha = 1) {
 /// Frequencies by octaves to the right, amplitudes upwards.
 struct Plot {
   ImVec2 low, high;  ///< top left, bottom right
-  double most = 1;   ///< what the top stands for
+  double most = 1;   ///< the value at the top
 
   float x(double hz) const {
     const double part = std::log(std::clamp(hz, lowest_hz, highest_hz) / lowest_hz) / std::log(highest_hz / lowest_hz);
@@ -53,7 +53,7 @@ void centred(ImDrawList& draw, const ImVec2& top, ImU32 colour, const std::strin
 
 void draw_ground(ImDrawList& draw, const Plot& plot, const Theme& theme) {
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    // One above the other: they overlap.
+    // One above the other, because they overlap.
     const float top = plot.low.y - em(1.15f) * static_cast<float>(bands.size() - i);
     const ImVec2 from{plot.x(bands[i].low_hz), top}, to{plot.x(bands[i].high_hz), top + em(1.05f)};
     const ImU32 shade = packed(finger_colour(static_cast<std::uint32_t>(i) + 4), 0.35f);
@@ -109,7 +109,7 @@ void say_what_is_felt(const acoustics::Spectrum& spectrum, std::size_t finger) {
                         100 * felt.vibration, 100 * felt.flutter);
   }
   ImGui::TextWrapped("%s", text.c_str());
-  tip("The line that is felt most; of the energy of what changes, what each kind of afferents feels. Good for "
+  tip("The line that is felt most, and the share of the changing energy that each kind of afferents feels. Good for "
       "comparing schedules");
 }
 
@@ -135,8 +135,8 @@ void draw_spectrum_panel(const Desk& desk) {
   for (std::size_t f = 0; f < fingers; ++f)
     draw_lines(draw, plot, desk.spectra[f], f, fingers, theme);
   ImGui::Dummy({width, above + em(8.4f)});
-  tip("How strongly the pressure around the foci changes, by its mean, at each frequency in Hz; firm: what is felt of "
-      "it");
+  tip("How strongly the pressure around the foci changes, by its mean, at each frequency in Hz; in full colour: the "
+      "part that is felt");
   for (std::size_t f = 0; f < fingers; ++f)
     say_what_is_felt(desk.spectra[f], f);
 }
@@ -148,7 +148,7 @@ void draw_sound_panel(Desk& desk) {
     if (is_stale(*desk.picture, which) && desk.state.layers.shows(which)) {
       ImGui::SameLine();
       ImGui::TextDisabled("stale");
-      tip("It is not of what sounds now: the next is being computed");
+      tip("Out of date: the next one is being computed");
     }
   };
   layer("pressure on the finger", Layer::heat, "Mean radiation pressure, on the mesh of --skin");

@@ -14,10 +14,10 @@
 namespace palpa::viewer {
 namespace {
 
-/// Points: the capitals in a line, and where their feet stand.
+/// In points: the height of capitals in a line, and their baseline.
 constexpr double capitals = 8.6, baseline = 12.6;
 
-/// What the strokes know beside ASCII: degree, micro, middle dot, times, pi, dash, minus, arrow.
+/// The characters that the strokes know besides ASCII: degree, micro, middle dot, times, pi, dash, minus, arrow.
 constexpr std::uint32_t others[] = {0xb0, 0xb5, 0xb7, 0xd7, 0x3c0, 0x2013, 0x2212, 0x2192};
 
 std::string utf8(std::uint32_t code) {
@@ -32,7 +32,7 @@ struct Glyph {
   drawing::Pixels pixels;
 };
 
-/// White on black, a pixel wider on either side than the pen reaches.
+/// White on black, one pixel wider on each side than the strokes.
 drawing::Pixels draw_glyph(const std::string& text, int width, int height, double ratio) {
   std::vector<shader::ViewStroke> strokes;
   drawing::Canvas canvas(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), drawing::rgb(0));
@@ -48,7 +48,7 @@ drawing::Pixels draw_glyph(const std::string& text, int width, int height, doubl
 Glyphs make_stroke_font(ImFontAtlas& atlas, double ratio) {
   atlas.Clear();
   atlas.Flags |= ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
-  // ImGui wants a font of its own to hang glyphs on: the blank of its built-in one.
+  // ImGui needs a font of its own to add glyphs to: the blank of its built-in font.
   static constexpr ImWchar blank[] = {' ', ' ', 0};
   ImFontConfig config;
   config.SizePixels = static_cast<float>(std::round(text_height * ratio));

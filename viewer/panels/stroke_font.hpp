@@ -1,4 +1,5 @@
-// palpa's own pen strokes as a font of Dear ImGui: sharp at every size, and no file of it can be missing or broken.
+// palpa's own pen strokes as a font of Dear ImGui: sharp at every size, and without a file that can be missing or
+// broken.
 #pragma once
 
 #include "viewer/picture/sheet.hpp"
@@ -7,10 +8,10 @@ struct ImFontAtlas;
 
 namespace palpa::viewer {
 
-/// Of a line of text, points.
+/// The height of a line of text, in points.
 inline constexpr double text_height = 17;
 
-/// Makes the font of `atlas` anew for `ratio` pixels per point, and its pixels.
+/// Replaces the font of `atlas` by one for `ratio` pixels per point. Returns its pixels.
 Glyphs make_stroke_font(ImFontAtlas& atlas, double ratio);
 
 }  // namespace palpa::viewer

@@ -50,7 +50,7 @@ void set_style(double ratio, bool dark) {
   style.WindowPadding = {9, 7};
   style.ScrollbarSize = 12;
   style.Colors[ImGuiCol_WindowBg].w = 1;
-  // Thin strokes: ImGui's grey is too faint.
+  // The strokes are thin, so ImGui's grey is too faint.
   style.Colors[ImGuiCol_TextDisabled] = dark ? ImVec4{0.64f, 0.65f, 0.68f, 1} : ImVec4{0.40f, 0.40f, 0.42f, 1};
   style.Colors[ImGuiCol_FrameBg] = dark ? ImVec4{0.22f, 0.24f, 0.28f, 1} : ImVec4{0.86f, 0.88f, 0.91f, 1};
   style.ScaleAllSizes(static_cast<float>(ratio));
@@ -66,9 +66,9 @@ struct Ui::State {
   bool dark = false;
   double ratio = 0;
   std::deque<WindowEvent> waiting;
-  std::array<bool, 128> down{};  ///< keys, once all that waits has been seen
-  std::optional<bool> typing;    ///< text is typed, or no more, once all that waits has been seen
-  int settle = 3;                ///< pictures until sizes that depend on each other are what they will be
+  std::array<bool, 128> down{};  ///< keys, after all waiting events
+  std::optional<bool> typing;    ///< whether text is being typed, after all waiting events
+  int settle = 3;                ///< pictures until sizes that depend on each other are final
   std::function<void(const std::string&)> copy;
   std::function<std::string()> paste;
   std::string pasted;
@@ -85,7 +85,7 @@ Ui::Ui(bool dark, std::function<void(const std::string&)> copy, std::function<st
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-  io.ConfigInputTextCursorBlink = false;  // a window that nobody touches need not be drawn
+  io.ConfigInputTextCursorBlink = false;  // an idle window need not be drawn
   for (const auto& [theirs, ours] : keys)
     io.KeyMap[theirs] = static_cast<int>(ours);
   io.ClipboardUserData = &s;
@@ -113,7 +113,7 @@ bool Ui::take(const WindowEvent& event, bool on_text) {
   State& s = *state_;
   const ImGuiIO& io = ImGui::GetIO();
   s.settle = 2;
-  // Each change of a key takes a picture, and Dear ImGui repeats by itself what is held down.
+  // Each change of a key takes a picture, and Dear ImGui itself repeats keys that are held down.
   const bool key = event.kind == WindowEvent::Kind::key;
   if (!key || std::exchange(s.down[static_cast<unsigned char>(event.key) % s.down.size()], event.down) != event.down)
     s.waiting.push_back(event);
@@ -130,7 +130,7 @@ bool Ui::take(const WindowEvent& event, bool on_text) {
         if (event.down && (event.key == Key::enter || event.key == Key::escape)) s.typing = false;
         return true;
       }
-      // Whatever is held: the key that ends it all is nobody else's.
+      // Whatever is held, the keys that end everything are not the panels'.
       return io.WantCaptureKeyboard && event.key != Key::escape && event.key != key_of('o') && ImGui::IsAnyItemActive();
     case WindowEvent::Kind::text:
       return true;
@@ -160,8 +160,8 @@ void Ui::begin(double width, double height, double ratio, double seconds) {
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
   io.DeltaTime = static_cast<float>(std::clamp(seconds, 1e-4, 1.0));
   io.MouseWheel = 0;
-  if (s.waiting.empty()) s.typing.reset();  // from now on it says so itself
-  // A button that is pressed and let go of between two pictures is a click all the same: one change a picture.
+  if (s.waiting.empty()) s.typing.reset();  // from now on, ImGui itself knows
+  // A button that is pressed and released between two pictures is still a click: one change per picture.
   bool changed = false;
   while (!s.waiting.empty() && !changed) {
     const WindowEvent& event = s.waiting.front();

@@ -1,4 +1,4 @@
-// Dear ImGui behind an interface of plain values: window events in, a sheet of triangles out. One at a time.
+// Dear ImGui behind an interface of plain values: window events in, a sheet of triangles out. There is one at a time.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@ namespace palpa::viewer {
 
 class Ui {
  public:
-  /// `dark` as the picture's background. `copy` puts text where other programs find it, `paste` asks for it; neither:
-  /// within this program.
+  /// `dark` as the picture's background. `copy` gives text to other programs, `paste` gets it from them. Without both,
+  /// text is copied only within this program.
   explicit Ui(bool dark, std::function<void(const std::string&)> copy = {}, std::function<std::string()> paste = {});
   ~Ui();
   Ui(const Ui&) = delete;
@@ -21,20 +21,21 @@ class Ui {
 
   void set_dark(bool dark);
 
-  /// Whether panels want the event for themselves: the pointer is over one, or text is being typed. They see every
-  /// event with the next begin(), but for a key's repetitions. `on_text`: a button is pressed where text is typed, so
-  /// that the keys that follow are text even where no picture comes between.
+  /// Whether the panels want the event for themselves: the pointer is over one, or text is being typed. They see every
+  /// event at the next begin(), except for a key's repetitions. `on_text`: a button is pressed where text is typed, so
+  /// the keys that follow are text even if no picture is drawn in between.
   bool take(const WindowEvent& event, bool on_text = false);
-  /// What was taken and not yet seen by a picture has never been; a button that is held down is no click any more.
+  /// Discards events that were taken but that no picture has seen yet. A button that is held down is not a click any
+  /// more.
   void forget();
 
-  /// A new picture, of that many pixels, `ratio` of them to a point, `seconds` after the last. What ImGui:: functions
-  /// are called between begin() and end() is what it shows.
+  /// Begins a picture of that many pixels, with `ratio` pixels per point, `seconds` after the last. It shows what the
+  /// ImGui:: functions called between begin() and end() draw.
   void begin(double width, double height, double ratio, double seconds);
   /// Valid until the next begin().
   const Sheet& end();
 
-  /// Whether another picture would look different by itself: a cursor that blinks, events that have not been seen.
+  /// Whether the next picture would look different without new input: a cursor blinks, or events have not been seen.
   bool restless() const;
 
  private:

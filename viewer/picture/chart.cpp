@@ -18,17 +18,17 @@ bool has_room(double width, double height, double ratio) {
   return panel_left + panel_width + 20 <= width / ratio && panel_height + panel_below + 140 <= height / ratio;
 }
 
-/// From frequency and height to pixels.
+/// Converts frequency and value to pixels.
 struct Plot {
   double left, right, top, bottom;
-  double most;  ///< what the top stands for
+  double most;  ///< the value at the top
   Vec2 at(double hz, double value) const {
     return {left + (right - left) * hz / highest_hz, bottom - (bottom - top) * value / most};
   }
 };
 
 void draw_panel(Ink& ink, const Vec2& low, const Vec2& high, const Theme& theme) {
-  // Strokes have round ends: many thin ones make a panel with hardly rounded corners.
+  // Strokes have round ends, so many thin ones make a panel with hardly rounded corners.
   for (double y = low.y; y <= high.y; y += ink.px(4))
     ink.line({low.x, y}, {high.x, y}, 5, theme.background);
 }
@@ -48,7 +48,7 @@ void draw_grid(Ink& ink, const Plot& plot, const Theme& theme) {
   ink.text("Hz", plot.at(highest_hz, 0) + Vec2(ink.px(14), ink.px(14)), 7, theme.ink);
 }
 
-/// How sensitive skin is, its best at the chart's top.
+/// The skin's sensitivity, with its best value at the chart's top.
 void draw_sensitivity(Ink& ink, const Plot& plot, const Theme& theme) {
   for (int hz = 6; hz + 6 <= static_cast<int>(highest_hz); hz += 12) {
     ink.line(plot.at(hz, plot.most * acoustics::vibration_sensitivity(hz)),

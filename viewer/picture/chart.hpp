@@ -10,18 +10,18 @@ namespace palpa::viewer {
 using drawing::Align;
 using drawing::Ink;
 
-/// Draws the chart of `picture.spectra` at the bottom left of a picture of so many pixels. Nothing where there are no
-/// spectra or no room.
+/// Draws the chart of `picture.spectra` at the bottom left of a picture of that many pixels. Draws nothing if there are
+/// no spectra or no room.
 void draw_chart(Ink& ink, const Picture& picture, double width, double height, const Theme& theme);
 
-/// How far up from a picture's lower edge the chart reaches where, right of it, there are no `beside` pixels to the
-/// picture's edge; else 0.
+/// How far up from the picture's lower edge the chart reaches, if fewer than `beside` pixels are left to the right of
+/// it; else 0.
 double chart_in_the_way(const Picture& picture, double width, double height, double ratio, double beside);
 
-/// The share of the picture's width up to the chart's right edge; 0 where none is drawn. `ratio`: pixels per point.
+/// The share of the picture's width up to the chart's right edge; 0 if no chart is drawn. `ratio`: pixels per point.
 double chart_share(const Picture& picture, double width, double height, double ratio);
 
-/// The least of 1, 2 and 5 times a power of ten that is at least `most`; 1 for nothing.
+/// The smallest 1, 2 or 5 times a power of ten that is at least `most`; 1 if `most` is 0.
 double chart_top(double most);
 
 }  // namespace palpa::viewer

@@ -19,7 +19,7 @@ void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double le
   ink.label(title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
   if (!(bar.most > 0)) return;
   for (int i = 0; i < pieces; ++i) {
-    // Strokes have round ends: each reaches under the next, and the last ends where the bar does.
+    // Strokes have round ends, so each reaches under the next, and the last ends where the bar does.
     const double from = length * i / pieces, to = std::min(length, length * (i + 1.0) / pieces);
     ink.line(at + Vec2(from, 0), at + Vec2(to, 0), thick, drawing::map_colour((i + 0.5) / pieces));
   }

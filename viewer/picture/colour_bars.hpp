@@ -1,4 +1,4 @@
-// The bars that say what the colours of a field mean, at the bottom of a picture.
+// The bars at the bottom of a picture that explain the colours of a field.
 #pragma once
 
 #include "drawing/ink.hpp"
@@ -8,9 +8,9 @@
 
 namespace palpa::viewer {
 
-/// Draws the bars of the layers that are shown, one above the other, between axes or chart and the scale of a picture
-/// of so many pixels. `chart`: the share of the width up to the chart's right edge, 0 without one. Nothing where there
-/// is no room.
+/// Draws the bars of the layers that are shown, one above the other, between the axes or the chart and the scale of a
+/// picture of that many pixels. `chart`: the share of the width up to the chart's right edge, 0 without a chart. Draws
+/// nothing if there is no room.
 void draw_bars(drawing::Ink& ink, const Picture& picture, const Layers& layers, double width, double height,
                double chart, const Theme& theme);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t longest_side = 240;
 
-/// The depths that have the lightest and the darkest colour.
+/// The depths with the lightest and the darkest colour.
 std::pair<double, double> range_of(std::vector<std::uint16_t> depths) {
   if (depths.empty()) return {0, 1};
   const auto at = [&](std::size_t index) {

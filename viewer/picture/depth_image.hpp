@@ -1,4 +1,4 @@
-// A camera's depth as an image for people.
+// A camera's depth as an image for people to see.
 #pragma once
 
 #include "sensing/depth_source.hpp"
@@ -6,9 +6,9 @@
 
 namespace palpa::viewer {
 
-/// Replaces size and pixels of `image`: every so manieth pixel of the frame, so that none of the sides is longer than
-/// 240. From light, the nearest, to dark, the farthest, but for the twentieth part of the pixels at either end; what is
-/// no data is a shade that lets through what lies behind. Nothing where the frame is not the camera's.
+/// Replaces size and pixels of `image` by every n-th pixel of the frame, so that no side is longer than 240. The shades
+/// go from light (nearest) to dark (farthest), ignoring the nearest and the farthest twentieth of the pixels. Pixels
+/// without data get a translucent shade. The image is empty if the frame is not the camera's.
 void paint_depth(const sensing::Camera& camera, const sensing::DepthFrame& frame, ImageMark& image);
 
 }  // namespace palpa::viewer

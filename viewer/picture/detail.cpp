@@ -14,10 +14,10 @@ glm::vec3 xyz(const shader::vec4& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Vertices that stand at one place, with a normal each, as the first of them and a ring through all.
+/// The vertices at one place, each with its own normal: the first of them, and a ring through all.
 struct Places {
   std::vector<std::uint32_t> corners;  ///< first vertices
-  std::vector<std::uint32_t> next;     ///< of each vertex: another one at its place, at last the first
+  std::vector<std::uint32_t> next;     ///< of each vertex: the next one at its place; after the last, the first
 };
 
 Places places_of(std::span<const shader::ViewVertex> vertices, std::span<const std::uint32_t> corners) {
@@ -37,7 +37,7 @@ Places places_of(std::span<const shader::ViewVertex> vertices, std::span<const s
   return places;
 }
 
-/// Of the vertices at each corner the one that faces as its triangle does.
+/// Chooses for each corner, of the vertices at its place, the one that faces as its triangle does.
 void choose_normals(std::span<const shader::ViewVertex> vertices, const Places& places,
                     std::vector<std::uint32_t>& corners) {
   for (std::size_t t = 0; t < corners.size(); t += 3) {

@@ -1,4 +1,4 @@
-// Coarser forms of a dense mesh: drawn from afar, nobody can tell them from the whole.
+// Coarser forms of a dense mesh. From afar, they cannot be told from the whole mesh.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,18 @@
 
 namespace palpa::viewer {
 
-/// Triangles of the same vertices, fewer of them.
+/// Fewer triangles with the same vertices.
 struct Detail {
   std::vector<std::uint32_t> corners;
-  double error_m = 0;  ///< how far its surface may lie from the mesh's, about
+  double error_m = 0;  ///< about how far its surface may lie from the mesh's
 };
 
-/// Each about half as many triangles as the one before; none of a mesh that is not dense. Edges of open meshes stay.
+/// Each has about half as many triangles as the one before. Empty for a mesh that is not dense. The borders of open
+/// meshes stay.
 std::vector<Detail> coarser(std::span<const shader::ViewVertex> vertices, std::span<const std::uint32_t> corners);
 
-/// How far off a surface may be drawn: half of the line along its outline, which is that of the whole mesh.
+/// How far off a surface may be drawn: half the width of the line along its outline. The outline is always that of the
+/// whole mesh.
 inline constexpr double least_pixels = 0.75;
 
 }  // namespace palpa::viewer

@@ -1,5 +1,5 @@
 // Sound in the picture: the field in a plane, the radiation pressure on the skin, and the bars that say what colours
-// mean. Values come from whoever has them; nothing is computed here.
+// mean. The caller provides the values; nothing is computed here.
 #pragma once
 
 #include <complex>
@@ -17,35 +17,36 @@ namespace palpa::viewer {
 struct SliceGrid {
   std::uint32_t columns = 0, rows = 0;
 };
-/// So many samples along the plane's longer side, near square ones.
+/// A grid with `along` nearly square samples along the plane's longer side.
 SliceGrid slice_grid(const SliceState& slice, std::uint32_t along);
 /// Where the samples lie: metres, world, row by row from the top.
 std::vector<Vec3> slice_points(const SliceState& slice, const SliceGrid& grid);
 
-/// Puts the plane into the picture in place of the one before, with its bar: the size of these complex pressures, peak
-/// in Pa, one per sample. Beyond what linear acoustics can say (array::linear_pressure_pa) colours are by share of the
-/// largest.
+/// Puts the plane into the picture in place of the one before, with its bar. Colours show the magnitude of `pressures`,
+/// which are complex, peak in Pa, one per sample. Beyond the range of linear acoustics (array::linear_pressure_pa),
+/// they show the share of the largest.
 void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid,
                 std::span<const std::complex<double>> pressures);
 
-/// Puts `body`, a closed mesh, into the picture as the skin's surface, in the colours of its radiation pressure, which
-/// is by vertex in Pa, with a bar. What pulls the skin has the colour of nothing.
+/// Puts `body`, a closed mesh, into the picture as the skin's surface, with a bar. Its colours show the radiation
+/// pressure, given per vertex in Pa. A pressure that pulls the skin has the colour of zero.
 void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> pressure_pa);
 
-/// Takes the layer's bar away, and the plane with its own. Whether there was one.
+/// Removes the layer's bar, or the plane with its bar. Returns whether there was one.
 bool hide_bar(Picture& picture, Layer layer);
 bool hide_slice(Picture& picture);
 
-/// Says so at the layer's bar, with how far the next is (", 40 %"; may be empty). Where there is no bar yet there is
-/// one of that title and the note alone. Whether the picture has changed.
+/// Shows `standing` at the layer's bar, with the progress of the next result (", 40 %"; may be empty). If there is no
+/// bar yet, it gets one with only that title and the note. Returns whether the picture has changed.
 bool mark(Picture& picture, Layer layer, const std::string& title, Standing standing, const std::string& progress = {});
-/// What stands beside the bar's title where the layer is not of what sounds now; else empty.
+/// The note beside the bar's title if the layer does not show what sounds now; else empty.
 std::string note_of(const ColourBar& bar);
-/// Whether the layer is not of what sounds now; then it is drawn dimmer.
+/// Whether the layer does not show what sounds now. It is drawn dimmer then.
 bool is_stale(const Picture& picture, Layer layer);
 inline constexpr float stale_opacity = 0.4f;
 
-/// The least number of one digit, or 1.5 times a power of ten, that is not below `most`; 1 for nothing.
+/// The smallest number with one significant digit, or 1.5 times a power of ten, that is not below `most`; 1 if `most`
+/// is 0.
 double round_up(double most);
 
 }  // namespace palpa::viewer

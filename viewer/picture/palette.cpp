@@ -57,7 +57,7 @@ std::uint32_t to_pixel(const Colour& colour) {
 }
 
 Colour finger_colour(std::uint32_t index) {
-  // Okabe and Ito, "Color Universal Design", 2008; the darker ones first, since they stand out on white.
+  // Okabe and Ito, "Color Universal Design", 2008; the darker ones first, because they stand out on white.
   static constexpr std::array<std::uint32_t, 7> colours{0xd55e00, 0x0072b2, 0x009e73, 0xcc79a7,
                                                         0xe69f00, 0x56b4e9, 0xf0e442};
   return rgb(colours[index % colours.size()]);
@@ -70,7 +70,7 @@ Colour drive_colour(float amplitude, float phase) {
 }
 
 Colour part_colour(Colour solid, std::uint32_t index) {
-  // The golden angle: no two of the first dozen come near each other.
+  // The golden angle: the hues of the first dozen all differ clearly.
   return with_alpha(mix(solid, drive_colour(1, 2.399963f * static_cast<float>(index)), 0.6f), solid.a);
 }
 

@@ -28,7 +28,7 @@ std::uint32_t to_pixel(const Colour& colour);
 /// The colour of finger `index`; repeats after seven.
 Colour finger_colour(std::uint32_t index);
 
-/// The colour of convex part `index` in place of the whole solid's: neighbours in the list differ.
+/// The colour of convex part `index`, in place of the whole solid's. Neighbours in the list differ.
 Colour part_colour(Colour solid, std::uint32_t index);
 
 /// Hue from the phase (any radians; 0 is red-orange, then through yellow, green and blue), brightness from the

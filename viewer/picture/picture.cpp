@@ -12,7 +12,7 @@ namespace palpa::viewer {
 
 namespace {
 
-/// The middle of what lies within a millimetre of the top.
+/// The middle of the part that lies within a millimetre of the top.
 Vec3 middle_of_top(const geometry::Solid& solid) {
   Box top;
   for (const Vec3& p : solid.mesh.positions) {
@@ -96,7 +96,7 @@ void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<
     picture.fingers[f].together = placements[f].together;
     foci.clear();
     for (const std::uint32_t sector : voice.order) {
-      // Of foci that sound together, empty sectors are left out already.
+      // For foci that sound together, empty sectors are already left out.
       const bool own = placements[f].together || placements[f].has(sector);
       foci.push_back({glm::vec3(voice.foci[sector]), static_cast<std::uint32_t>(foci.size() + 1), own});
     }

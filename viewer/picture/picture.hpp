@@ -1,4 +1,4 @@
-// What a picture shows, as plain values: the renderer's whole input besides the viewpoint. Nothing of Vulkan in it.
+// What a picture shows, as plain values: the renderer's whole input besides the viewpoint. Contains no Vulkan.
 #pragma once
 
 #include <array>
@@ -31,15 +31,15 @@ namespace palpa::viewer {
 struct SurfaceMark {
   std::string name;
   geometry::Mesh mesh;
-  std::optional<std::uint32_t> part{};     ///< of a solid of convex parts: which of them; drawn in a colour of its own
-  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; or none
-  std::uint32_t solid = 0;                 ///< of a solid: which of the scene's it is, or is a part of
+  std::optional<std::uint32_t> part{};     ///< index of a solid's convex part; each has its own colour
+  std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; else empty
+  std::uint32_t solid = 0;                 ///< index of the scene's solid that it is, or is a part of
 };
 
 /// A skin point in a solid's shell, drawn in its finger's colour.
 struct ContactMark {
   glm::vec3 position{};
-  std::optional<std::uint32_t> finger;  ///< none: its cluster is too small to be a finger
+  std::optional<std::uint32_t> finger;  ///< nullopt: its cluster is too small to be a finger
 };
 
 /// One entry of a finger's order. An empty sector plays another sector's focus and has no mark of its own.
@@ -52,27 +52,27 @@ struct FocusMark {
 /// A finger's cross-section: the plane of its contacts, and its principal axes.
 struct SectionMark {
   glm::vec3 centre{};
-  std::array<glm::vec3, 3> axes{};  ///< in the plane the longer and the shorter, across it; unit vectors
+  std::array<glm::vec3, 3> axes{};  ///< the longer and the shorter in the plane, then its normal; unit vectors
   glm::vec2 reach{};                ///< along the first two: two standard deviations, metres
 };
-/// Where axis 0, 1 or 2 is drawn to: beyond the plane's rim, so that its name has room.
+/// Where the drawn axis 0, 1 or 2 ends: beyond the plane's rim, so that its name has room.
 glm::vec3 section_tip(const SectionMark& section, std::size_t axis);
 
 struct FingerMarks {
   std::string solid;  ///< what it touches
   std::uint32_t contacts = 0;
-  std::vector<FocusMark> foci;  ///< as they play; joined by a line in this order
+  std::vector<FocusMark> foci;  ///< in playing order; a line joins them in this order
   /// Index into `foci` of the focus that sounds now, highlighted.
   std::optional<std::uint32_t> running;
   bool together = false;               ///< all of them sound now
-  std::optional<SectionMark> section;  ///< none of a finger that is a single point
+  std::optional<SectionMark> section;  ///< nullopt for a finger that is a single point
 };
 
-/// One line of what skin feels in time, by the mean pressure.
+/// One spectral line of what skin feels, as a share of the mean pressure.
 struct SpectrumMark {
   double frequency_hz = 0;
-  double around = 0;  ///< its amplitude around the perimeter (acoustics::Line)
-  double felt = 0;    ///< the same by how sensitive skin is to it
+  double around = 0;  ///< amplitude around the perimeter (acoustics::Line)
+  double felt = 0;    ///< the same, weighted by the skin's sensitivity
 };
 
 struct TransducerMark {
@@ -86,20 +86,20 @@ using BoardMark = std::array<glm::vec3, 4>;
 struct CameraMark {
   std::string name;
   glm::vec3 apex{};
-  std::array<glm::vec3, 4> corners{};  ///< where the image's corners are, some way before the apex
+  std::array<glm::vec3, 4> corners{};  ///< the image's corners, some way in front of the apex
   Frustum frustum{};                   ///< what it sees
 };
 
-/// What a layer of sound is, beside what sounds now.
+/// How a layer of sound compares with what sounds now.
 enum class Standing { fresh, stale, failed };
 
-/// What the colours of a layer mean, from nothing to `most`.
+/// What the colours of a layer mean, from 0 to `most`.
 struct ColourBar {
   Layer layer = Layer::slice;
   std::string title;  ///< with its unit
-  double most = 1;    ///< 0: nobody knows yet, there is the title alone
+  double most = 1;    ///< 0: not known yet, only the title is drawn
   Standing standing = Standing::fresh;
-  std::string progress{};  ///< of a stale layer: how far the next is, ", 40 %"; may be empty
+  std::string progress{};  ///< of a stale layer: progress of the next result, ", 40 %"; may be empty
 };
 
 /// A flat image in the world.
@@ -110,43 +110,43 @@ struct ImageMark {
   std::vector<std::uint32_t> pixels;  ///< rows from the top; red in the lowest byte, then green, blue and alpha
 };
 
-/// What a picture shows without its surfaces, points and images: labels, legend, chart and bars are made of it, so it
+/// What a picture shows without its surfaces, points and images. Labels, legend, chart and bars are made from it, so it
 /// stays on the host when the rest is on the device.
 struct PictureNotes {
   std::string title;             ///< above the legend, may be empty
-  std::uint64_t skin_count = 0;  ///< skin points in all, contacts and those far away too
+  std::uint64_t skin_count = 0;  ///< all skin points, including contacts and distant ones
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
   std::vector<TransducerMark> transducers;
   bool driven = false;  ///< transducers have a drive; otherwise they are drawn idle
   std::vector<CameraMark> cameras;
   std::vector<ColourBar> bars;
-  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or none
+  std::vector<std::vector<SpectrumMark>> spectra;  ///< one per finger, drawn as a chart; or empty
 };
 
 struct Picture : PictureNotes {
   std::vector<SurfaceMark> solids;
   std::optional<std::array<glm::vec3, 4>> tile;  ///< marks the top of the solids; corners in order around it
-  std::uint32_t tile_solid = 0;                  ///< on which it is
+  std::uint32_t tile_solid = 0;                  ///< the solid that has the tile
   std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
-  std::vector<glm::vec3> skin_points;            ///< those near the solids that are no contacts
+  std::vector<glm::vec3> skin_points;            ///< those near the solids that are not contacts
   float transducer_radius_m = 4.2e-3f;
   std::vector<BoardMark> boards;
   std::vector<ImageMark> images;
 };
 
-// What fills a picture from the engine's values; each replaces its own part only.
+// These fill a picture from the engine's values. Each replaces only its own part.
 
-/// With a tile of 10 mm on the highest of them, in the middle of its top.
+/// Also puts a tile of 10 mm on the highest solid, in the middle of its top.
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
 /// `points` in ascending order of index; those that are contacts are drawn as contacts only.
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch);
-/// Foci in playing order, one voice and one placement per finger of `show_touch` and in its order.
+/// Foci in playing order, one voice and one placement per finger of `show_touch`, in its order.
 void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements);
 /// What skin feels of each finger, in the order of `show_touch`.
 void show_spectra(Picture& picture, std::span<const acoustics::Spectrum> spectra);
-/// Which focus sounds in `slot`; the counter never restarts.
+/// Shows which focus sounds in `slot`. The counter never restarts.
 void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t slot);
 /// `layout` posed in the world.
 void show_array(Picture& picture, const array::Layout& layout);
@@ -154,22 +154,22 @@ void show_array(Picture& picture, const array::Layout& layout);
 void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive);
 /// Frusta as long as `depth_m`.
 void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
-/// One image for each camera of show_cameras, at the end of its frustum: the nearer, the lighter, no data as a shade.
-/// Coarser than the frames, so that a live view stays quick.
+/// One image for each camera of show_cameras, at the end of its frustum. Nearer is lighter, and no data is a shade.
+/// Images are coarser than the frames, so that a live view stays quick.
 void show_depth(Picture& picture, std::span<const sensing::Camera> cameras,
                 std::span<const sensing::DepthFrame> frames);
 
-/// Where the parts of solids go when they are taken apart: one for each surface, nothing for a solid that is whole.
-/// Parts move away from their solid's middle, those at its ends by about its size.
+/// How far each surface moves when solids are taken apart; zero for a solid that is whole. Parts move away from their
+/// solid's middle, those at its ends by about its size.
 std::vector<Vec3> apart(std::span<const SurfaceMark> solids);
 
 /// What the view should show.
 enum class Extent {
-  touch,    ///< close up: fingers' contacts and foci; objects where nothing touches
+  touch,    ///< close up: fingers' contacts and foci; objects if nothing touches
   objects,  ///< solids, contacts, and the skin up to 3 cm around them
-  all,      ///< everything, array and cameras too
+  all,      ///< everything, including array and cameras
 };
-/// `explode` and whether cameras are shown are those of `state`.
+/// `state` says how far parts are apart (`explode`) and whether cameras are shown.
 Box extent(const Picture& picture, Extent extent, const ViewState& state = {});
 
 }  // namespace palpa::viewer

@@ -28,8 +28,8 @@ struct Edge {
   bool open, sharp;
 };
 
-// A scanned surface is full of small folds, which as lines would be scratches: creases that end somewhere and are, with
-// all that they meet, shorter than a quarter of the object are not drawn as creases.
+// A scanned surface is full of small folds, which would look like scratches as lines. Creases that end somewhere, and
+// that are shorter than a quarter of the object together with all that they meet, are not drawn.
 void drop_scratches(const geometry::Mesh& mesh, std::vector<Edge>& edges) {
   geometry::UnionFind lines(mesh.positions.size());
   std::vector<std::uint32_t> ends(mesh.positions.size(), 0);
@@ -79,7 +79,7 @@ bool same_normal(const shader::ViewVertex& a, const shader::ViewVertex& b) {
   return a.normal.x == b.normal.x && a.normal.y == b.normal.y && a.normal.z == b.normal.z;
 }
 
-// Of the vertices that stand at one place, the one with that normal; made where there is none yet.
+// Returns the vertex at a place with a given normal, and makes it if there is none yet.
 class VertexPool {
  public:
   VertexPool(std::size_t places, std::vector<shader::ViewVertex>& vertices)
@@ -100,7 +100,7 @@ class VertexPool {
   std::vector<std::uint32_t> newest_, before_;
 };
 
-// A device shades a vertex anew where a few others came between: triangles that share some follow each other.
+// A device shades a vertex again after a few others, so triangles that share vertices follow each other.
 void order(Shape& shape) {
   if (shape.corners.empty()) return;
   meshopt_optimizeVertexCache(shape.corners.data(), shape.corners.data(), shape.corners.size(), shape.vertices.size());

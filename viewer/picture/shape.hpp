@@ -1,4 +1,4 @@
-// A mesh as the renderer wants it: vertices with shading normals, triangles of them, and edges that may be lines.
+// A mesh as the renderer needs it: vertices with shading normals, triangles of them, and edges that may be lines.
 #pragma once
 
 #include <span>
@@ -12,15 +12,15 @@
 namespace palpa::viewer {
 
 struct Shape {
-  std::vector<shader::ViewVertex> vertices;  ///< no two the same
+  std::vector<shader::ViewVertex> vertices;  ///< without duplicates
   std::vector<std::uint32_t> corners;  ///< three per triangle, in an order in which a device shades few vertices twice
-  EdgeNet edges;                       ///< creases, open edges, and folds of smooth surfaces; none where coplanar
+  EdgeNet edges;                       ///< creases, open edges, folds of smooth surfaces; none between coplanar faces
 };
 
-/// `mesh` welded; triangles without area are left out. Faces that meet at less than `crease` radians shade smoothly.
-/// Creases are drawn where they close or are, with those they meet, at least a quarter as long as the object: not the
-/// short folds of a scan. `colours`, where not empty, are the vertices': the shape's corners then have colours of their
-/// own.
+/// `mesh` must be welded. Triangles without area are left out. Faces that meet at less than `crease` radians shade
+/// smoothly. A crease is drawn if it closes, or if together with those that it meets it is at least a quarter as long
+/// as the object. The short folds of a scan are not drawn. `colours`, if not empty, are the vertices' colours: the
+/// shape's corners then have their own colours.
 inline constexpr double usual_crease = 0.52;
 Shape make_shape(const geometry::Mesh& mesh, double crease = usual_crease,
                  std::span<const drawing::Colour> colours = {});

@@ -1,5 +1,5 @@
-// What lies flat on a whole picture, over all of its views: triangles in colours, and glyphs out of an atlas. Plain
-// values, with no word of what they mean.
+// What lies flat on a whole picture, over all of its views: coloured triangles, and glyphs from an atlas. Plain values
+// without their meaning.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@ namespace palpa::viewer {
 struct Glyphs {
   std::uint32_t width = 0, height = 0;  ///< the width is a multiple of 4
   std::vector<std::uint8_t> coverage;
-  std::uint64_t version = 0;  ///< another one where the glyphs are others
+  std::uint64_t version = 0;  ///< changes whenever the glyphs change
 };
 
-/// Triangles under one rectangle of the picture, beyond which none of them is seen.
+/// Triangles that are clipped to one rectangle of the picture.
 struct SheetRun {
   std::int32_t left = 0, top = 0;  ///< pixels, inside the picture
   std::uint32_t width = 0, height = 0;

@@ -15,7 +15,7 @@ shader::vec4 pack(const glm::vec3& v, float w) {
   return {v.x, v.y, v.z, w};
 }
 
-/// Lines of one layer.
+/// Draws the lines of one layer.
 class Pen {
  public:
   Pen(float opacity, std::vector<shader::ViewStroke>& out) : opacity_(opacity), out_(out) {}
@@ -28,11 +28,12 @@ class Pen {
   std::vector<shader::ViewStroke>& out_;
 };
 
-/// On the plane that the objects stand on, some way beyond them: a line every 10 mm, a stronger one every 50 mm.
+/// The grid on the plane on which the objects stand, extending beyond them: a line every 10 mm, a stronger one every 50
+/// mm.
 void add_grid(const Box& box, const Theme& theme, Pen pen) {
   if (box.empty()) return;
   const double reach = std::max(box.high.x - box.low.x, box.high.z - box.low.z);
-  if (!(reach < 1000)) return;  // a stray point far away: nothing a grid would help with
+  if (!(reach < 1000)) return;  // a stray point far away: a grid would not help
   double step = 0.01;
   while (reach / step > 60)
     step *= 10;

@@ -1,4 +1,4 @@
-// What of a picture stands in the world as lines and flat faces: grid, boards, camera frusta, cross-sections.
+// The parts of a picture that are lines and flat faces in the world: grid, boards, camera frusta, cross-sections.
 #pragma once
 
 #include <vector>

@@ -23,8 +23,8 @@ shader::vec4 pack(const Colour& c, float w) {
 
 constexpr float unbounded = 1e6f;
 
-/// So many surfaces in exactly the same place look as any more of them do: what another layer of a solid's colour
-/// changes is less than a picture's colours can tell apart, but for a few pixels at the rims of lines.
+/// More surfaces than this in exactly the same place look the same. Except in a few pixels at the rims of lines,
+/// another layer of a solid's colour changes less than one step of the picture's colours.
 constexpr std::uint32_t enough_layers = 128;
 
 struct BySurface {
@@ -74,7 +74,7 @@ SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
     return items;
   };
   range.corners = append(shape.corners);
-  // Colours are to be seen everywhere.
+  // Colours must be visible everywhere.
   if (surface.colours.empty()) {
     for (const Detail& detail : coarser(shape.vertices, shape.corners))
       range.coarser.push_back({append(detail.corners), detail.error_m});
@@ -141,7 +141,7 @@ void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) 
   marks_changed_ = true;
 }
 
-/// The grid lies under the objects, else under everything.
+/// The grid lies under the objects, or, without objects, under everything.
 Box DrawnPicture::floor() const {
   Box box = everything_;
   for (const SurfaceItems& solid : solids_) {

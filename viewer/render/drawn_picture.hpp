@@ -34,7 +34,7 @@ struct SurfaceItems {
   Vec3 away{0};                         ///< where it goes when its solid is taken apart
 };
 
-/// Triangles of surfaces on the device, and whether they are still to be copied there.
+/// Triangles of surfaces on the device, and whether they must still be copied there.
 struct SurfaceMemory {
   gpu::Upload vertices, corners;
   bool changed = false;
@@ -51,15 +51,15 @@ class DrawnPicture {
  public:
   explicit DrawnPicture(const gpu::Device& device) : device_(&device) {}
 
-  /// Replaces what the scene shows. No frame that draws it may be in flight. Buffers grow and never shrink, so that a
-  /// live scene settles.
+  /// Replaces what the scene shows. No frame that draws it may be in flight. Buffers grow and never shrink, so that the
+  /// memory of a live scene settles.
   void update(const Picture& picture, const ViewState& state = {});
-  /// The same for everything but `solids`: the skin's surface has other colours, or is elsewhere.
+  /// The same for everything but `solids`: for a skin's surface with other colours or in another place.
   void update_skin(const Picture& picture, const ViewState& state = {});
-  /// The same for everything but `solids` and `skin`, which stay those of the last update: what changes with every
-  /// frame of a live view, or with how it is looked at, without working through the meshes again.
+  /// The same for everything but `solids` and `skin`, which stay those of the last update. It updates what changes with
+  /// every frame of a live view, or with the state of the view, and does not process the meshes again.
   void update_marks(const Picture& picture, const ViewState& state = {});
-  /// Copies what changed to the device where memory is not unified; outside a rendering, before the draws.
+  /// Copies what changed to the device if memory is not unified. Call it outside a rendering, before the draws.
   void record_upload(VkCommandBuffer commands);
 
  private:
@@ -76,8 +76,8 @@ class DrawnPicture {
   const gpu::Device* device_;
   Picture picture_;  ///< without what is on the device
   ViewState state_;
-  Box everything_;                    ///< where there are no solids
-  std::vector<SurfaceItems> solids_;  ///< of very many in one place only as many as are to be seen
+  Box everything_;                    ///< used if there are no solids
+  std::vector<SurfaceItems> solids_;  ///< if very many lie in one place, only as many as can be seen
   SurfaceItems skin_;
   bool skin_has_colours_ = false;
   Box points_box_;

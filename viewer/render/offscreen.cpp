@@ -9,8 +9,8 @@ namespace {
 
 constexpr VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
 
-/// The image is drawn to, and the readback buffer written, only after the last draw's copy between them. The host has
-/// waited for that; this says the same to the device, in the queue's own terms.
+/// The image is drawn to, and the readback buffer is written, only after the last draw's copy between them. The host
+/// has already waited for that copy. This barrier tells the device the same.
 void after_last_copy(VkCommandBuffer commands) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT;

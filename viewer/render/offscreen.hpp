@@ -1,4 +1,4 @@
-// Pictures without a window: renders into an image of its own and reads it back.
+// Pictures without a window: renders into its own image and reads it back.
 #pragma once
 
 #include <functional>
@@ -14,16 +14,16 @@ using drawing::Pixels;
 
 class Offscreen {
  public:
-  /// `ratio`: pixels per point, for text and line widths. Throws failure() for sizes the device cannot do.
+  /// `ratio`: pixels per point, for text and line widths. Throws failure() for sizes that the device does not support.
   Offscreen(const gpu::Device& device, std::uint32_t width, std::uint32_t height, double ratio = 1,
             Fineness fineness = Fineness::fine);
 
-  /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine. With `pause` it
-  /// is drawn piece by piece, and that called before each.
+  /// Draws one frame and waits for it. The same picture and views give the same bytes on one machine. With `pause`, it
+  /// is drawn piece by piece, and `pause` is called before each piece.
   void draw(DrawnPicture& drawn, std::span<const View> views, const Sheet* sheet = nullptr,
             const std::function<void()>& pause = {});
   void draw(DrawnPicture& drawn, const Viewpoint& viewpoint);
-  /// What the last draw drew; all zero before the first.
+  /// The picture of the last draw; all zero before the first.
   Pixels pixels() const;
 
   std::uint32_t width() const { return canvas_.extent().width; }

@@ -45,7 +45,7 @@ void draw_axis_names(Ink& ink, const Picture& picture, const shader::ViewPush& p
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Projected tip = project(projection, Vec3(section_tip(*section, axis)));
       const Vec2 way(tip.x - centre.x, tip.y - centre.y);
-      // Too short to be told from the others: far away, or seen from its end.
+      // Too short to tell from the others: far away, or seen from its end.
       if (!tip.visible || !centre.visible || glm::length(way) < ink.px(18)) continue;
       const Vec2 at = Vec2(tip.x, tip.y) + ink.px(9) * glm::normalize(way);
       const Colour colour = mix(finger_colour(static_cast<std::uint32_t>(f)), theme.ink, 0.35f);
@@ -67,7 +67,7 @@ void draw_picked(Ink& ink, const Vec3& picked, const shader::ViewPush& projectio
   }
 }
 
-/// The handles of a plane that a hand may take, and the frame that they move.
+/// The handles of a plane that the user may drag, and the frame that they move.
 void draw_slice_handles(Ink& ink, const SliceState& slice, const shader::ViewPush& projection, const Theme& theme) {
   const auto at = [&](const Vec3& world) { return project(projection, world); };
   const Projected middle = at(place_of(SliceHandle::middle, slice)), tip = at(normal_tip(slice));
@@ -117,7 +117,7 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::
     ink.line(placed[i].at, placed[(i + 1) % placed.size()].at, 1.3, with_alpha(mix(colour, theme.ink, 0.25f), 0.75f));
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
-  // The running focus last: on top.
+  // The running focus comes last, so it is on top.
   std::stable_partition(placed.begin(), placed.end(), [&](const Placed& p) { return finger.running != p.index; });
   for (const Placed& p : placed) {
     const FocusMark& focus = finger.foci[p.index];
@@ -248,10 +248,10 @@ void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
   }
 }
 
-/// At the lower right, above the chart where there is no room beside it.
+/// At the lower right; above the chart if there is no room beside it.
 void draw_scale(Ink& ink, const Picture& picture, const Viewpoint& viewpoint, const OverlayOptions& options,
                 const Theme& theme) {
-  // As the projection has it, since a frustum is none of the orbit's: metres at the target's depth.
+  // Metres at the target's depth. Taken from the projection, because a frustum does not come from the orbit.
   const double at_one = projection(viewpoint, options.width, options.height).window.z;
   const double per_pixel = (viewpoint.orthographic ? 1 : viewpoint.distance) / at_one;
   const double length = scale_bar_length(std::min(ink.px(150), options.width * 0.3) * per_pixel);
@@ -282,7 +282,7 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
   const Theme& theme = state.dark ? dark_theme() : light_theme();
   Ink ink(options.ratio, theme.background, strokes);
   const shader::ViewPush view = projection(viewpoint, options.width, options.height);
-  /// The strokes of a layer, as firm as it is.
+  /// Draws the strokes of a layer with its opacity.
   const auto in_layer = [&](Layer layer, const auto& draw) {
     if (!layers.shows(layer)) return;
     const std::size_t first = strokes.size();

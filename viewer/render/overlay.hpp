@@ -1,5 +1,5 @@
-// What lies flat on the picture: foci with their numbers, legend, axes, scale. Built anew for every frame as strokes in
-// pixels, since it depends on the viewpoint.
+// What lies flat on the picture: foci with their numbers, legend, axes, scale. Built again for every frame as strokes
+// in pixels, because it depends on the viewpoint.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct OverlayOptions {
   bool inset = false;            ///< a close-up inside another view: a border and a scale in place of legend and axes
 };
 
-/// Appends the overlay of `picture` as `state` has it, seen from `viewpoint`, in pixels from the view's top left; later
+/// Appends the overlay of `picture` with `state`, seen from `viewpoint`, in pixels from the view's top left. Later
 /// strokes lie over earlier ones. Surfaces, points and transducers are only named and counted.
 void build_overlay(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint,
                    const OverlayOptions& options, std::vector<shader::ViewStroke>& strokes);

@@ -37,7 +37,7 @@ drawing::Pixels draw(const Participant& participant, const Box& objects, std::ui
   if (participant.stereo == Stereo::none) return seen_by(participant.screen.eye_m);
   const Eyes eyes = eyes_before(participant.screen, participant.eyes_apart_m);
   const drawing::Pixels left = seen_by(eyes.left);
-  // Where pixels are interleaved, an eye's picture is as large as the whole.
+  // If pixels are interleaved, an eye's picture is as large as the whole.
   const Barrier barrier = barrier_of(participant, offscreen.width(), offscreen.height());
   return grown_to(combine(left, seen_by(eyes.right), participant.screen, eyes, barrier, participant.stereo), width,
                   height);

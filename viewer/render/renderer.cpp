@@ -19,10 +19,10 @@
 namespace palpa::viewer {
 namespace {
 
-/// One part in a thousand of the distance: lines lie on their surface, not half in it.
+/// A thousandth of the distance, so that lines lie on their surface and not half in it.
 constexpr float line_bias = 1.0e-3f;
 
-/// Of the plane of a cross-section, which has its finger's colour.
+/// For the plane of a cross-section, which has its finger's colour.
 constexpr float section_alpha = 0.22f;
 
 Colour face_of(const SurfaceItems& solid, const Theme& theme) {
@@ -62,7 +62,7 @@ shader::vec4 pack(const Colour& c) {
   return {c.r, c.g, c.b, c.a};
 }
 
-/// Uploads overwrite what earlier frames' draws fetched.
+/// Uploads overwrite data that the draws of earlier frames have fetched.
 void after_last_draws(VkCommandBuffer commands) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
@@ -78,7 +78,7 @@ constexpr std::uint32_t corners_of(std::uint32_t quads) {
   return quads * 6;
 }
 
-/// What one frame in flight draws with, however much it is this time.
+/// Uploads what one frame in flight draws with, of any size.
 template <typename T>
 void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vector<T>& items, gpu::Upload& memory,
             const char* name) {
@@ -89,7 +89,7 @@ void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vect
   memory.record(commands, bytes);
 }
 
-/// How large a metre appears at most within `box`.
+/// The largest size in pixels at which a metre appears within `box`.
 double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
   double nearest = 1e30;
   for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
@@ -101,7 +101,7 @@ double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
   return static_cast<double>(push.window.z) / std::max(nearest, 1e-9);
 }
 
-/// Skin points that lie in a crowd hide each other: drawing each so-manyth of them leaves enough for every pixel.
+/// Crowded skin points hide each other. Drawing every n-th of them leaves enough for every pixel.
 std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
   constexpr double enough = 4;  // for each pixel
   if (box.empty()) return 1;
@@ -119,10 +119,10 @@ std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32
   return static_cast<std::uint32_t>(std::clamp(count / (enough * pixels), 1.0, 64.0));
 }
 
-/// The same of a picture that is to be quick.
+/// The same for a quick picture.
 constexpr std::uint32_t most_quick_points = 32768;
 
-/// The fewest triangles that are not further off than that.
+/// The fewest triangles with at most that error.
 Items corners_for(const SurfaceItems& surface, double error_m) {
   Items corners = surface.corners;
   for (const CoarserItems& coarser : surface.coarser) {
@@ -131,7 +131,7 @@ Items corners_for(const SurfaceItems& surface, double error_m) {
   return corners;
 }
 
-/// An eye as what stands `by` away from where its coordinates say sees it.
+/// The eye as seen from something that is displaced by `by` from its coordinates.
 shader::vec4 seen_from(shader::vec4 eye, const Vec3& by) {
   const glm::vec3 d(by);
   if (eye.w > 0.5f) eye = {eye.x - d.x, eye.y - d.y, eye.z - d.z, eye.w};
@@ -150,7 +150,7 @@ struct Renderer::Shot {
   Vec3 eye;
   float ratio;
 
-  /// Of what stands `by` away from where its coordinates say.
+  /// For something that is displaced by `by` from its coordinates.
   Shot moved(const Vec3& by) const {
     Shot shot = *this;
     const glm::vec3 d(by);
@@ -220,7 +220,7 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
   return ranges;
 }
 
-// Nothing where edges are hidden; else those of every surface of the first view, then of the next.
+// Empty if edges are hidden. Otherwise the edges of every surface in the first view, then in the next.
 std::vector<Renderer::EdgeLines> Renderer::upload_edges(VkCommandBuffer commands, const DrawnPicture& drawn,
                                                         std::span<const View> views, Canvas& canvas) const {
   std::vector<EdgeLines> lines;
@@ -261,7 +261,7 @@ VkCommandBuffer Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, 
   }
 
   const Rendering::Images images{extent, target.view, canvas.colour_.view(), canvas.depth_.view()};
-  // Of very many parts each takes little.
+  // If there are very many parts, each takes little time.
   Rendering rendering(commands, images, theme.background, next, 1 + drawn.solids_.size() / 8);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const VkExtent2D size = views[i].area.extent;
@@ -301,7 +301,7 @@ void Renderer::draw_view(const Shot& shot, const DrawnPicture& drawn, const Canv
   draw_overlay(shot, canvas, overlay);
 }
 
-// Opaque and first: they write depth, and what is translucent then blends over those behind it.
+// Points are opaque and come first. They write depth, so translucent surfaces then blend over the points behind them.
 void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
   const auto draw = [&](const Items& range, float outline, Layer layer, std::uint32_t each) {
     if (!shot.layers.shows(layer)) return;
@@ -318,7 +318,8 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
   draw(drawn.contacts_, 0.6f, Layer::contacts, 1);
 }
 
-// Those that hide what lies behind them write depth, too. From within a camera its own image would hide all else.
+// Images that hide what is behind them also write depth. Seen from within a camera, its own image would hide everything
+// else.
 void Renderer::draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const {
   for (const ImageItems& image : drawn.images_) {
     if (image.layer == Layer::depth && view.viewpoint.frustum) continue;
@@ -352,9 +353,9 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
   shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count, drawn.sections_.first);
 }
 
-// Solids are convex, so that back faces, then front faces, blend in the right order; several solids from far to near.
-// The skin's surface may pass through a solid: the part behind the solid's front is drawn before that front, the rest
-// after.
+// Solids are convex, so back faces and then front faces blend in the right order. Several solids are drawn from far to
+// near. The skin's surface may pass through a solid: its part behind the solid's front is drawn before that front, the
+// rest after.
 void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const Canvas& canvas,
                              std::span<const EdgeLines> lines) const {
   const auto memory_of = [&](const SurfaceItems& surface) -> const SurfaceMemory& {
@@ -417,7 +418,7 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
   paint_skin(VK_COMPARE_OP_GREATER_OR_EQUAL);
 }
 
-// Hardly shaded, so that colours stay those of the bar.
+// Hardly shaded, so that colours stay the same as in the bar.
 void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
   const float opacity =
       shot.layers.opacity(Layer::heat) * (is_stale(drawn.picture_, Layer::heat) ? stale_opacity : 1.0f);
@@ -429,7 +430,8 @@ void Renderer::draw_heat(const Shot& shot, const DrawnPicture& drawn) const {
                {drawn.skin_memory_.corners.ref(), drawn.skin_.corners.first, drawn.skin_.corners.count});
 }
 
-// What is before the surface firmly, creases behind it faintly: the folds of a dense mesh would be but a tangle there.
+// Lines in front of the surface are firm, creases behind it are faint. Behind it, the folds of a dense mesh would only
+// be a tangle.
 void Renderer::draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLines& lines) const {
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;

@@ -1,5 +1,5 @@
-// Draws a picture into an image. Knows no window: it records into the caller's command buffer, and the caller owns the
-// image that is drawn to, be it a swapchain's or one that is read back.
+// Draws a picture into an image. Knows no window: it records into the caller's command buffer. The caller owns the
+// image that is drawn to, which may be a swapchain's or one that is read back.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,9 @@
 
 namespace palpa::viewer {
 
-/// What one frame in flight draws with: the multisampled image, depth, and the overlay's strokes. From
-/// Renderer::make_canvas, of a renderer that outlives it; may be used again once the frame that used it has completed.
+/// What one frame in flight draws with: the multisampled image, depth, and the overlay's strokes. Made by
+/// Renderer::make_canvas of a renderer that must outlive it. It may be used again once the frame that used it has
+/// completed.
 class Canvas {
  public:
   VkExtent2D extent() const { return depth_.extent(); }
@@ -58,15 +59,15 @@ class Renderer {
   Renderer(const gpu::Device& device, VkFormat colour);
 
   VkFormat colour_format() const { return colour_; }
-  /// For pictures so fine; makes the pipelines of the first canvas of either kind. Throws failure() for an extent of
-  /// zero or beyond the device's limit.
+  /// A canvas for pictures of that fineness. The first canvas of each fineness makes its pipelines. Throws failure()
+  /// for an extent of zero or beyond the device's limit.
   Canvas make_canvas(VkExtent2D extent, Fineness fineness = Fineness::fine);
 
-  /// Draws `drawn` into `target`, which must have the canvas' extent; whatever it held is lost. Views are drawn in
-  /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: earlier
-  /// users of the target's image are ordered before colour-attachment output by the caller (a semaphore's wait, or a
-  /// submit before that was waited for). Afterwards the target is a colour target (gpu::image_use::colour_target): the
-  /// caller moves it on. With `next` the picture comes in pieces; returns the commands of the last.
+  /// Draws `drawn` into `target`, which must have the canvas' extent. Its old contents are lost. Views are drawn in
+  /// order, then the sheet over them. `ratio` is pixels per point (2 on a high-resolution screen). Barriers: the caller
+  /// orders earlier users of the target's image before colour-attachment output (by a semaphore's wait, or by waiting
+  /// for an earlier submit). Afterwards, the target is a colour target (gpu::image_use::colour_target), and the caller
+  /// makes any further transition. With `next`, the picture is drawn in pieces. Returns the commands of the last piece.
   VkCommandBuffer record(VkCommandBuffer commands, DrawnPicture& drawn, std::span<const View> views, Canvas& canvas,
                          const Target& target, double ratio = 1, const Sheet* sheet = nullptr,
                          const NextStep& next = {}) const;
@@ -74,7 +75,7 @@ class Renderer {
  private:
   VkSampleCountFlagBits samples_of(Fineness fineness) const;
   struct Shot;
-  /// Of one surface in one view: its creases, and after them its outline.
+  /// The lines of one surface in one view: its creases, and after them its outline.
   struct EdgeLines {
     Items all;
     std::uint32_t creases = 0;
@@ -97,7 +98,7 @@ class Renderer {
   const gpu::Device* device_;
   VkFormat colour_, depth_;
   VkSampleCountFlagBits most_samples_;
-  std::unique_ptr<const ViewPipelines> single_, several_;  ///< of one sample, and of most_samples_
+  std::unique_ptr<const ViewPipelines> single_, several_;  ///< with one sample, and with most_samples_
 };
 
 }  // namespace palpa::viewer

@@ -3,7 +3,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// A piece is drawn over those before.
+/// Each piece is drawn over the pieces before it.
 void after_last_piece(VkCommandBuffer commands) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
@@ -94,7 +94,7 @@ void Rendering::draw(const gpu::GraphicsPipeline& pipeline, Buffers buffers, con
   if (run.count > 0) drew();
 }
 
-// Of several samples the last piece does nothing but resolve them.
+// With several samples, the last piece only resolves them.
 VkCommandBuffer Rendering::end() {
   if (*next_ && images_.samples != VK_NULL_HANDLE) {
     resolve_at_end();

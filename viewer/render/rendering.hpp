@@ -1,4 +1,4 @@
-// Drawing into one image, at once or piece by piece: who shares a processor with others lets them go first in between.
+// Draws into one image, at once or piece by piece. Other work on the same processor can go first between the pieces.
 #pragma once
 
 #include <volk.h>
@@ -13,27 +13,28 @@
 
 namespace palpa::viewer {
 
-/// Ends the commands of a piece and gives them to the device; returns begun ones to go on with, which the device gets
-/// after those. Empty: all is one piece.
+/// Ends the commands of a piece and submits them to the device. Returns a begun command buffer for the next piece,
+/// which the device gets after that. Empty: everything is one piece.
 using NextStep = std::function<VkCommandBuffer()>;
 
 /// One vkCmdBeginRendering, or one for each piece. What is drawn has the same bytes either way.
 class Rendering {
  public:
-  /// What is drawn to, in the layouts for that. What the images held is lost; afterwards `target` alone is defined.
+  /// The images that are drawn to, in the layouts for that. Their old contents are lost. Afterwards, only `target` is
+  /// defined.
   struct Images {
     VkExtent2D extent{};
     VkImageView target = VK_NULL_HANDLE;
-    VkImageView samples = VK_NULL_HANDLE;  ///< where there are several for each pixel of the target
+    VkImageView samples = VK_NULL_HANDLE;  ///< if there are several for each pixel of the target
     VkImageView depth = VK_NULL_HANDLE;
   };
-  /// A piece is of so many `draws`. `next` must outlive it.
+  /// A piece consists of `draws` draws. `next` must outlive this object.
   Rendering(VkCommandBuffer commands, const Images& images, const Colour& background, const NextStep& next,
             std::size_t draws = 1);
 
-  /// Of the piece under way.
+  /// The commands of the piece under way.
   VkCommandBuffer commands() const { return commands_; }
-  /// Viewport and scissor of what is drawn from now on.
+  /// Sets viewport and scissor for what is drawn from now on.
   void set_area(const VkRect2D& area);
 
   /// As GraphicsPipeline::draw.
@@ -43,7 +44,7 @@ class Rendering {
   void draw(const gpu::GraphicsPipeline& pipeline, Buffers buffers, const gpu::Push& push, const gpu::DrawState& state,
             const gpu::GraphicsPipeline::Run& run);
 
-  /// Once, after all else. Returns the commands of the last piece, outside of any rendering.
+  /// Call once, after everything else. Returns the commands of the last piece, outside of any rendering.
   VkCommandBuffer end();
 
  private:
@@ -58,7 +59,7 @@ class Rendering {
   VkRenderingAttachmentInfo colour_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   VkRenderingAttachmentInfo depth_{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   VkRect2D area_{};
-  std::size_t draws_, drawn_ = 0;  ///< of a piece, and of the one under way
+  std::size_t draws_, drawn_ = 0;  ///< per piece, and in the piece under way
 };
 
 }  // namespace palpa::viewer

@@ -6,7 +6,7 @@
 
 namespace palpa::viewer {
 
-/// What one frame in flight draws its sheet with.
+/// The memory with which one frame in flight draws its sheet.
 class SheetMemory {
  private:
   friend class SheetPainter;
@@ -20,10 +20,10 @@ class SheetPainter {
   /// For renderings of these formats and samples.
   SheetPainter(const gpu::Device& device, VkFormat colour, VkFormat depth, VkSampleCountFlagBits samples);
 
-  /// Before the rendering; the last frame that used `memory` has completed. Earlier fetches of vertices and fragments
-  /// are ordered before transfers by the caller.
+  /// Call before the rendering, when the last frame that used `memory` has completed. The caller orders earlier fetches
+  /// of vertices and fragments before transfers.
   void upload(VkCommandBuffer commands, const Sheet& sheet, SheetMemory& memory) const;
-  /// Within it, over all of a picture of that size; leaves another viewport and scissor behind.
+  /// Call within the rendering. Draws over a whole picture of that size, and changes viewport and scissor.
   void draw(VkCommandBuffer commands, const Sheet& sheet, const SheetMemory& memory, VkExtent2D size) const;
 
  private:

@@ -1,4 +1,4 @@
-// The pipelines that draw a picture with so many samples for each pixel.
+// The pipelines that draw a picture with a given number of samples for each pixel.
 #pragma once
 
 #include "gpu/graphics_pipeline.hpp"

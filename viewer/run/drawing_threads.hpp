@@ -1,4 +1,5 @@
-// The threads that draw, which give way to those of a live run: the one that asks for pictures, and its driver's.
+// The threads that draw: the one that asks for pictures, and those of its driver. They give way to the threads of a
+// live run.
 #pragma once
 
 #include <vector>
@@ -7,15 +8,15 @@
 
 namespace palpa::viewer {
 
-/// All of it on the thread that asks for pictures.
+/// Use it only on the thread that asks for pictures.
 class DrawingThreads {
  public:
-  /// What begins from here to have_begun() draws: a device is made in between.
+  /// Threads that begin between here and have_begun() draw: a device is made in between.
   void expect() { others_ = session::threads_since(); }
   void have_begun() {
     if (!gives_way_) driver_ = session::threads_since(others_);
   }
-  /// Once there is a live run, or will be. What this thread begins later gives way by itself.
+  /// Call once there is a live run, or will be one. Threads that this thread begins later give way by themselves.
   void give_way() {
     gives_way_ = true;
     session::give_way();

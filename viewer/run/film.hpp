@@ -1,4 +1,4 @@
-// Pictures one after the other, as files of a folder: 000000.png and so on.
+// Writes a sequence of pictures as files in a folder: 000000.png and so on.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace palpa::viewer {
 
 class Film {
  public:
-  /// Makes the folder; without a name it takes no pictures. Throws failure.
+  /// Makes the folder. Without a name, it takes no pictures. Throws failure.
   explicit Film(const std::string& folder);
   bool wanted() const { return !folder_.empty(); }
-  /// Pictures may be of different sizes. Throws failure where one cannot be written whole.
+  /// Pictures may have different sizes. Throws failure if one cannot be written whole.
   void add(const drawing::Pixels& pixels);
 
  private:

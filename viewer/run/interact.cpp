@@ -54,29 +54,29 @@ class Line {
     double value = 0;
     const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (fault != std::errc() || rest != text.data() + text.size() || !(value >= low && value <= high))
-      throw wrong(fmt::format("'{}' is no {}: give a number from {} to {}", printable(text, 40), what, low, high));
+      throw wrong(fmt::format("'{}' is not a {}: give a number from {} to {}", printable(text, 40), what, low, high));
     return value;
   }
   std::uint32_t whole(const char* what, std::uint32_t low, std::uint32_t high) {
     const double value = number(what, low, high);
-    if (value != static_cast<std::uint32_t>(value)) throw wrong(fmt::format("{} is a whole number", what));
+    if (value != static_cast<std::uint32_t>(value)) throw wrong(fmt::format("{} must be a whole number", what));
     return static_cast<std::uint32_t>(value);
   }
   Button button() {
     const std::string_view text = word();
     if (const std::optional<Button> button = value_of(button_words, text)) return *button;
-    throw wrong(fmt::format("'{}' is no button: {}", printable(text, 40), one_of(button_words)));
+    throw wrong(fmt::format("'{}' is not a button: give {}", printable(text, 40), one_of(button_words)));
   }
   void modifiers(WindowEvent& event) {
     while (!empty()) {
       const std::string_view text = word();
       if (text != "shift" && text != "ctrl")
-        throw wrong(fmt::format("'{}' is left over: shift or ctrl may come here", printable(text, 40)));
+        throw wrong(fmt::format("'{}' is unexpected: only shift or ctrl may come here", printable(text, 40)));
       (text == "shift" ? event.shift : event.ctrl) = true;
     }
   }
   void end() {
-    if (!empty()) throw wrong(fmt::format("'{}' is left over", printable(rest_, 40)));
+    if (!empty()) throw wrong(fmt::format("'{}' is unexpected: nothing may come here", printable(rest_, 40)));
   }
   Error wrong(const std::string& fault) const { return bad_input(fmt::format("{}:{}", file_, number_), fault); }
 
@@ -119,7 +119,7 @@ class Parser {
       WindowEvent event;
       event.kind = verb == "type" ? WindowEvent::Kind::text : WindowEvent::Kind::drop;
       event.text = line.all();
-      if (event.text.empty()) throw line.wrong(fmt::format("{} what? The rest of the line says it", verb));
+      if (event.text.empty()) throw line.wrong(fmt::format("{} needs a value: the rest of the line", verb));
       add(event);
     } else if (verb == "resize") {
       Interaction& step = add(Interaction::Kind::resize);
@@ -134,11 +134,10 @@ class Parser {
       if (file.empty()) throw line.wrong("shot needs a file");
       add(Interaction::Kind::shot).file = std::move(file);
     } else {
-      // Where nothing was understood before, it may be any file, of which nothing is to be shown.
-      throw line.wrong(
-          fmt::format("{} is none of move, press, release, click, drag, scroll, key, type, drop, resize, "
-                      "draw, wait and shot",
-                      out_.empty() ? "the first word" : "'" + printable(verb, 40) + "'"));
+      // If no line was understood before, this may be any file, and nothing of it must be shown.
+      throw line.wrong(fmt::format(
+          "{} is not one of move, press, release, click, drag, scroll, key, type, drop, resize, draw, wait and shot",
+          out_.empty() ? "the first word" : "'" + printable(verb, 40) + "'"));
     }
     line.end();
   }
@@ -168,7 +167,7 @@ class Parser {
   void click(Line& line) {
     const double x = line.number("place", -most_pixels, most_pixels);
     go(x, line.number("place", -most_pixels, most_pixels));
-    add(Interaction::Kind::draw);  // what lies under the pointer is known once it was drawn with the pointer there
+    add(Interaction::Kind::draw);  // what lies under the pointer is known only after a picture with the pointer there
     add(pointer(WindowEvent::Kind::press));
     add(Interaction::Kind::draw);
     add(pointer(WindowEvent::Kind::release));
@@ -198,7 +197,7 @@ class Parser {
     WindowEvent event = pointer(WindowEvent::Kind::key);
     const std::string_view name = line.word();
     const std::optional<Key> key = key_named(name);
-    if (!key) throw line.wrong(fmt::format("there is no key '{}'", printable(name, 40)));
+    if (!key) throw line.wrong(fmt::format("unknown key '{}'", printable(name, 40)));
     event.key = *key;
     line.modifiers(event);
     add(event);

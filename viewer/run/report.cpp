@@ -35,7 +35,7 @@ double compare(const ViewerOptions& options, const Pixels& pixels) {
   const Pixels reference = drawing::read_png(options.reference);
   if (reference.width != pixels.width || reference.height != pixels.height) {
     throw bad_input(options.reference,
-                    fmt::format("is {}x{} pixels, the picture is {}x{}: give --size {}x{}", reference.width,
+                    fmt::format("is {}x{} pixels, but the picture is {}x{}: give --size {}x{}", reference.width,
                                 reference.height, pixels.width, pixels.height, reference.width, reference.height));
   }
   return mean_difference(pixels, reference);

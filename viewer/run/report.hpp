@@ -1,4 +1,4 @@
-// What is told at the end: of pictures, and of a run that was looked at.
+// The reports at the end: on the pictures, and on a run that was shown.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace palpa::viewer {
 
 /// The pictures that were drawn.
 struct PicturesDrawn {
-  session::Samples ms;  ///< that each took: updating, drawing and, of a window, presenting it
+  session::Samples ms;  ///< time of each: updating, drawing and, in a window, presenting it
   Size size;            ///< of the last
 };
 
-/// The last picture: writes it down, compares it, tells of it.
+/// Writes the last picture, compares it, and reports on it.
 void report_picture(const ViewerOptions& options, const Outputs& outputs, const drawing::Pixels& pixels,
                     const PicturesDrawn& drawn);
 
-/// Those of a window: told where somebody has asked for so many of them.
+/// Reports on the pictures of a window, if a number of them was asked for.
 void report_window(const ViewerOptions& options, const Outputs& outputs, const PicturesDrawn& drawn);
 
-/// As `palpa run` does; nothing of what was none.
+/// Reports on a run as `palpa run` does; nothing if there was no run.
 void report_run(const ViewerOptions& options, const Outputs& outputs, const std::optional<session::LoopStats>& stats);
 
 }  // namespace palpa::viewer

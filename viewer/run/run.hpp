@@ -7,16 +7,16 @@
 
 namespace palpa::viewer {
 
-/// Draws --frames pictures, a slot each; writes all of them or the last, and compares that. Throws failure() where it
-/// differs from the reference by more than the threshold.
+/// Draws --frames pictures, one slot each. Writes all of them or the last, and compares the last. Throws failure() if
+/// it differs from the reference by more than the threshold.
 void run_headless(const ViewerOptions& options);
 
-/// Without a window, but with hands: does what --interact says, or draws --frames pictures of a live run, one for each
-/// of its frames at most; then writes the last and compares it as run_headless does.
+/// Without a window, but with interaction: does what --interact says, or draws --frames pictures of a live run, at most
+/// one for each of its frames. Then writes the last picture and compares it as run_headless does.
 void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds);
 
-/// Opens a window and shows until it is closed or --frames have been drawn. The running focus moves on in slow motion,
-/// a slot every quarter of a second; with --frames, with every frame.
+/// Opens a window, and draws until it is closed or --frames have been drawn. The running focus moves on in slow motion,
+/// one slot every quarter of a second. With --frames, it moves on with every frame.
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
 
 }  // namespace palpa::viewer

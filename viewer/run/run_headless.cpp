@@ -65,7 +65,7 @@ void run_headless(const ViewerOptions& options) {
     made.ms.add(watch.lap_ms());
     if (!film.wanted()) continue;
     film.add(pixels);
-    watch.lap_ms();  // files are no part of a frame
+    watch.lap_ms();  // writing files does not count as part of a frame
   }
   made.size = {pixels.width, pixels.height};
   report_picture(options, outputs, pixels, made);

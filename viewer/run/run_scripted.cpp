@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Draws wherever its size and time are at the moment.
+/// Draws with the current size at the current time.
 class Stage {
  public:
   Stage(const ViewerOptions& options, const gpu::Device& device)
@@ -48,7 +48,7 @@ class Stage {
     drew_.ms.add(ms);
     drew_.size = size_;
     app.drew(ms / 1e3);
-    if (film_.wanted()) film_.add(pixels());  // files are no part of a frame
+    if (film_.wanted()) film_.add(pixels());  // writing files does not count as part of a frame
   }
   Pixels pixels() const { return offscreen_->pixels(); }
   const PicturesDrawn& drew() const { return drew_; }
@@ -64,7 +64,7 @@ class Stage {
   PicturesDrawn drew_;
 };
 
-/// A live run's frames as they come; until the end of the run where there are not so many.
+/// Draws a live run's frames as they come, until the end of the run if there are fewer than `frames`.
 void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::function<double()>& now) {
   while (stage.drew().ms.count() < frames && !app.quitting()) {
     const LiveState state = app.desk().live_state;
@@ -79,8 +79,8 @@ void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::functi
   }
 }
 
-/// Pictures for files. While anything is loaded, on whatever thread, a file may turn out to be one that is read: they
-/// are written when it is there.
+/// Pictures for files. While anything is being loaded, on any thread, a file may turn out to be an input. Pictures are
+/// therefore written after loading.
 class Shots {
  public:
   void take(const std::string& file, Pixels pixels) { waiting_.emplace_back(file, std::move(pixels)); }
@@ -96,7 +96,7 @@ class Shots {
 };
 
 void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
-  bool behind = app.beginning();  // the last picture, what was asked for
+  bool behind = app.beginning();  // the last picture is behind what was asked for
   Shots shots;
   while (script.busy() && !app.quitting()) {
     script.play(now(), [&](const Interaction& step) {
@@ -110,7 +110,7 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
     stage.draw(app, now());
     script.drew();
   }
-  // A run that is still loading may yet fail, and the last picture shows it, and what was dropped.
+  // A run that is still loading may still fail. The last picture shows that run, and what was dropped.
   for (; app.beginning() && !app.quitting(); behind = true) {
     app.advance(now(), stage.size());
     std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -27,12 +27,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Between two pictures: of a live run not more than 30 a second, so that the loop has the cores.
+/// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores.
 double shortest_s(const App& app) {
   return app.desk().live ? 1.0 / 30 : 0.0;
 }
 
-/// The participant's window as the desk has it: opened, closed, and brought up to date.
+/// Opens, closes and updates the participant's window as the desk says.
 void look_after(std::optional<ParticipantWindow>& participant, App& app, const gpu::Device& device) {
   if (participant) {
     std::vector<WindowEvent> events;
@@ -53,7 +53,7 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
   }
 }
 
-/// What the window shows, drawn once more for a film.
+/// Draws again what the window shows, for a film.
 class Filming {
  public:
   Filming(const gpu::Device& device, const std::string& folder) : device_(&device), film_(folder) {}
@@ -84,7 +84,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   Script script(options);
   const Outputs outputs(outputs_of(options, script, kinds));
   refuse_outputs_as_inputs(options);
-  Window window(size.width, size.height, "palpa");  // first: without a display nothing else is worth doing
+  Window window(size.width, size.height, "palpa");  // first, because nothing else makes sense without a display
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Stopper stopper(options, Window::wake);
@@ -102,7 +102,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
                },
            .panels = !options.no_panels,
            .settings = settings_file().value_or("")});
-  // From here on: threads of a live run have begun, those of the picture have not.
+  // At this point, the threads of a live run have begun, but those of the picture have not.
   if (options.is_live()) threads.give_way();
   threads.expect();
   gpu::DeviceOptions device_options = setup::device_options(options.common);
@@ -122,7 +122,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   PictureSteps pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
   const SilentEnd silent_end(stopper.flag());
 
-  // Draws only when something has changed: a window that nobody touches costs nothing.
+  // Draws only when something has changed, so an idle window costs nothing.
   while (!window.closing() && !app.quitting() && !(options.frames && pictures.ms.count() >= *options.frames)) {
     const Size pixels = pixels_of(window);
     const bool visible = pixels.width > 0 && pixels.height > 0;
@@ -150,7 +150,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     if (!visible || !(changed || rests)) continue;
     if (now() < last_drawn_s + shortest_s(app) && !asked) continue;
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
-    // The run may compute where pictures are drawn: they take turns.
+    // The run may compute on the processor that draws the pictures, so they take turns.
     std::function<void()> pause;
     if (app.desk().live && presenter.on_processor()) {
       pieces.begin();
@@ -163,7 +163,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     const App::Frame frame = app.render(pixels, ratio, started_s);
     const FinePictures wanted = app.desk().state.fine;
     const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
-    // What moves later is quick, and then nobody is to wait for a driver that compiles.
+    // Later pictures in motion are quick ones. They must not wait for a driver that compiles.
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
       presenter.expect(Fineness::quick);
     const bool shown =
@@ -173,7 +173,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     const double took_s = last_drawn_s - started_s - waited_s;
     app.drew(took_s);
     if (!shown) {
-      app.handle({}, pixels);  // once more
+      app.handle({}, pixels);  // draw again
       continue;
     }
     rest.drew(wanted, fineness, last_drawn_s);

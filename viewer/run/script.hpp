@@ -1,4 +1,4 @@
-// Plays a script into whoever draws, picture by picture.
+// Plays a script, picture by picture.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +15,18 @@ namespace palpa::viewer {
 
 class Script {
  public:
-  /// Of --interact; without it there is nothing to play. Throws bad_input, bad_usage for a shot in a window.
+  /// The script of --interact; without it, there is nothing to play. Throws bad_input, and bad_usage for a shot in a
+  /// window.
   explicit Script(const ViewerOptions& options);
   explicit Script(std::vector<Interaction> steps) : steps_(std::move(steps)) {}
 
-  /// What its shots write, each file once.
+  /// The files that its shots write, each once.
   std::vector<Output> outputs() const;
 
   bool busy() const { return next_ < steps_.size() || pictures_ > 0 || until_s_; }
-  /// Gives `act` events, sizes and shots until pictures are to be drawn or time is to pass.
+  /// Passes events, sizes and shots to `act` until pictures must be drawn or time must pass.
   void play(double now_s, const std::function<void(const Interaction&)>& act);
-  /// A picture was drawn.
+  /// Call when a picture was drawn.
   void drew() { pictures_ -= pictures_ > 0 ? 1 : 0; }
 
  private:

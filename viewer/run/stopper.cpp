@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Within exit(): the threads of a run that is under way must neither sound on nor meet what exit() takes down.
+/// Called within exit(): the threads of a run under way must not sound on, and must not use what exit() destroys.
 void silence_at_exit() {
   if (!LiveSession::under_way()) return;
   setup::Interrupt::flag() = true;
@@ -35,24 +35,25 @@ void Stopper::begin() {
   if (interrupt_) return;
   [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
   relay_.emplace();
-  interrupt_.emplace("ended without finishing, a second after the signal: what it waited for did not answer", wake_);
+  interrupt_.emplace("ended without finishing, one second after the signal: a link, device or file did not answer",
+                     wake_);
 }
 
 void Stopper::end(App& app) {
-  constexpr const char* too_early = "ended while the run was loading: nothing of it was shown; give it time to wait";
+  constexpr const char* too_early = "ended while the run was loading, before anything was shown; give it more time";
   constexpr double patience_s = 3;
   const bool loading = app.loading();
   const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
   const bool over = app.finish(patience_s);
   if (over && cut) throw failure(too_early);
-  // After a signal there is a second for all of it: a window's device may take longer to be given back.
+  // After a signal, there is one second for everything, but releasing a window's device may take longer.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
   if (over && !at_once) return app.rethrow();
   Exit code = cut || !(loading || over) ? Exit::failed : Exit::ok;
   if (cut) {
     log::error(too_early);
   } else if (!loading && !over) {
-    log::error("ended without finishing: what the run waited for did not answer; the array is silent");
+    log::error("ended without finishing: a link, device or file did not answer; the array is silent");
   } else if (at_once) {
     try {
       app.rethrow();

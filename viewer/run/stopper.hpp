@@ -1,5 +1,5 @@
-// What ends a live run: signals while there is one, and the end of the program, whatever that is: an exit() within a
-// library, too, as Xlib's where its server is gone.
+// Ends a live run: on signals while there is one, and however the program ends. That includes an exit() within a
+// library, such as Xlib's when its server is gone.
 #pragma once
 
 #include <atomic>
@@ -14,19 +14,19 @@ namespace palpa::viewer {
 
 class Stopper {
  public:
-  /// Of a live run: signals and exit() end it from now on, and nobody waits for whoever reads the log. `wake` is called
-  /// on another thread when a signal has come.
+  /// For a live run, signals and exit() end it from now on, and nothing waits for the reader of the log. `wake` is
+  /// called on another thread when a signal has come.
   explicit Stopper(const ViewerOptions& options, std::function<void()> wake = {});
 
-  /// What was none has become a live run: from now on.
+  /// Call when a touch has become a live run: the same applies from now on.
   void begin();
 
   std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
 
-  /// Ends the run. Where it does not end (a camera, a disk or a GPU that does not answer) the program does: the array
-  /// is silent by then, see session/loop/loop.hpp. What is still loading has nothing to silence and is not waited for.
-  /// Throws what the run failed with, so that the program ends as `palpa run` does, and failure where nobody but
-  /// --interact or --frames ended it while it was loading: they have shown nothing of it.
+  /// Ends the run. If it does not end (a camera, a disk or a GPU does not answer), the program ends all the same: the
+  /// array is silent by then, see session/loop/loop.hpp. A run that is still loading has nothing to silence and is not
+  /// waited for. Throws what the run failed with, so that the program ends as `palpa run` does. Throws failure if only
+  /// --interact or --frames ended the run while it was loading, because they have shown nothing of it.
   void end(App& app);
 
  private:
@@ -36,8 +36,8 @@ class Stopper {
   std::optional<setup::Interrupt> interrupt_;
 };
 
-/// Ends the run with its scope. Made after all that takes part in drawing, so that an error's way out silences the
-/// array before it waits for a device.
+/// Ends the run with its scope. It must be made after everything that takes part in drawing, so that after an error the
+/// array is silenced before anything waits for a device.
 class SilentEnd {
  public:
   explicit SilentEnd(std::atomic<bool>& stop) : stop_(&stop) {}

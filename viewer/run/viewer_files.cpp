@@ -17,7 +17,7 @@ std::vector<Output> outputs_of(const ViewerOptions& options, const Script& scrip
   std::ranges::move(script.outputs(), std::back_inserter(outputs));
   if (options.is_live()) {
     setup::LiveOptions live = live_options(options.given);
-    live.common.json.clear();  // it is the viewer's
+    live.common.json.clear();  // --json is the viewer's own
     std::ranges::move(setup::outputs_of(live, setup::with_builtin(kinds.links)), std::back_inserter(outputs));
   }
   return outputs;
@@ -29,7 +29,7 @@ void refuse_outputs_as_inputs(const ViewerOptions& options) {
   std::ranges::copy(options.input.depths, std::back_inserter(files));
   std::ranges::copy(options.input.cameras, std::back_inserter(files));
   if (options.is_live()) files.push_back(session::parse_spec(options.live.source).argument);
-  // Built-in layouts have names of their own.
+  // Built-in layouts are names, not files.
   if (std::filesystem::path(options.layout).has_extension()) files.push_back(options.layout);
   for (const std::string& file : files)
     refuse_output_as_input(file);

@@ -10,10 +10,10 @@
 
 namespace palpa::viewer {
 
-/// What it writes: its own pictures and results, a script's shots, and what a live run writes.
+/// What the viewer writes: its own pictures and results, a script's shots, and what a live run writes.
 std::vector<Output> outputs_of(const ViewerOptions& options, const Script& script, const LiveSession::Kinds& kinds);
 
-/// What it reads, some of it late or on other threads: throws bad_usage where an output has one of these names.
+/// Throws bad_usage if an output has the name of an input. Some inputs are read late or on other threads.
 void refuse_outputs_as_inputs(const ViewerOptions& options);
 
 }  // namespace palpa::viewer

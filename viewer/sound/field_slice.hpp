@@ -19,15 +19,15 @@ struct SliceField {
 
 class FieldSlice {
  public:
-  /// Of this layout as posed in the world. Device and layout outlive it. `most_along`: samples along the plane's longer
-  /// side, at most 512.
+  /// For this layout as posed in the world. Device and layout must outlive this object. `most_along`: samples along the
+  /// plane's longer side, at most 512.
   FieldSlice(const gpu::Device& device, const array::Layout& layout, const acoustics::Air& air,
              array::Directivity directivity, std::uint32_t most_along = 96);
 
-  /// The field of one drive per transducer. Free field: nothing is in the way. Waits for the device; the time grows
-  /// with the square of `along`, at most most_along, and with the number of transducers.
+  /// The field of one drive per transducer, in the free field: nothing is in the way. Waits for the device. The time
+  /// grows with the square of `along`, which is limited to most_along, and with the number of transducers.
   SliceField sample(const SliceState& slice, std::span<const array::TransducerDrive> drive, std::uint32_t along);
-  /// Puts that, as fine as it may be, into the picture (show_slice).
+  /// Puts the field, with most_along samples, into the picture (show_slice).
   void show(Picture& picture, const SliceState& slice, std::span<const array::TransducerDrive> drive);
 
  private:

@@ -17,7 +17,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// Upright, its lowest vertex at `tip`.
+/// The pose that puts the mesh upright with its lowest vertex at `tip`.
 Transform upright(const geometry::Mesh& mesh, const Vec3& tip) {
   const auto lowest = std::ranges::min_element(mesh.positions, {}, [](const Vec3& p) { return p.y; });
   return glm::translate(Transform(1.0), lowest == mesh.positions.end() ? tip : tip - *lowest);
@@ -32,14 +32,14 @@ Transform place_of(const geometry::Mesh& mesh, const Sounding& now) {
 }
 
 bool near(const Transform& a, const Transform& b) {
-  constexpr double finger_m = 50e-3;  // a turn moves the far end of the finger
+  constexpr double finger_m = 50e-3;  // a turn moves the finger's far end
   for (int i = 0; i < 3; ++i) {
     if (glm::distance(Vec3(a[i]), Vec3(b[i])) * finger_m > alike_m) return false;
   }
   return glm::distance(Vec3(a[3]), Vec3(b[3])) <= alike_m;
 }
 
-/// How far the equations are.
+/// The progress of the equations.
 std::string progress() {
   const std::optional<Doing> now = doing();
   return now && now->total > 0 ? fmt::format(", {} %", 100 * now->done / now->total) : "";
@@ -90,7 +90,7 @@ Change Heat::look(const Sounding& now, Picture& picture) {
     }
   }
   if (!mesh_) return tell(picture, Standing::failed);
-  if (!has_place(now)) {  // nobody touches
+  if (!has_place(now)) {  // nothing touches
     Change change;
     change.skin = picture.skin.has_value();
     picture.skin.reset();
@@ -100,7 +100,7 @@ Change Heat::look(const Sounding& now, Picture& picture) {
     return change;
   }
   Change change;
-  const bool computing = preview_.stale();  // asked first: what is answered from now on is for the next look
+  const bool computing = preview_.stale();  // read first: answers from now on are for the next look()
   const std::shared_ptr<const session::SkinAnswer> newest = preview_.newest();
   if (asked_ && newest->number > shown_ && !computing) {
     shown_ = newest->number;

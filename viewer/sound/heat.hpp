@@ -1,5 +1,5 @@
-// The pressure on the finger, kept up to date beside whoever draws it (session/previews/skin_preview.hpp): a picture
-// that is not of what sounds now says so, and is drawn dimmer until the next is there.
+// The pressure on the finger, updated in the background (session/previews/skin_preview.hpp). If the picture does not
+// show what sounds now, it says so and is drawn dimmer until the next result is ready.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,23 @@
 
 namespace palpa::viewer {
 
-/// What is asked of a finger's closed mesh, which stands where `now` says. `now` has a plan and a place for it.
+/// The question about a finger's closed mesh, placed as `now` says. `now` must have a plan and a place for the mesh.
 session::SkinQuestion skin_question(const std::string& file, const geometry::Mesh& mesh, const Sounding& now);
 /// Puts the answer into the picture.
 void show_answer(Picture& picture, const session::SkinQuestion& question, const session::SkinAnswer& answer);
 
 class Heat {
  public:
-  /// `file`: the finger's closed mesh, loaded beside, too, for sound in `air`.
+  /// `file`: the finger's closed mesh, which is also loaded in the background. The sound is in `air`.
   Heat(std::string file, const acoustics::Air& air);
 
-  /// Asks where something else is felt than was asked last, and puts into the picture what has been answered. Waits
-  /// for nothing.
+  /// Asks again if what is felt has changed since the last question, and puts answers into the picture. Never waits.
   Change look(const Sounding& now, Picture& picture);
-  /// The picture is another: all of it is to be shown again.
+  /// Call for another picture: everything must be shown again.
   void forget();
   /// Whether the picture will change by itself.
   bool busy() const { return stale_; }
-  /// Why there is nothing; else empty.
+  /// Why there is no result; else empty.
   const std::string& fault() const { return fault_; }
 
  private:

@@ -12,12 +12,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double quick_s = 0.05;  // an answer that a hand does not wait for
-constexpr double rested_s = 0.2;  // without a change: finer
+constexpr double quick_s = 0.05;  // fast enough for a hand
+constexpr double rested_s = 0.2;  // time without a change after which it becomes finer
 constexpr const char* title = "sound in the plane";
-constexpr double told_late_s = 0.5;  // a picture that is older is marked
+constexpr double told_late_s = 0.5;  // an older picture is marked
 
-/// The field of a layout, kept for as long as that stays.
+/// The field of a layout, kept as long as the layout stays the same.
 struct Kept {
   gpu::DeviceOptions options;
   std::unique_ptr<gpu::Device> device;
@@ -65,7 +65,7 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
     return {.marks = hide_slice(picture)};
   }
   Change change;
-  const bool computing = beside_.stale();  // asked first: what is answered from now on is for the next look
+  const bool computing = beside_.stale();  // read first: answers from now on are for the next look()
   const std::shared_ptr<const SliceAnswer> newest = beside_.newest();
   if (asked_ && newest->number > shown_ && !computing) {
     shown_ = newest->number;

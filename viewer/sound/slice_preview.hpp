@@ -1,5 +1,5 @@
-// The field in a plane, computed beside whoever draws it, by the engine's field pass on a device of its own: coarse
-// while plane or drive change, so that it keeps up with a hand, and finer once they rest.
+// The field in a plane, computed in the background by the engine's field pass on its own device. It is coarse while
+// plane or drive change, so that it keeps up with a hand, and finer once they rest.
 #pragma once
 
 #include <cstdint>
@@ -27,22 +27,23 @@ struct SliceAnswer {
   std::uint64_t number = 0;
   std::string fault;
   SliceField field;
-  double seconds = 0;  ///< that it took
+  double seconds = 0;  ///< the time that it took
 };
 
 class SlicePreview {
  public:
-  /// The device is made beside, too. Where it gives up is between two answers: half a second at most.
+  /// The device is also made in the background. Work is abandoned only between two answers: after half a second at
+  /// most.
   explicit SlicePreview(gpu::DeviceOptions device);
 
-  /// Asks where plane or drive are others than asked last, or finer where they have rested, and puts into the picture
-  /// what has been answered. Waits for nothing.
+  /// Asks again if plane or drive have changed since the last question, or more finely if they have rested, and puts
+  /// answers into the picture. Never waits.
   Change look(const Sounding& now, const SliceState& slice, Picture& picture, double now_s);
-  /// The picture is another: all of it is to be shown again.
+  /// Call for another picture: everything must be shown again.
   void forget();
   /// Whether the picture will change by itself.
   bool busy() const { return busy_; }
-  /// Why there is nothing; else empty.
+  /// Why there is no result; else empty.
   const std::string& fault() const { return fault_; }
 
   static constexpr std::uint32_t coarsest = 24, finest = 192;
@@ -52,11 +53,11 @@ class SlicePreview {
 
   std::optional<SliceQuestion> asked_;
   std::uint64_t shown_ = 0;
-  double per_sample_s_ = 0;  ///< of the newest answer; 0: nobody knows
-  double moved_s_ = 0;       ///< when plane or drive were others last
+  double per_sample_s_ = 0;  ///< of the newest answer; 0: not known
+  double moved_s_ = 0;       ///< when plane or drive last changed
   double shown_s_ = -1;      ///< when something was put into the picture last
-  bool current_ = false;     ///< that is of what was asked last
-  double rest_until_s_ = 0;  ///< a drive that keeps changing leaves the processor half of its time
+  bool current_ = false;     ///< what is shown answers the last question
+  double rest_until_s_ = 0;  ///< while a drive keeps changing, the processor stays free for half of the time
   bool busy_ = false;
   std::string fault_;
   session::Beside<SliceQuestion, SliceAnswer> beside_;

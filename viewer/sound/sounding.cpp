@@ -25,7 +25,7 @@ bool alike(const array::Schedule& a, const array::Schedule& b) {
 }
 
 std::optional<Vec3> tip_of(const touch::Touch& touch) {
-  constexpr double fingertip = 12e-3;  // around its middle
+  constexpr double fingertip = 12e-3;  // radius around its middle
   if (touch.finger_count == 0) return std::nullopt;
   Vec3 tip(touch.fingers[0].section.centroid);
   const Vec3 middle = tip;

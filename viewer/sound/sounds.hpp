@@ -1,5 +1,5 @@
 // The sound in a picture: the pressure on the finger, the field in a plane and the spectrum, each begun when it is
-// first wanted, and computed beside whoever draws.
+// first wanted, and computed in the background.
 #pragma once
 
 #include <optional>
@@ -19,17 +19,18 @@ class Sounds {
   /// `device`: where planes are computed.
   explicit Sounds(gpu::DeviceOptions device) : device_(std::move(device)) {}
 
-  /// From now on pressures are of the closed mesh in this file; empty: of none.
+  /// From now on, pressures are computed for the closed mesh in this file; empty: for none.
   void set_finger(const std::string& file);
-  /// What the layers of `state` show of `now`, with the spectrum where it is wanted; see Heat, SlicePreview, Spectra.
+  /// Updates what the layers of `state` show of `now`, and the spectrum if it is wanted; see Heat, SlicePreview,
+  /// Spectra.
   Change look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s);
-  /// The picture is another.
+  /// Call for another picture.
   void forget();
   /// Whether something will change by itself.
   bool busy() const { return busy_; }
-  /// Of each finger; empty where none is wanted or nothing plays.
+  /// One for each finger; empty if none is wanted or nothing plays.
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
-  /// What went wrong since the last call, a line each; none of them twice.
+  /// The errors since the last call, one line each. No error is returned twice.
   std::vector<std::string> faults() { return std::exchange(faults_, {}); }
 
  private:

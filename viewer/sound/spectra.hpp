@@ -1,4 +1,4 @@
-// What skin feels of the schedule that plays, computed beside whoever shows it.
+// What skin feels of the schedule that plays, computed in the background.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace palpa::viewer {
 
 struct SpectraQuestion {
   array::Schedule schedule;
-  std::shared_ptr<const array::Layout> layout;  ///< nothing: spots
+  std::shared_ptr<const array::Layout> layout;  ///< null: spots
   array::DriveOptions drive;
   std::optional<double> spot_m;
 };
@@ -30,11 +30,11 @@ class Spectra {
  public:
   Spectra();
 
-  /// Asks where something else plays than was asked last, not more often than a few times a second. True where
-  /// spectra() are new. Waits for nothing.
+  /// Asks again if what plays has changed since the last question, at most a few times a second. Returns true if
+  /// spectra() are new. Never waits.
   bool look(const Sounding& now, double now_s);
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
-  /// Whether a look() to come will find others.
+  /// Whether a later look() will find new spectra.
   bool busy() const { return beside_.stale() || beside_.newest()->number > shown_; }
   /// Why there are none; else empty.
   const std::string& fault() const { return fault_; }

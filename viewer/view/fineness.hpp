@@ -1,5 +1,6 @@
-// How finely pictures are drawn, and when. Four samples for each pixel keep edges smooth; a device that is a processor,
-// or slow, takes long over them. There a picture in motion has one, and what rests is drawn once more with four.
+// How finely pictures are drawn, and when. Four samples for each pixel keep edges smooth, but take a long time on a
+// slow device or a processor. There, a picture in motion has one sample, and a picture at rest is drawn again with
+// four.
 #pragma once
 
 #include <optional>
@@ -9,41 +10,41 @@
 namespace palpa::viewer {
 
 enum class Fineness {
-  quick,  ///< one sample; of very many skin points only each so-manyth
-  fine,   ///< four, where the device has them
+  quick,  ///< one sample; of very many skin points only every n-th
+  fine,   ///< four samples, if the device supports them
 };
 
 /// Which pictures of a window are fine.
 enum class FinePictures {
-  automatic,  ///< where they take long, those of what rests; else all
+  automatic,  ///< on slow devices only while nothing moves; else all
   always,
   never,
 };
 inline constexpr Word<FinePictures> fine_words[] = {
     {"auto", FinePictures::automatic}, {"always", FinePictures::always}, {"never", FinePictures::never}};
 
-/// A fine picture that takes longer than that is too slow for what moves.
+/// A fine picture that takes longer than this is too slow for a picture in motion.
 inline constexpr double slow_picture_ms = 40;
 
 /// Chooses for one picture after the other.
 class Rest {
  public:
-  /// What has not changed for so long rests.
+  /// A picture that has not changed for this long is at rest.
   static constexpr double rest_s = 0.15;
 
-  /// Of the next picture, at `now_s`: `changed` says whether something in it is another than in the last, `slow`
-  /// whether fine pictures take long.
+  /// The fineness of the next picture, at `now_s`. `changed`: it differs from the last one. `slow`: fine pictures take
+  /// a long time.
   Fineness next(FinePictures wanted, bool slow, bool changed, double now_s) const {
     if (wanted != FinePictures::automatic) return wanted == FinePictures::always ? Fineness::fine : Fineness::quick;
     const bool moves = changed && drawn_s_ && now_s < *drawn_s_ + rest_s;
     return slow && moves ? Fineness::quick : Fineness::fine;
   }
-  /// It has been drawn.
+  /// Call when the picture has been drawn.
   void drew(FinePictures wanted, Fineness fineness, double now_s) {
     drawn_s_ = now_s;
     again_ = wanted == FinePictures::automatic && fineness == Fineness::quick;
   }
-  /// When the last picture is to be drawn once more, finely; nothing: it is as it should be.
+  /// When the last picture must be drawn again, finely; nullopt: it need not be.
   std::optional<double> again_s() const { return again_ ? std::optional(*drawn_s_ + rest_s) : std::nullopt; }
 
  private:

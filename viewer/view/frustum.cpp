@@ -17,7 +17,7 @@ Frustum through(const sensing::Camera& camera) {
   upright[1][1] = upright[2][2] = -1;
   Frustum frustum;
   frustum.T_world_eye = camera.T_world_camera * upright;
-  // Pixel centres are whole numbers: the image begins half a pixel before the first.
+  // Pixel centres are whole numbers, so the image begins half a pixel before the first.
   frustum.low = {(-0.5 - camera.cx) / camera.fx, (camera.cy + 0.5 - camera.height) / camera.fy};
   frustum.high = {(camera.width - 0.5 - camera.cx) / camera.fx, (camera.cy + 0.5) / camera.fy};
   return frustum;

@@ -14,17 +14,17 @@ namespace {
 
 constexpr double nearest_eye_m = 1e-3;
 
-/// In the screen's frame.
+/// The point in the screen's frame.
 Vec3 on_screen(const sensing::Screen& screen, const Vec3& world) {
   return transform_point(glm::inverse(screen.T_world_screen), world);
 }
 
-/// Where the line from the eye to a place on the screen passes the barrier: along the same axis, metres.
+/// Where the line from the eye to a place on the screen passes the barrier, along the same axis, in metres.
 double at_barrier(double place, double eye, double distance, const Barrier& barrier) {
   return place + (eye - place) * barrier.gap_m / distance;
 }
 
-/// From the middle of the nearest slit, in pitches, 0 to 0.5.
+/// The distance from the middle of the nearest slit, in pitches, 0 to 0.5.
 double off_slit(double at, const Barrier& barrier) {
   const double turns = at / barrier.pitch_m - barrier.phase;
   return std::abs(turns - std::round(turns));
@@ -37,7 +37,8 @@ void copy_pixel(const drawing::Pixels& from, std::uint32_t x, std::uint32_t y, d
 
 drawing::Pixels anaglyph(const drawing::Pixels& left, const drawing::Pixels& right) {
   drawing::Pixels out = right;
-  // The left eye's brightness rather than its red: what is blue must not be dark for one eye and light for the other.
+  // The left eye's brightness instead of its red, because blue things must not be dark for one eye and light for the
+  // other.
   for (std::size_t i = 0; i < out.rgba.size(); i += 4)
     out.rgba[i] = static_cast<std::uint8_t>(
         std::lround(0.299 * left.rgba[i] + 0.587 * left.rgba[i + 1] + 0.114 * left.rgba[i + 2]));
@@ -68,8 +69,8 @@ Frustum onto(const sensing::Screen& screen, const Vec3& eye) {
   const Vec3 e = on_screen(screen, eye);
   if (!(e.z > nearest_eye_m))
     throw bad_usage(
-        fmt::format("the eye at {:g},{:g},{:g} is not before the screen: give an eye on the side that its z "
-                    "axis points to",
+        fmt::format("the eye at {:g},{:g},{:g} is not in front of the screen: give an eye on the side that the "
+                    "screen's z axis points to",
                     eye.x, eye.y, eye.z));
   Frustum frustum;
   frustum.T_world_eye = screen.T_world_screen;
@@ -90,7 +91,7 @@ Barrier usual_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo st
                       std::uint32_t height) {
   const double distance = on_screen(screen, (eyes.left + eyes.right) / 2.0).z;
   if (stereo == Stereo::rows) return {2 * screen.height_m / height, 0, 0};
-  // Two columns, seen from the eyes, are as wide as a pitch, and the eyes are half a pitch apart as the slits see it.
+  // Seen from the eyes, two columns are as wide as a pitch. Seen through the slits, the eyes are half a pitch apart.
   const double column = screen.width_m / width, apart = glm::distance(eyes.left, eyes.right);
   Barrier barrier;
   barrier.gap_m = distance * column / (apart + column);

@@ -1,5 +1,6 @@
-// What a participant sees on a screen that stands in the workspace: each eye looks through the screen as through a
-// window, so that things stand where they are felt; and two eyes' pictures become one, as the screen tells them apart.
+// What a participant sees on a screen in the workspace. Each eye looks through the screen as through a window, so that
+// things appear where they are felt. The pictures of the two eyes are combined in the way in which the screen separates
+// them.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace palpa::viewer {
 enum class Stereo {
   none,          ///< one eye, between the two
   side_by_side,  ///< left and right half, each squeezed to half the width
-  top_bottom,    ///< the left eye's above
+  top_bottom,    ///< the left eye's picture above the right eye's
   anaglyph,      ///< red for the left eye, cyan for the right
   columns,       ///< interleaved for a parallax barrier of upright slits
   rows,          ///< interleaved by rows
@@ -23,10 +24,10 @@ inline constexpr Word<Stereo> stereo_words[] = {
     {"none", Stereo::none},         {"side-by-side", Stereo::side_by_side}, {"top-bottom", Stereo::top_bottom},
     {"anaglyph", Stereo::anaglyph}, {"columns", Stereo::columns},           {"rows", Stereo::rows}};
 
-/// Whether the screen's own eye, and so whoever looks, is before it.
+/// Whether the screen's own eye, and so the participant, is in front of it.
 bool in_front(const sensing::Screen& screen);
-/// What the eye sees through the screen, whose picture shows just that. Throws bad_usage where the eye is not before
-/// the screen.
+/// What the eye sees through the screen; the screen's picture shows exactly that. Throws bad_usage if the eye is not in
+/// front of the screen.
 Frustum onto(const sensing::Screen& screen, const Vec3& eye);
 
 struct Eyes {
@@ -35,34 +36,34 @@ struct Eyes {
 /// Side by side along the screen's x, `apart_m` from each other; the screen's eye is in the middle.
 Eyes eyes_before(const sensing::Screen& screen, double apart_m);
 
-/// A barrier of slits before the screen, or behind it where the gap is negative.
+/// A barrier of slits in front of the screen, or behind it if the gap is negative.
 struct Barrier {
   double pitch_m = 0;  ///< from slit to slit
   double gap_m = 0;    ///< from the screen to the barrier, towards the eyes
-  double phase = 0;    ///< a slit is that part of a pitch to the right of the screen's middle; of rows, above it
+  double phase = 0;    ///< offset of a slit to the right of the screen's middle, in pitches; with rows, above it
 };
-/// The one with which neighbouring columns of a picture so wide are seen by different eyes. Of rows (`high` of them) as
-/// many go to either eye: it has no gap.
+/// The barrier with which different eyes see neighbouring columns of a picture that is `width` wide. With rows
+/// (`height` of them), each eye gets half of them, and the barrier has no gap.
 Barrier usual_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo stereo, std::uint32_t width,
                       std::uint32_t height);
 
-/// Whether a place on the screen, metres from its middle along x (`columns`) or y (`rows`), is the left eye's. With
-/// columns it belongs to the eye that sees it nearer to the middle of a slit; rows take turns, as the point between the
-/// eyes sees them.
+/// Whether a place on the screen, in metres from its middle along x (`columns`) or y (`rows`), belongs to the left eye.
+/// With columns, it belongs to the eye that sees it nearer to the middle of a slit. Rows alternate, as seen from the
+/// point between the eyes.
 bool is_left(const sensing::Screen& screen, const Eyes& eyes, const Barrier& barrier, Stereo stereo, double place_m);
 
-/// The size of one eye's picture in a whole of that size.
+/// The size of one eye's picture in a whole picture of that size.
 struct EyeSize {
   std::uint32_t width = 0, height = 0;
 };
 EyeSize eye_size(Stereo stereo, std::uint32_t width, std::uint32_t height);
 
-/// Two eyes' pictures of that size as one. Not for Stereo::none.
+/// Combines the pictures of two eyes, each of that size. Not for Stereo::none.
 drawing::Pixels combine(const drawing::Pixels& left, const drawing::Pixels& right, const sensing::Screen& screen,
                         const Eyes& eyes, const Barrier& barrier, Stereo stereo);
 
-/// The picture at that size, no smaller than its own: its last column and row once more where halving an odd size has
-/// left a pixel over.
+/// The picture at that size, which must not be smaller than its own. Its last column and row are repeated if halving an
+/// odd size has left a pixel over.
 drawing::Pixels grown_to(drawing::Pixels picture, std::uint32_t width, std::uint32_t height);
 
 }  // namespace palpa::viewer

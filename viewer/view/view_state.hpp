@@ -1,5 +1,5 @@
-// What a view shows and from where, as plain values: panels, mouse, keys and options write it, the renderer reads it,
-// and it is remembered from one day to the next. What there is to be seen is a Picture; this says how it is looked at.
+// What a view shows and from where, as plain values. Panels, mouse, keys and options write it, the renderer reads it,
+// and it is remembered between runs. A Picture is what there is to see; this is how it is seen.
 #pragma once
 
 #include <array>
@@ -44,17 +44,17 @@ inline constexpr std::size_t layer_count = std::size(layer_words);
 
 struct LayerState {
   bool visible = true;
-  float opacity = 1;  ///< 0..1, times what the layer has by itself
+  float opacity = 1;  ///< 0..1, multiplied by the layer's own opacity
   bool operator==(const LayerState&) const = default;
 };
 
-/// The layers. What costs time or covers others is hidden at first.
+/// The layers. Those that cost time or cover others are hidden at first.
 class Layers {
  public:
   Layers() { hide({Layer::sections, Layer::cameras, Layer::depth, Layer::slice, Layer::heat, Layer::tile}); }
   LayerState& operator[](Layer layer) { return states_[static_cast<std::size_t>(layer)]; }
   const LayerState& operator[](Layer layer) const { return states_[static_cast<std::size_t>(layer)]; }
-  /// 0 for a layer that is hidden.
+  /// 0 for a hidden layer.
   float opacity(Layer layer) const { return (*this)[layer].visible ? (*this)[layer].opacity : 0; }
   bool shows(Layer layer) const { return opacity(layer) > 0; }
   void hide(std::initializer_list<Layer> layers) {
@@ -67,7 +67,7 @@ class Layers {
   std::array<LayerState, layer_count> states_{};
 };
 
-/// The plane in which the field is shown. Its x and y axes are columns 0 and 1 of its pose; it is centred there.
+/// The plane in which the field is shown. Its x and y axes are columns 0 and 1 of its pose; it is centred at its pose.
 struct SliceState {
   Transform T_world_slice{1.0};
   Vec2 size_m{0.06, 0.06};
@@ -80,23 +80,23 @@ struct FocusChoice {
   bool operator==(const FocusChoice&) const = default;
 };
 
-/// Which slot of the schedule is shown, and how time goes on.
+/// Which slot of the schedule is shown, and how time advances.
 struct SlotTime {
-  std::uint64_t slot = 0;  ///< its focus runs, its drive colours the transducers
-  bool playing = true;     ///< slots go on by themselves
-  double slots_per_s = 4;  ///< how fast; a dwell of 1.5 ms is 667 of them in real time
+  std::uint64_t slot = 0;  ///< its focus is the running one, and its drive colours the transducers
+  bool playing = true;     ///< slots advance by themselves
+  double slots_per_s = 4;  ///< how fast; with a dwell of 1.5 ms, real time is 667
   bool operator==(const SlotTime&) const = default;
 };
 
 struct ViewState {
   Viewpoint viewpoint;
   Layers layers;
-  double explode = 0;  ///< how far convex parts are moved apart, 0..1: by that share of the solid's size
+  double explode = 0;  ///< how far convex parts are moved apart, as a share of the solid's size, 0..1
   SliceState slice;
-  bool slice_handles = false;  ///< drawn: there is a hand to take them
+  bool slice_handles = false;  ///< drawn, because there is a hand to take them
   SlotTime time;
-  std::optional<FocusChoice> chosen;  ///< a focus to be told apart from all others; nothing: only the one that runs
-  std::optional<Vec3> picked;         ///< a point that was asked about, world
+  std::optional<FocusChoice> chosen;  ///< a focus to highlight; nullopt: only the running one
+  std::optional<Vec3> picked;         ///< a point that the user asked about, world
   bool dark = false;
   FinePictures fine = FinePictures::automatic;
 };

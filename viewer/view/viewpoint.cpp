@@ -167,7 +167,7 @@ Projected project(const shader::ViewPush& projection, const Vec3& p) {
 Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height) {
   const shader::ViewPush push = projection(viewpoint, width, height);
   const Basis b = basis(viewpoint);
-  // The pixel's column and its row are a plane each.
+  // The pixel's column and its row each define a plane.
   const auto plane = [&](const shader::vec4& clip, double at) {
     return Vec4(clip.x, clip.y, clip.z, clip.w) - at * Vec4(push.clip_w.x, push.clip_w.y, push.clip_w.z, push.clip_w.w);
   };

@@ -19,11 +19,11 @@ struct Viewpoint {
   double distance = 0.3;          ///< metres from eye to target
   double fov = 0.44;              ///< vertical field of view, radians
   bool orthographic = false;      ///< parallel projection that shows the target as large as the perspective does
-  /// Shares of the picture's width that something else covers: what is looked at lies in the middle of the rest,
-  /// undistorted (a shifted lens).
+  /// Shares of the picture's width that something else covers. The target lies in the middle of the rest, undistorted
+  /// (a shifted lens).
   double covered_left = 0, covered_right = 0;
-  /// In place of all the above but the distance, which says what the scale is of. Whatever moves the viewpoint leaves
-  /// it: the orbit then goes on from there.
+  /// Replaces all of the above except the distance, at which the scale holds. Anything that moves the viewpoint leaves
+  /// the frustum, and the orbit goes on from there.
   std::optional<Frustum> frustum;
 };
 
@@ -35,9 +35,9 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
                                                     {"iso", StandardView::iso},
                                                     {"camera", StandardView::camera}};
 
-/// FrameGaps the viewpoint to a standard view other than `camera`; target, distance and projection stay.
+/// Turns the viewpoint to a standard view other than `camera`. Target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);
-/// Puts it into the frustum, at whose eye the orbit stands, too; its target is as far before it as `about`.
+/// Puts the viewpoint into the frustum. The orbit has the same eye, and its target is as far in front of it as `about`.
 void look(Viewpoint& viewpoint, const Frustum& frustum, const Vec3& about);
 /// Puts the eye at `eye`, looking at `target`. The two must differ.
 void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
@@ -52,7 +52,7 @@ void pan(Viewpoint& viewpoint, double dx, double dy, double height);
 /// Positive steps come nearer.
 void zoom(Viewpoint& viewpoint, double steps);
 
-/// From where a picture of that size is looked at.
+/// The viewpoint of a picture of that size.
 struct Sight {
   Viewpoint viewpoint;
   double width = 0, height = 0;  ///< pixels
@@ -74,15 +74,16 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
 struct Ray {
   Vec3 from, direction;
 };
-/// What a pixel of such an image shows lies on it: what project() undoes.
+/// The half-line through a pixel of such an image; the inverse of project().
 Ray line_of_sight(const Viewpoint& viewpoint, double x, double y, double width, double height);
-/// Where it meets the plane through `point`; nothing where it does not, or within 3 degrees of not doing so.
+/// Where the ray meets the plane through `point`. nullopt if it does not, or if it is within 3 degrees of the plane's
+/// direction.
 std::optional<Vec3> meet(const Ray& ray, const Vec3& point, const Vec3& normal);
 
 struct Projected {
   double x = 0, y = 0;   ///< pixels from the top left
-  double depth = 0;      ///< metres before the eye
-  bool visible = false;  ///< before the eye
+  double depth = 0;      ///< metres in front of the eye
+  bool visible = false;  ///< in front of the eye
 };
 Projected project(const shader::ViewPush& projection, const Vec3& world);
 

@@ -17,7 +17,7 @@ void ParticipantWindow::take(std::vector<WindowEvent>& events) {
   window_.take(events);
   const bool damaged = std::any_of(events.begin() + static_cast<std::ptrdiff_t>(before), events.end(),
                                    [](const WindowEvent& event) { return event.kind == WindowEvent::Kind::damage; });
-  if (damaged) shown_.reset();  // what was there is not there any more
+  if (damaged) shown_.reset();  // the old picture is lost
 }
 
 void ParticipantWindow::show(const App& app) {
@@ -29,7 +29,7 @@ void ParticipantWindow::show(const App& app) {
   if (shown_ == now) return;
   ViewState state = for_participant(app.desk().state);
   if (view.hidden) state.layers.hide({Layer::solids, Layer::edges});
-  drawn_.update(app.picture(), state);  // nothing is in flight: a picture of the eyes is waited for
+  drawn_.update(app.picture(), state);  // nothing is in flight, because the eyes' pictures are waited for
   const EyeSize size = eye_size(now.participant.stereo, whole.width, whole.height);
   if (!eye_ || eye_->width() != size.width || eye_->height() != size.height)
     eye_.emplace(*device_, size.width, size.height);

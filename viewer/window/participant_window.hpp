@@ -1,4 +1,4 @@
-// The participant's window: all of a monitor, on which the objects stand where they are felt.
+// The participant's window. It fills a monitor, and shows the objects where they are felt.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace palpa::viewer {
 
 class ParticipantWindow {
  public:
-  /// On the monitor of that number, beside the window that waits for events.
+  /// On the monitor of that number, in addition to the window that waits for events.
   ParticipantWindow(const gpu::Device& device, std::size_t monitor);
 
   bool closing() const { return window_.closing(); }
-  /// What happened to it; where it was damaged it is drawn anew.
+  /// Takes the window's events. If the window was damaged, it is drawn again.
   void take(std::vector<WindowEvent>& events);
-  /// Draws what `app` has for the participant, where that is not what is there already: both eyes, as the screen tells
-  /// them apart. A picture is made when something changes, not at a rate.
+  /// Draws what `app` has for the participant, unless that is shown already: the pictures of both eyes, combined as the
+  /// screen separates them. A picture is made when something changes, not at a fixed rate.
   void show(const App& app);
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr double patience_s = 10;
 constexpr auto patience_ns = static_cast<std::uint64_t>(patience_s * 1e9);
 
-/// UNORM: the renderer's colours are already as they should appear.
+/// UNORM, because the renderer's colours are already as they should appear.
 VkSurfaceFormatKHR pick_format(const gpu::Device& device, VkSurfaceKHR surface) {
   VkBool32 presents = VK_FALSE;
   PALPA_VK(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &presents));
@@ -65,11 +65,11 @@ Presenter::~Presenter() {
   try {
     drain();
   } catch (const std::exception&) {
-    // A device that does not answer, or is lost: there is nobody to tell from here.
+    // The device does not answer or is lost, but this cannot be reported from here.
   }
 }
 
-// What is being presented holds on to images and semaphores, and frames' fences do not say when it lets go.
+// Presentation keeps images and semaphores in use, and the frames' fences do not say until when.
 void Presenter::drain() {
   drained_.wait(drained_.submit(), patience_s);
 }
@@ -112,7 +112,7 @@ bool Presenter::rebuild(std::uint32_t width, std::uint32_t height) {
   info.compositeAlpha = surface.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                             ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                             : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // every device has it, and it does not burn frames nobody sees
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // every device has it, and it draws no frames that nobody sees
   info.clipped = VK_TRUE;
   info.oldSwapchain = swapchain_.get();
   VkSwapchainKHR swapchain = VK_NULL_HANDLE;
@@ -184,7 +184,7 @@ Canvas& Presenter::canvas(Flight& flight, Fineness fineness) {
   return *canvas;
 }
 
-// Of the frame that the flight carried last, which is complete.
+// Looks at the time of the flight's last frame, which is complete.
 void Presenter::look_at_time(Flight& flight) {
   if (!std::exchange(flight.timed, false) || on_processor()) return;
   flight.time.read(times_);
@@ -241,7 +241,7 @@ bool Presenter::show(std::uint32_t width, std::uint32_t height, const Record& re
   if (!stale_) PALPA_VK(acquired);
 
   const Image& image = images_[index];
-  VkSemaphore unseen = flight.acquired.get();  // by the first piece
+  VkSemaphore unseen = flight.acquired.get();  // the first piece has not waited for it yet
   NextStep next;
   if (pause) {
     next = [&] {

@@ -1,4 +1,4 @@
-// Presents a picture on a window's surface, whatever window that is.
+// Presents a picture on the surface of any window.
 #pragma once
 
 #include <array>
@@ -17,24 +17,26 @@ namespace palpa::viewer {
 
 class Presenter {
  public:
-  /// `surface` stays the caller's and must outlive the presenter. Throws Error (Exit::no_device) when the device cannot
+  /// The caller owns `surface`, which must outlive the presenter. Throws Error (Exit::no_device) if the device cannot
   /// present to it.
   Presenter(const gpu::Device& device, VkSurfaceKHR surface);
   ~Presenter();
   Presenter(const Presenter&) = delete;
   Presenter& operator=(const Presenter&) = delete;
 
-  /// Draws and presents one frame in a window of that size, and makes a new swapchain where the window has changed. On
-  /// Wayland a window is as large as what is shown in it, so `window` is all of it, not what panels leave. False where
-  /// nothing could be shown: the window has no area, or it changed again meanwhile; draw once more later. With `pause`
-  /// it is drawn piece by piece, and that called before each, and before it is presented.
+  /// Draws and presents one frame in a window of that size, and makes a new swapchain if the window has changed. On
+  /// Wayland, a window is as large as what is shown in it, so `window` is all of it, not what panels leave free.
+  /// Returns false if nothing could be shown, because the window has no area or has changed again meanwhile; draw again
+  /// later. With `pause`, the frame is drawn piece by piece, and `pause` is called before each piece and before the
+  /// frame is presented.
   bool draw(VkExtent2D window, DrawnPicture& drawn, std::span<const View> views, double ratio,
             const Sheet* sheet = nullptr, Fineness fineness = Fineness::fine, const std::function<void()>& pause = {});
 
-  /// The next picture is drawn with that fineness first, unseen: what a driver makes for that is there from then on.
+  /// The next picture is first drawn unseen with that fineness, so that what the driver makes for it is ready from then
+  /// on.
   void expect(Fineness fineness) { expected_ = fineness; }
 
-  /// The same of a picture that is there already; it is as large as the window, or nothing is shown.
+  /// The same for a finished picture. It must be as large as the window, or nothing is shown.
   bool draw(const drawing::Pixels& pixels);
 
   /// Waits until no frame is in flight: the picture may then be updated. A device that does not answer within 10 s is
@@ -43,8 +45,8 @@ class Presenter {
 
   /// Whether the device is a processor.
   bool on_processor() const { return device_->description().kind == "cpu"; }
-  /// Whether a fine picture takes long: on a processor, or where the last one took the device longer than
-  /// slow_picture_ms.
+  /// Whether fine pictures are slow: the device is a processor, or took longer than slow_picture_ms for the last
+  /// one.
   bool slow() const { return slow_; }
 
  private:
@@ -52,10 +54,10 @@ class Presenter {
     gpu::Recorder recorder;
     gpu::Handle<VkSemaphore> acquired;
     gpu::Handle<VkFence> done;
-    std::array<std::optional<Canvas>, 2> canvases;  ///< where something is drawn, by Fineness
+    std::array<std::optional<Canvas>, 2> canvases;  ///< used for drawing, by Fineness
     gpu::Timestamps time;
     bool timed = false;  ///< the frame under way is a fine picture
-    gpu::Upload pixels;  ///< where something is copied
+    gpu::Upload pixels;  ///< used for copying
   };
   struct Image {
     VkImage image;
@@ -67,7 +69,7 @@ class Presenter {
   void look_at_time(Flight& flight);
   Canvas& canvas(Flight& flight, Fineness fineness);
   bool rebuild(std::uint32_t width, std::uint32_t height);
-  /// What has been recorded: all, or the first or the last piece, or one between.
+  /// Submits what was recorded: everything, or the first or last piece, or one between.
   void submit(Flight& flight, VkSemaphore acquired, VkSemaphore drawn);
   using Record = std::function<void(VkCommandBuffer, Flight&, const Image&, const NextStep&)>;
   bool show(std::uint32_t width, std::uint32_t height, const Record& record, const std::function<void()>& pause = {});

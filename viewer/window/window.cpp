@@ -30,8 +30,8 @@ bool given(const char* variable) {
 }
 #endif
 
-/// GLFW 3.4 tries Wayland first, and libwayland complains on stderr where the environment names no compositor. X11 is
-/// then the only display that there can be.
+/// GLFW 3.4 tries Wayland first, and libwayland complains on stderr if the environment names no compositor. Then only
+/// X11 is possible.
 bool start_glfw() {
 #ifdef GLFW_PLATFORM
   const bool wayland = given("WAYLAND_SOCKET") || (given("WAYLAND_DISPLAY") && given("XDG_RUNTIME_DIR"));
@@ -76,7 +76,7 @@ Key key_named(int key) {
   }
 }
 
-/// Letters where the keyboard's layout has them, digits also of the number pad.
+/// Letters according to the keyboard's layout, digits also from the number pad.
 Key key_pressed(int key, int code) {
   if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return key_of(static_cast<char>('0' + key - GLFW_KEY_KP_0));
   if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return key_of(static_cast<char>(key));
@@ -103,7 +103,7 @@ std::string utf8(unsigned int code) {
 struct Window::State {
   GLFWwindow* window = nullptr;
   std::vector<WindowEvent> events;
-  inline static int open = 0;  ///< windows
+  inline static int open = 0;  ///< number of windows
 
   static void close() {
     if (--open == 0) glfwTerminate();
@@ -111,7 +111,7 @@ struct Window::State {
   void listen();
   static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
 
-  /// GLFW counts in screen coordinates, of which one may be several pixels.
+  /// GLFW counts in screen coordinates; one of them may be several pixels.
   WindowEvent pointer(WindowEvent::Kind kind) const {
     int width = 0, height = 0, pixels_x = 0, pixels_y = 0;
     glfwGetWindowSize(window, &width, &height);
@@ -152,10 +152,11 @@ Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique
   if (count < 1) throw failure("there is no monitor for the participant");
   GLFWmonitor* const chosen = all[std::min(monitor, static_cast<std::size_t>(count) - 1)];
   const GLFWvidmode* const mode = glfwGetVideoMode(chosen);
-  if (mode == nullptr) throw failure(fmt::format("the participant's monitor says no size ({})", last_fault()));
+  if (mode == nullptr)
+    throw failure(fmt::format("the participant's monitor does not report its size ({})", last_fault()));
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
-  glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays while somebody works in the other
+  glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays while the other window is in use
   state_->window = glfwCreateWindow(mode->width, mode->height, title, chosen, nullptr);
   glfwDefaultWindowHints();
   if (!state_->window) throw failure(fmt::format("no window for the participant ({})", last_fault()));

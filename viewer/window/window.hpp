@@ -15,10 +15,11 @@ namespace palpa::viewer {
 
 class Window {
  public:
-  /// Throws Error (Exit::no_device), suggesting --headless, where there is no display or none that Vulkan can present
+  /// Throws Error (Exit::no_device), which suggests --headless, if there is no display, or none that Vulkan can present
   /// to.
   Window(std::uint32_t width, std::uint32_t height, const char* title);
-  /// All of a monitor, an index into monitors(); the last where there are not so many. Beside another window.
+  /// Fills a monitor. `monitor` is an index into monitors(); if there are fewer, it is the last. In addition to another
+  /// window.
   Window(std::size_t monitor, const char* title);
   ~Window();
   Window(const Window&) = delete;
@@ -33,21 +34,21 @@ class Window {
   VkExtent2D size() const;
   /// Pixels per point: 2 on a high-resolution screen.
   double pixel_ratio() const;
-  /// Waits for something to happen, at most `timeout_s` (0: only looks; negative: for ever), and appends what did, with
-  /// positions in pixels.
+  /// Waits for events, at most `timeout_s` (0: only looks; negative: for ever), and appends them, with positions in
+  /// pixels.
   void wait(double timeout_s, std::vector<WindowEvent>& events);
-  /// From any thread: ends a wait().
+  /// Ends a wait(). May be called from any thread.
   static void wake();
   void resize(std::uint32_t width, std::uint32_t height);
-  /// What other programs put there, and for them.
+  /// Text from other programs, and for them.
   std::string clipboard() const;
   void set_clipboard(const std::string& text);
-  /// The user asked to close it.
+  /// Whether the user asked to close the window.
   bool closing() const;
-  /// What happened to this window while another waited.
+  /// Takes the events of this window that came while another window waited.
   void take(std::vector<WindowEvent>& events);
 
-  /// What there is to fill, "NAME WxH" in pixels; while there is a window.
+  /// The monitors, "NAME WxH" in pixels. Only while there is a window.
   static std::vector<std::string> monitors();
 
  private:

@@ -7,7 +7,7 @@
 
 namespace palpa::viewer {
 
-/// The surface goes after everything that presents to it and before the device's instance.
+/// The surface must be destroyed after everything that presents to it and before the device's instance.
 class WindowSurface {
  public:
   WindowSurface(const gpu::Device& device, const Window& window)

@@ -70,8 +70,8 @@ void check_faces(const std::string& file, const Mesh& mesh) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     // A thousand times as long as high, it has no meaningful normal.
     if (!(length_by_height(mesh, t) < 1e3)) {
-      throw bad_input(file, fmt::format("face {} at {} m is a needle without area; mend the mesh, a remesher such as "
-                                        "MeshLab's isotropic one does",
+      throw bad_input(file, fmt::format("face {} at {} m is a needle without area; mend the mesh, for example with a "
+                                        "remesher such as MeshLab's isotropic one",
                                         t, geometry::text::point(mesh.positions[mesh.triangles[t][0]])));
     }
   }
@@ -82,7 +82,7 @@ void check_closed(const std::string& file, const Mesh& mesh) {
   const auto refuse = [&](const char* what, std::array<std::uint32_t, 2> edge) {
     throw bad_input(
         file,
-        fmt::format("{} between {} and {} m; a body's surface is closed and its faces turn the same way", what,
+        fmt::format("{} between {} and {} m; a body's surface must be closed and consistently oriented", what,
                     geometry::text::point(mesh.positions[edge[0]]), geometry::text::point(mesh.positions[edge[1]])));
   };
   if (defects.open > 0) refuse("the mesh is open, at its edge", defects.first_open);
@@ -106,10 +106,10 @@ void check_apart(const std::string& file, const Mesh& body, const geometry::Bvh&
   geometry::find_nesting(body, tree, shells);
   for (const geometry::Shell& shell : shells.list) {
     if (shell.depth == 0) continue;
-    throw bad_input(file,
-                    fmt::format("has a piece within another, or a cavity, near {} m, where no sound gets; take the "
-                                "inner piece out",
-                                geometry::text::point(body.positions[body.triangles[shell.first][0]])));
+    throw bad_input(
+        file, fmt::format(
+                  "has a piece within another, or a cavity, near {} m, which no sound reaches; remove the inner piece",
+                  geometry::text::point(body.positions[body.triangles[shell.first][0]])));
   }
 }
 
@@ -119,17 +119,16 @@ void turn_outwards(const std::string& file, Mesh& body, const geometry::Shells& 
     inwards.push_back(shell.volume < 0 ? 1 : 0);
   const auto count = std::ranges::count(inwards, 1);
   if (count == 0) return;
-  log::warning(shells.list.size() == 1
-                   ? fmt::format("{}: faces inwards; taken the other way round", file)
-                   : fmt::format("{}: {} of its {} pieces face inwards; they are taken the other way round", file,
-                                 count, shells.list.size()));
+  log::warning(shells.list.size() == 1 ? fmt::format("{}: its faces point inwards; palpa turns them", file)
+                                       : fmt::format("{}: {} of its {} pieces face inwards; palpa turns them", file,
+                                                     count, shells.list.size()));
   geometry::flip(body, shells, inwards);
 }
 
 }  // namespace
 
 Mesh body_mesh(const std::string& file, const Mesh& mesh) {
-  Activity activity("checks " + file);
+  Activity activity("checking " + file);
   Mesh body = geometry::weld(mesh);
   check_faces(file, mesh.triangles.size() == body.triangles.size() ? body : mesh);
   check_closed(file, body);
@@ -165,10 +164,11 @@ void check_fineness(const std::string& file, const Mesh& body, double wavelength
   const std::string what = fmt::format("its faces' sides are {:.2f} mm on average, the wavelength is {:.2f} mm",
                                        side * 1e3, wavelength_m * 1e3);
   if (side > wavelength_m / coarse_sides && !force) {
-    throw bad_input(file, fmt::format("too coarse: {}; below {:.2f} mm results mean something, --force has them anyway",
-                                      what, wavelength_m / coarse_sides * 1e3));
+    throw bad_input(
+        file, fmt::format("too coarse: {}; below {:.2f} mm, results are meaningful; --force computes them anyway", what,
+                          wavelength_m / coarse_sides * 1e3));
   }
-  log::warning(fmt::format("{}: coarse: {}; below {:.2f} mm errors are a few percent or less", file, what,
+  log::warning(fmt::format("{}: coarse: {}; below {:.2f} mm, errors are a few percent or less", file, what,
                            wavelength_m / fine_sides * 1e3));
 }
 
@@ -185,8 +185,8 @@ void warn_of_needles(const std::string& file, const Mesh& body) {
   }
   if (count == 0) return;
   log::warning(
-      fmt::format("{}: {} of its {} faces are needles, more than {} times as long as high, face {} at {} m {:.0f} "
-                  "times; they take longer and are less exact, a remesher such as MeshLab's isotropic one mends them",
+      fmt::format("{}: {} of its {} faces are needles, more than {} times as long as high (face {} at {} m: {:.0f} "
+                  "times); they take longer and are less exact; a remesher such as MeshLab's isotropic one mends them",
                   file, count, body.triangles.size(), needle, worst,
                   geometry::text::point(body.positions[body.triangles[worst].x]), most));
 }
@@ -194,7 +194,7 @@ void warn_of_needles(const std::string& file, const Mesh& body) {
 void check_source(const Mesh& body, const Vec3& source, bool force) {
   const geometry::NearestTriangle::Found found = geometry::NearestTriangle(body).find(source).value();
   if (Inside(body).holds(source)) {
-    throw bad_usage(fmt::format("--point-source: {} m lies inside of the mesh; give a point in the air",
+    throw bad_usage(fmt::format("--point-source: {} m lies inside the mesh; give a point in the air",
                                 geometry::text::point(source)));
   }
   const double side = mean_side({body.positions, {body.triangles[found.triangle]}});
@@ -203,8 +203,9 @@ void check_source(const Mesh& body, const Vec3& source, bool force) {
       fmt::format("--point-source: {:.2f} mm from the mesh, whose faces there have sides of {:.2f} mm",
                   found.distance * 1e3, side * 1e3);
   if (found.distance < coarse_source * side && !force)
-    throw bad_usage(what + "; go away by half a side at least, or make the mesh finer; --force has it anyway");
-  log::warning(what + "; nearer than two of them the faces do not follow the wave");
+    throw bad_usage(what +
+                    "; move it away by at least half a side, or make the mesh finer; --force computes it anyway");
+  log::warning(what + "; nearer than two sides, the faces do not follow the wave");
 }
 
 namespace {
@@ -270,10 +271,10 @@ void check_clear_of(const std::string& file, const Mesh& body, const array::Layo
     if (geometry::distance2(box, at) > 0) continue;
     const double depth = geometry::surface_depth(body, at);
     if (depth < -layout.transducer_radius_m) continue;
-    throw bad_input(file,
-                    fmt::format("stands in the array: transducer {} at {} m is {}; move the body away", i,
-                                geometry::text::point(at),
-                                depth > 0 ? "inside of it" : fmt::format("{:.2f} mm from its surface", -depth * 1e3)));
+    throw bad_input(
+        file, fmt::format(
+                  "stands in the array: transducer {} at {} m is {}; move the body away", i, geometry::text::point(at),
+                  depth > 0 ? "inside the body" : fmt::format("{:.2f} mm from the body's surface", -depth * 1e3)));
   }
   check_before_wall(file, body, layout);
 }

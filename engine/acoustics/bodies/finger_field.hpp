@@ -22,8 +22,8 @@ namespace palpa::acoustics {
 class FingerField final : public FocusField {
  public:
   /// Everything is in one frame; body, layout and transfer must outlive it. Foci are made for the finger by `transfer`,
-  /// which is aimed again in every call; without it, for free air. Of the drive's options, the solver does not matter,
-  /// because each focus is alone. `pressure_pa` is the pressure requested at each focus and replaces the constraint.
+  /// which is aimed again in every call; without it, for free air. The drive's solver does not matter, because each
+  /// focus is alone. `pressure_pa` is the pressure requested at each focus and replaces the constraint.
   FingerField(const RigidBody& body, const array::Layout& layout, const Air& air, const array::DriveOptions& drive,
               FingerTransfer* transfer = nullptr, std::optional<double> pressure_pa = {});
 

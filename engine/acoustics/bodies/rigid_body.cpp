@@ -63,7 +63,8 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident) const {
   operator_->solve(Way::forth, columns);
   const auto finite = [](const std::complex<float>& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); };
   if (!std::ranges::all_of(columns, finite))
-    throw failure("The pressure on the surface is no number: the incident wave is too large or no number itself");
+    throw failure(
+        "The pressure on the surface is not a number: the incident wave is too large, or is not a number itself");
   return columns;
 }
 

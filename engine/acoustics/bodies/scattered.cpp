@@ -109,7 +109,7 @@ std::vector<Complex> RigidBody::scattered(std::span<const std::complex<float>> u
     }
   }
   std::vector<Complex> sums(points.size());
-  Activity activity("sums what the surface sends", points.size());
+  Activity activity("summing the sound of the surface", points.size());
   parallel_chunks(points.size(), 64, [&](std::size_t, std::size_t begin, std::size_t end) {
     LayerSums parts;
     for (std::size_t i = begin; i < end; ++i) {

@@ -56,8 +56,9 @@ void find(void* handle, const char* name, Function& function) {
 void expect_memory(std::uint64_t bytes) {
   void* const place = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (place == MAP_FAILED) {
-    throw failure(fmt::format("factoring a matrix needs {} of memory, which cannot be had: raise the limit (ulimit -v)",
-                              format_bytes(bytes)));
+    throw failure(
+        fmt::format("factoring a matrix needs {} of memory, which is not available: raise the limit (ulimit -v)",
+                    format_bytes(bytes)));
   }
   munmap(place, bytes);
 }

@@ -29,7 +29,7 @@ DenseLu::DenseLu(std::vector<Number> matrix, std::size_t size, const std::atomic
     : size_(size), factors_(std::move(matrix)), pivots_(size) {
   const Blas& call = blas_for(chunk_count(size, tile));
   const auto n = static_cast<int>(size);
-  Activity activity("factors the matrix", size);
+  Activity activity("factoring the matrix", size);
   for (std::size_t first = 0; first < size; first += panel) {
     stop_if(give_up);
     const std::size_t width = std::min(panel, size - first), next = first + width;

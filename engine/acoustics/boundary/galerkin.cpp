@@ -161,13 +161,13 @@ void assemble(const Patches& body, double wave_number, std::span<std::complex<fl
   const NearPairs near = near_pairs(body, wave_number, give_up);
   if (near.unresolved) {
     log::warning(
-        fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides "
-                    "apart; what they do to each other is less exact",
+        fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides apart; "
+                    "their effect on each other is less exact",
                     (*near.unresolved)[0], (*near.unresolved)[1]));
   }
   const Around around = patches_around(body.mesh);
   const std::vector<std::uint32_t> order = spatial_order(body.mesh);
-  Activity activity("fills the matrix of the surface", order.size());
+  Activity activity("filling the matrix of the surface", order.size());
   parallel_chunks(order.size(), rows_per_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     RowBlock(body, around, std::span(order).subspan(begin, end - begin), matrix)
         .fill(far, near, static_cast<float>(wave_number), give_up);

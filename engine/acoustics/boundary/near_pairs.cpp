@@ -142,7 +142,7 @@ NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<
   find_pairs(neighbours, mesh.triangles.size(), pairs);
   pairs.blocks.resize(pairs.trial.size());
   std::mutex mutex;
-  Activity activity("samples neighbouring faces", mesh.triangles.size());
+  Activity activity("sampling neighbouring faces", mesh.triangles.size());
   parallel_chunks(mesh.triangles.size(), patches_per_job, [&](std::size_t, std::size_t begin, std::size_t end) {
     PairTable cut;
     for (std::size_t t = begin; t < end; ++t) {

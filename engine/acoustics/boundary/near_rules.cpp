@@ -187,7 +187,7 @@ const PairTable* NearRules::touching(const glm::uvec3& a, const glm::uvec3& b) c
   }
   if (count == 3) return &same_;
   if (count == 2) {
-    // Of the two shared corners, the side's first is the one that is followed by the other.
+    // The side begins at the shared corner that the other one follows.
     const std::size_t start = (shared[0][0] + 1) % 3 == shared[1][0] ? 0 : 1;
     return &edge_[shared[start][0]][shared[1 - start][1]];
   }

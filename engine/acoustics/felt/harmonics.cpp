@@ -112,7 +112,7 @@ Harmonics PathField::harmonics(std::uint32_t foci) const {
   for (std::size_t place = 0; place < places_; ++place) {
     folded.fill(0);
     for (std::size_t b = 0; b < places_; ++b) {
-      // Of the frequencies that the grid cannot distinguish, the lowest: b, or b - places.
+      // The lowest of the frequencies that the grid cannot distinguish: b, or b - places.
       const std::size_t back = (places_ - b) % foci;
       const std::size_t n = 2 * b <= places_ ? b % foci : (foci - back) % foci;
       folded[n] += terms_[place * places_ + b];

@@ -8,10 +8,10 @@
 //
 //   balance(N, s, d) = vibration - flutter_weight flutter
 //
-// of what is felt (skin.hpp) of a ring of that perimeter. Without the second term, a ring of 50 mm would get 23 foci,
-// and besides its lines at 203 and 232 Hz one as strong at 29 Hz. N, s, d are changed only if the balance grows by at
-// least `gain` times the vibration. Of equally good candidates, the one with the fewest foci wins, then the smallest
-// stride, then the longest dwell. Deterministic.
+// Both terms are what skin feels (skin.hpp) of a ring of that perimeter. Without the second term, a ring of 50 mm would
+// get 23 foci and, besides its lines at 203 and 232 Hz, an equally strong line at 29 Hz. N, s, d are changed only if
+// the balance grows by at least `gain` times the vibration. If several candidates are equally good, the fewest foci
+// win, then the smallest stride, then the longest dwell. Deterministic.
 #pragma once
 
 #include <array>

@@ -20,8 +20,8 @@ namespace palpa::acoustics {
 
 class ArrayField final : public FocusField {
  public:
-  /// The layout is posed in the frame of the foci and must outlive it. Of the drive's options, medium, directivity,
-  /// weighting and constraint matter: they determine each transducer's drive for one focus.
+  /// The layout is posed in the frame of the foci and must outlive it. Only four of the drive's options matter: medium,
+  /// directivity, weighting and constraint. They determine each transducer's drive for one focus.
   ArrayField(const array::Layout& layout, const array::DriveOptions& drive);
 
   FocusKind kind() const override { return FocusKind::array; }

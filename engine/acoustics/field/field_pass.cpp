@@ -117,7 +117,7 @@ bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, D
   memory.set(strengths);
   const gpu::Recorder recorder(device, "field");
   gpu::Timeline timeline(device);
-  Activity activity("sums the sound of transducers", points.size());
+  Activity activity("summing the sound of transducers", points.size());
   for (std::size_t first = 0; first < points.size(); first += batch) {
     if (give_up && *give_up) return false;
     const std::size_t count = std::min(batch, points.size() - first);

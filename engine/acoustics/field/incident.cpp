@@ -69,7 +69,7 @@ bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, s
 
   std::vector<std::complex<float>> single(strengths.size());
   std::ranges::transform(strengths, single.begin(), [](const Complex& s) { return std::complex<float>(s); });
-  Activity activity("sums the sound of transducers", points.size());
+  Activity activity("summing the sound of transducers", points.size());
   parallel_chunks(points.size(), block_points, [&](std::size_t, std::size_t begin, std::size_t) {
     if (give_up && *give_up) return;
     const PointBlock block(points, normals, begin);
@@ -124,7 +124,7 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
   for (std::size_t first = 0; first < count; first += block_points)
     blocks.emplace_back(points, normals, first);
   // Each thread has its own transducers, and sums the points in their order.
-  Activity activity("sums the sound at transducers", transducers);
+  Activity activity("summing the sound at transducers", transducers);
   parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
     if (give_up && *give_up) return;
     TransferBlock sound;

@@ -1,6 +1,6 @@
 // The inner loops of Incident: one transducer's sound at a block of points. Each is plain arithmetic on arrays of equal
 // length, which the compiler vectorises. Each is compiled for several kinds of processor, and the best available
-// version is used. None of them fuses or reorders operations, so all give the same bytes.
+// version is used. No version fuses or reorders operations, so all give the same bytes.
 #pragma once
 
 #include <array>

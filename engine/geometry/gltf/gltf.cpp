@@ -408,8 +408,7 @@ class SceneReader {
       if (std::abs(bound(a.minValues[i]) - box.low[axis]) <= slack &&
           std::abs(bound(a.maxValues[i]) - box.high[axis]) <= slack)
         continue;
-      log::warning(
-          fmt::format("{}: accessor {}: its min and max are not those of its positions", scene_.file, accessor));
+      log::warning(fmt::format("{}: accessor {}: its min and max do not match its positions", scene_.file, accessor));
       break;
     }
   }

@@ -19,7 +19,7 @@ struct Source {
   std::optional<Error> fault;  // exceptions must not pass through tinygltf
 };
 
-// `path` is "buffer N" as written by gltf_check, or its placeholder "unused".
+// `path` is "buffer N" as Data (gltf_document/data.cpp) writes it, or its placeholder "unused".
 bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user) {
   Source& source = *static_cast<Source*>(user);
   out->assign(1, 0);

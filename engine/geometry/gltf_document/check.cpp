@@ -213,7 +213,7 @@ class Checker {
 
   void check_instancing(std::uint32_t n, const Item& node, bool skinned) {
     if (skinned) {
-      log::warning(fmt::format("{}: {}: {} means nothing on a skinned node, whose bones say where its mesh is", file_,
+      log::warning(fmt::format("{}: {}: {} has no effect on a skinned node, whose bones place its mesh", file_,
                                node.where(), instancing_extension));
       return;
     }
@@ -246,17 +246,16 @@ class Checker {
 
   void warn_of_hidden() const {
     if (hidden_count_ == 0) return;
-    log::warning(
-        fmt::format("{}: {}{} hidden ({}), but touchable all the same; extras {{\"palpa\": {{\"touchable\": "
-                    "false}}}} make it scenery",
-                    file_, first_hidden_,
-                    hidden_count_ == 1 ? std::string(" is") : fmt::format(" and {} others are", hidden_count_ - 1),
-                    visibility_extension));
+    log::warning(fmt::format(
+        "{}: {}{} hidden ({}), but still touchable; extras {{\"palpa\": {{\"touchable\": false}}}} make it scenery",
+        file_, first_hidden_,
+        hidden_count_ == 1 ? std::string(" is") : fmt::format(" and {} others are", hidden_count_ - 1),
+        visibility_extension));
   }
 
   void warn_of_unknown_keys() const {
     for (const auto& [key, where] : unknown_keys_) {
-      log::warning(fmt::format("{}: {}: extras: {} means nothing to palpa; {}", file_, where, text::quoted(key),
+      log::warning(fmt::format("{}: {}: extras: palpa does not know {}; {}", file_, where, text::quoted(key),
                                explain_unknown(key)));
     }
   }

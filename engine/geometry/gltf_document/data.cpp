@@ -296,7 +296,7 @@ std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
   auto uri = buffer.string("uri");
   if (uri) uri = parsed_.whole(*uri);
   if (!uri) {
-    if (b != 0 || !container_.bin) buffer.fail("has no \"uri\", and there is no BIN chunk that could be it");
+    if (b != 0 || !container_.bin) buffer.fail("has no \"uri\", and the file has no BIN chunk for it");
     if (length > container_.bin->size) {
       buffer.fail(fmt::format("\"byteLength\" is {}, but the BIN chunk has {} bytes", length, container_.bin->size));
     }

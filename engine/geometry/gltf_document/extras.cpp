@@ -137,7 +137,7 @@ NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
     if (!name.starts_with(prefix)) continue;
     const std::string key = name.substr(prefix.size());
     const Entry entry{node, name, value};
-    if (group != nullptr && group->contains(key)) entry.fail(fmt::format("is given in \"palpa\", too; once is enough"));
+    if (group != nullptr && group->contains(key)) entry.fail(fmt::format("is also given in \"palpa\"; give it once"));
     if (!take(result, key, entry)) remember(name);
   }
   return result;

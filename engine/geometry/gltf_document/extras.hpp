@@ -13,8 +13,8 @@ namespace palpa::geometry::gltf {
 struct NodeHaptics {
   std::optional<bool> touchable;
   Haptics values;
-  /// Written by palpa decompose: the node's mesh is a convex part of the solid of this name. Not inherited; nor is
-  /// seam_m.
+  /// Written by palpa decompose: the node's mesh is a convex part of the solid of this name. Neither this nor seam_m is
+  /// inherited.
   std::optional<std::string> part_of;
   std::optional<double> seam_m;  ///< 0 to 1 m, see Parts::seam_m
 };

@@ -81,7 +81,7 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
     const auto line = std::count(brief.begin(), brief.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
     throw bad_input(file, fmt::format("its JSON has a syntax error at line {}", line));
   } catch (const Json::exception&) {
-    throw bad_input(file, "its JSON has a number that no computer holds");
+    throw bad_input(file, "its JSON has a number that is out of range");
   }
 }
 

@@ -9,9 +9,9 @@ std::optional<std::string> meshopt_fault(const MeshoptBufferView& view) {
   const bool attributes = view.mode == MeshoptMode::attributes;
   // The decoders assume these conditions.
   if (attributes && (view.stride == 0 || view.stride % 4 != 0 || view.stride > 256))
-    return fmt::format("\"byteStride\" is {}; that of attributes is a multiple of 4, at most 256", view.stride);
+    return fmt::format("\"byteStride\" is {}; for attributes it must be a multiple of 4, at most 256", view.stride);
   if (!attributes && view.stride != 2 && view.stride != 4)
-    return fmt::format("\"byteStride\" is {}; that of indices is 2 or 4", view.stride);
+    return fmt::format("\"byteStride\" is {}; for indices it must be 2 or 4", view.stride);
   if (view.mode == MeshoptMode::triangles && view.count % 3 != 0)
     return fmt::format("\"count\" is {}; triangles have three indices each", view.count);
   if (!attributes && view.filter != MeshoptFilter::none) return "has a filter, which only attributes may have";

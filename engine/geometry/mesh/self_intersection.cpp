@@ -181,7 +181,7 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
   std::vector<std::uint64_t> pairs(found.size(), 0);
   std::atomic<std::uint64_t> all_pairs{0};
   std::atomic<std::size_t> first_found{found.size()};
-  Activity work("looks for crossings", found.size());
+  Activity work("looking for crossings", found.size());
   // Tests each triangle against the later ones. Chunks before one with a crossing are in progress or done by then.
   parallel_chunks(order.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
     if (number > first_found.load() || all_pairs > most) return;

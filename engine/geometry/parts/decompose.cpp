@@ -120,7 +120,8 @@ std::string unfit_for_parts(const Mesh& mesh) {
   const Vec3 extent = box.high - box.low;
   const double size = std::max({extent.x, extent.y, extent.z}), least = std::min({extent.x, extent.y, extent.z});
   if (!(size <= largest_size) || !(size >= smallest_size)) {
-    return fmt::format("is {:.4g} m across; a solid has a micrometre to a kilometre (glTF's unit is the metre)", size);
+    return fmt::format("is {:.4g} m across; a solid measures a micrometre to a kilometre (glTF's unit is the metre)",
+                       size);
   }
   if (!(least > 1e-6 * size)) return "is flat: it has no extent along one axis, so there is no solid to take apart";
   return {};
@@ -138,7 +139,7 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
   const VhacdOptions vhacd{options.parts, options.resolution, options.error_percent, vertices_per_part};
   bool cancelled = false;
   constexpr std::uint64_t thousandths = 1000;
-  Activity work("cuts it into convex parts", thousandths);
+  Activity work("cutting it into convex parts", thousandths);
   const auto hulls = vhacd_hulls(without_holes(mesh), vhacd, [&](double fraction) {
     work.reach(static_cast<std::uint64_t>(fraction * thousandths));
     cancelled = progress && !progress(fraction);
@@ -148,13 +149,13 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
   for (const std::vector<Vec3>& corners : hulls) {
     if (std::optional<Part> part = make_part(corners)) result.parts.push_back(std::move(*part));
   }
-  if (result.parts.empty()) throw failure("V-HACD found nothing solid in the mesh; a closed mesh is what it needs");
+  if (result.parts.empty()) throw failure("V-HACD found nothing solid in the mesh; it needs a closed mesh");
   result.seam_m = std::max(smallest_seam(result.parts), seam_voxels * voxel_side(mesh, options.resolution));
   return result;
 }
 
 PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
-  const Activity work("measures its parts");
+  const Activity work("measuring its parts");
   PartsReport report;
   report.parts = static_cast<std::uint32_t>(parts.parts.size());
   if (find_defects(mesh).closed_and_oriented()) report.mesh_volume_m3 = std::abs(signed_volume(mesh));
@@ -166,7 +167,7 @@ PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
   report.internal_share = std::max(0.0, 1 - area(surface) / all);
   const NearestTriangle nearest(mesh);
   std::vector<double> errors;
-  Activity sampling("compares their surface with the mesh", error_samples);
+  Activity sampling("comparing their surface with the mesh", error_samples);
   for (const Vec3& p : spread_over(surface, error_samples, seed)) {
     errors.push_back(nearest.distance(p));
     report.error_mean_m += errors.back() / error_samples;

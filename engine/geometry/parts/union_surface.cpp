@@ -84,7 +84,7 @@ class Builder {
     for (const Part& part : parts_.parts)
       triangles += part.mesh.triangles.size();
     most_ = most_cuts(triangles);
-    Activity work("finds their common surface", parts_.parts.size());
+    Activity work("finding their common surface", parts_.parts.size());
     for (std::uint32_t i = 0; i < parts_.parts.size(); ++i) {
       add_part(i);
       work.advance();

@@ -17,13 +17,14 @@
 #include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/surface/surface_contest.hpp"
+#include "geometry/surface/surface_keep.hpp"
 #include "geometry/surface/surface_samples.hpp"
 #include "geometry/surface/surface_search.hpp"
 
 namespace palpa::geometry {
 namespace {
 
-/// A list this short is not worth dividing, nor is a cell smaller than smallest_cell, in metres.
+/// Neither a list this short nor a cell smaller than smallest_cell (metres) is worth dividing.
 constexpr std::uint32_t short_list = 8, short_deep_list = 24;
 constexpr double smallest_cell = 1e-5;
 /// Factor for the total length of all children's lists when a cell is divided. An estimate from measurements, rather
@@ -126,7 +127,7 @@ class Builder {
         (options_.deep ? 2 : 1) * (options_.steps_per_cell * count + options_.steps_per_triangle * t_.triangles.size());
     if (sampled_steps(count, side) > most_steps * 3 / 2) refuse(most_steps, count);
     std::atomic<std::uint64_t> all_steps{0};
-    Activity work("fills its grid", results.size());
+    Activity work("filling its grid", results.size());
     parallel_chunks(count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       ChunkResult& result = results[number];
       Walk walk;
@@ -158,11 +159,10 @@ class Builder {
   }
 
   [[noreturn]] static void refuse(std::uint64_t most_steps, std::size_t cells) {
-    throw failure(
-        fmt::format("its triangles lie side by side with boxes that overlap too much: to find the nearest "
-                    "ones takes more than the {} steps that palpa spends on a grid of {} cells; turn it so "
-                    "that its long faces run along an axis, or divide them",
-                    most_steps, cells));
+    throw failure(fmt::format(
+        "the boxes of its triangles overlap too much: finding the nearest triangles takes more than the {} steps that "
+        "palpa spends on a grid of {} cells; turn it so that its long faces run along an axis, or divide them",
+        most_steps, cells));
   }
 
   /// Estimates the steps for the whole grid from one cell in many, so that impossible grids are refused early. Slightly
@@ -268,7 +268,7 @@ class Builder {
     }
     constexpr std::size_t chunk = 256;
     std::vector<ChunkResult> results(chunk_count(divided.size(), chunk));
-    Activity work("divides its grid's cells", results.size());
+    Activity work("dividing its grid's cells", results.size());
     parallel_chunks(divided.size(), chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
       std::vector<float> scratch;
       for (std::size_t i = begin; i < end; ++i)
@@ -360,17 +360,8 @@ class Builder {
         contest.add(rival(middle), corners, epsilon_, slack);
         for (const std::size_t k : at)
           contest.add(rival(k), corners, epsilon_, slack);
-        const std::size_t before = result.lists.size();
-        std::array<float, 8> d;
-        for (std::uint32_t k = 0; k < item.count; ++k) {
-          for (std::size_t i = 0; i < 8; ++i)
-            d[i] = d2[k * n + at[i]];
-          const auto end = contest.triangle.begin() + static_cast<std::ptrdiff_t>(contest.count);
-          // With slack, two triangles could exclude each other, so the rivals themselves stay.
-          const bool stays = slack > 0 && std::find(contest.triangle.begin(), end, list[k]) != end;
-          if (stays || !contest.beats(d)) result.lists.push_back(list[k]);
-        }
-        return static_cast<std::uint32_t>(result.lists.size() - before);
+        // With slack, two triangles could exclude each other, so the rivals themselves stay.
+        return keep_unbeaten(contest, slack > 0, {list, item.count}, d2.data() + corner, n, result.lists);
       };
       if (deep) {
         const std::uint32_t kept = filter(slack_of(apart));

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 
+#include "base/lanes.hpp"
 #include "base/math.hpp"
 
 namespace palpa::geometry {
@@ -23,43 +24,53 @@ inline constexpr std::size_t most_rivals = 9;
 
 /// The rivals of one cell, and their squared distances from its corners.
 struct Contest {
-  std::array<std::array<float, 8>, most_rivals> to_corner;
+  std::array<std::array<float, 8>, most_rivals + 1> to_corner;  // one more, of a rival that may prove to be there
   std::array<float, most_rivals> margin;
   std::array<std::uint32_t, most_rivals> triangle;
   std::size_t count = 0;
 
   /// `slack` is a squared distance by which a nearer rival may be farther away.
   void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
+    std::array<float, 8>& own = to_corner[count];
+    own = distances(rival.point, corners);
     for (std::size_t i = 0; i < count; ++i) {
-      if (triangle[i] == rival.triangle && to_corner[i] == distances(rival.point, corners)) return;
+      if (triangle[i] == rival.triangle && to_corner[i] == own) return;
     }
-    to_corner[count] = distances(rival.point, corners);
-    const double farthest = std::sqrt(*std::max_element(to_corner[count].begin(), to_corner[count].end()));
+    const double farthest = std::sqrt(*std::max_element(own.begin(), own.end()));
     margin[count] = static_cast<float>(24 * farthest * epsilon + 8 * epsilon * epsilon - slack);
     triangle[count] = rival.triangle;
     ++count;
   }
 
-  /// Whether an object at these squared distances from the corners is nearest nowhere in the cell.
-  template <typename Distance2>
-  bool beats(const Distance2& distance2) const {
+  /// Whether an object at these squared distances from the corners is nearest nowhere in the cell: whether one rival is
+  /// nearer to all corners by more than its margin.
+  bool beats(const std::array<float, 8>& distance2) const {
+    return beats<Lanes4>({load<Lanes4>(distance2.data()), load<Lanes4>(distance2.data() + 4)});
+  }
+
+  /// The same for distances in vectors. Large models spend much of their time here.
+  template <class L>
+  [[gnu::always_inline]] bool beats(const std::array<typename L::Float, 8 / L::width>& distance2) const {
     for (std::size_t r = 0; r < count; ++r) {
-      float least = distance2[0] - to_corner[r][0];
-      for (std::size_t c = 1; c < 8; ++c) {
-        const float ahead = distance2[c] - to_corner[r][c];
-        least = ahead < least ? ahead : least;
-      }
-      if (least > margin[r]) return true;
+      typename L::Bits ahead = distance2[0] - load<L>(to_corner[r].data()) > margin[r];
+      for (std::size_t part = 1; part < distance2.size(); ++part)
+        ahead &= distance2[part] - load<L>(to_corner[r].data() + part * L::width) > margin[r];
+      if (all_set<L>(ahead)) return true;
     }
     return false;
   }
 
  private:
   static std::array<float, 8> distances(const Vec3& point, const Corners& corners) {
-    std::array<float, 8> d;
+    std::array<float, 8> x, y, z, d;
     for (std::size_t c = 0; c < 8; ++c) {
-      const Vec3 apart = Vec3(corners[c]) - point;
-      d[c] = static_cast<float>(glm::dot(apart, apart));
+      x[c] = corners[c].x;
+      y[c] = corners[c].y;
+      z[c] = corners[c].z;
+    }
+    for (std::size_t c = 0; c < 8; ++c) {
+      const double ax = double{x[c]} - point.x, ay = double{y[c]} - point.y, az = double{z[c]} - point.z;
+      d[c] = static_cast<float>(ax * ax + ay * ay + az * az);
     }
     return d;
   }

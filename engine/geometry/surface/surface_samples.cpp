@@ -1,8 +1,9 @@
 #include "geometry/surface/surface_samples.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <glm/geometric.hpp>
+
+#include "base/lanes.hpp"
 
 namespace palpa::geometry {
 
@@ -25,49 +26,77 @@ CellSamples::CellSamples(const Vec3& low, double side) {
 
 namespace {
 
-// Four points at a time. Compilers do not turn float comparisons into masks by themselves if these might trap.
-using Four [[gnu::vector_size(16)]] = float;
-
-Four load(const float* from) {
-  Four value;
-  std::memcpy(&value, from, sizeof(value));
-  return value;
+template <class L>
+[[gnu::always_inline]] inline typename L::Float past_side(const typename L::Float& along, float side) {
+  const typename L::Float beyond = along - side, zero{};
+  return along < 0.0F ? along : (along > side ? beyond : zero);
 }
 
-Four past_side(Four along, float side) {
-  const Four beyond = along - side, zero{};
-  return along < 0.0F ? along : (along > side ? beyond : zero);
+/// From point `i` on, as many as fill vectors of that width; returns the first that is left. Compilers do not turn
+/// comparisons of floats into masks by themselves where these might trap, so the vectors are written out.
+template <class L>
+[[gnu::always_inline]] inline std::size_t distances2_of(const shader::SurfaceTriangle& t, const float* x,
+                                                        const float* y, const float* z, std::size_t i,
+                                                        std::size_t count, float* out) {
+  using Floats = typename L::Float;
+  constexpr std::size_t width = L::width;
+  const shader::Float3 normal{t.normal.x, t.normal.y, t.normal.z}, along{t.along.x, t.along.y, t.along.z};
+  const shader::Float3 across = shader::cross3(normal, along);
+  const float side0 = t.corner.w, side1 = t.rest.x, side2 = t.rest.w;
+  const float d1x = t.normal.w, d1y = t.along.w, d2x = t.rest.y, d2y = t.rest.z;
+  for (; i + width <= count; i += width) {
+    const Floats rx = load<L>(x + i) - t.corner.x, ry = load<L>(y + i) - t.corner.y, rz = load<L>(z + i) - t.corner.z;
+    const Floats u = along.x * rx + along.y * ry + along.z * rz;
+    const Floats v = across.x * rx + across.y * ry + across.z * rz;
+    const Floats w = normal.x * rx + normal.y * ry + normal.z * rz;
+    const Floats out0 = -v;
+    const Floats from = u - side0;
+    const Floats out1 = from * d1y - v * d1x, along1 = from * d1x + v * d1y;
+    const Floats out2 = u * d2y - v * d2x, along2 = (u * d2x + v * d2y) + side2;
+    const Floats past0 = past_side<L>(u, side0), past1 = past_side<L>(along1, side1),
+                 past2 = past_side<L>(along2, side2);
+    const Floats flat0 = out0 * out0 + past0 * past0;
+    const Floats flat1 = out1 * out1 + past1 * past1;
+    const Floats flat2 = out2 * out2 + past2 * past2;
+    Floats flat = flat1 < flat0 ? flat1 : flat0;
+    flat = flat2 < flat ? flat2 : flat;
+    const Floats zero{};
+    const auto inside = (out0 < 0.0F) & (out1 < 0.0F) & (out2 < 0.0F);
+    flat = inside ? zero : flat;
+    store<L>(w * w + flat, out + i);
+  }
+  return i;
+}
+
+using Distances2 = void (*)(const shader::SurfaceTriangle&, const float*, const float*, const float*, std::size_t,
+                            float*);
+
+void distances2_plain(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z,
+                      std::size_t count, float* out) {
+  distances2_of<Lanes4>(t, x, y, z, 0, count, out);
+}
+#if defined(__x86_64__)
+// Without "fma", so the bits are those of the plain one.
+[[gnu::target("avx2")]] void distances2_avx2(const shader::SurfaceTriangle& t, const float* x, const float* y,
+                                             const float* z, std::size_t count, float* out) {
+  const std::size_t rest = distances2_of<Lanes8>(t, x, y, z, 0, count, out);
+  distances2_of<Lanes4>(t, x, y, z, rest, count, out);
+}
+#endif
+
+Distances2 best_distances2() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return distances2_avx2;
+#endif
+  return distances2_plain;
 }
 
 }  // namespace
 
 void distances2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z, std::size_t count,
                 float* out) {
-  const shader::Float3 normal{t.normal.x, t.normal.y, t.normal.z}, along{t.along.x, t.along.y, t.along.z};
-  const shader::Float3 across = shader::cross3(normal, along);
-  const float side0 = t.corner.w, side1 = t.rest.x, side2 = t.rest.w;
-  const float d1x = t.normal.w, d1y = t.along.w, d2x = t.rest.y, d2y = t.rest.z;
-  for (std::size_t i = 0; i < count; i += 4) {
-    const Four rx = load(x + i) - t.corner.x, ry = load(y + i) - t.corner.y, rz = load(z + i) - t.corner.z;
-    const Four u = along.x * rx + along.y * ry + along.z * rz;
-    const Four v = across.x * rx + across.y * ry + across.z * rz;
-    const Four w = normal.x * rx + normal.y * ry + normal.z * rz;
-    const Four out0 = -v;
-    const Four from = u - side0;
-    const Four out1 = from * d1y - v * d1x, along1 = from * d1x + v * d1y;
-    const Four out2 = u * d2y - v * d2x, along2 = (u * d2x + v * d2y) + side2;
-    const Four past0 = past_side(u, side0), past1 = past_side(along1, side1), past2 = past_side(along2, side2);
-    const Four flat0 = out0 * out0 + past0 * past0;
-    const Four flat1 = out1 * out1 + past1 * past1;
-    const Four flat2 = out2 * out2 + past2 * past2;
-    Four flat = flat1 < flat0 ? flat1 : flat0;
-    flat = flat2 < flat ? flat2 : flat;
-    const Four zero{};
-    const auto inside = (out0 < 0.0F) & (out1 < 0.0F) & (out2 < 0.0F);
-    flat = inside ? zero : flat;
-    const Four square = w * w + flat;
-    std::memcpy(out + i, &square, sizeof(square));
-  }
+  static const Distances2 best = best_distances2();
+  best(t, x, y, z, count, out);
 }
 
 Vec3 nearest_point(const shader::SurfaceTriangle& t, const Vec3& p) {

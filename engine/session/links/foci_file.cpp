@@ -40,7 +40,7 @@ class JsonFile final : public FociFile {
   const char* between_ = "\n";
 };
 
-/// As a cell: in quotes where it has to be.
+/// The text as a CSV cell, in quotes if necessary.
 std::string cell(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
   std::string quoted = "\"";

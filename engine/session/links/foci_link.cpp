@@ -33,10 +33,10 @@ class FociLink : public Link {
       return;
     }
     ++unsent_;
-    send_silence();  // or the foci of the line before would sound on
+    send_silence();  // otherwise, the foci of the previous line would continue to sound
     sender_.warn();
   }
-  /// A drive counts as played where the line of foci that it belongs to was sent.
+  /// A drive counts as played if its line of foci was sent.
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     played_ += heard_ && sounds(drive) ? 1 : 0;
   }
@@ -50,7 +50,7 @@ class FociLink : public Link {
     }
     if (unsent_ > 0) {
       log::warning(
-          fmt::format("link foci: {} of {} lines could not be sent, silence was in their place", unsent_, lines_));
+          fmt::format("link foci: {} of {} lines could not be sent; there was silence instead", unsent_, lines_));
     }
   }
 
@@ -65,7 +65,7 @@ class FociLink : public Link {
   UdpSender sender_;
   std::vector<std::string> solid_names_;
   JsonWriter json_;
-  double last_s_ = 0;  ///< of the last line
+  double last_s_ = 0;  ///< time of the last line
   std::uint64_t lines_ = 0, unsent_ = 0;
   bool heard_ = false;  ///< the last line was sent
   std::uint64_t played_ = 0, lines_with_fingers_ = 0;

@@ -1,15 +1,15 @@
-// The stream of foci: lets any other array's SDK, a game engine or a script be driven by palpa.
+// The stream of foci: with it, palpa can drive any other array's SDK, a game engine or a script.
 //
 // One UDP datagram per frame, one JSON object and a newline:
-//   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...], "dwell_s":
-//   0.0015,
-//    "modulation_hz": 0, "gain": 1}]}
-// Foci that sound together are a list within `order`: [[0,1,2]]. Where `modulation_hz` is not 0, `modulation` says what
-// it makes a sine of: "pressure-sine" or "amplitude-sine". Positions are in the world. Where a
-// pressure is asked for, "pressure_pa" says what of it sounds. No fingers mean silence; that is
-// also sent when foci expire, in place of a line that cannot be sent (a datagram holds 65,507 bytes) and, last of all,
-// at the end, a few times, since a datagram may get lost. A receiver that hears nothing for the hold time goes silent.
-// `time_s` is the frame's capture time on the source's clock.
+//   {"time_s": 12.5, "fingers": [{"id": 0, "solid": "cube", "foci_m": [[x,y,z], ...], "order": [0,3,6,...],
+//    "dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]}
+//
+// Foci that sound together are a list within `order`: [[0,1,2]]. If `modulation_hz` is not 0, `modulation` says which
+// quantity is a sine: "pressure-sine" or "amplitude-sine". Positions are in the world. If a pressure is requested,
+// "pressure_pa" is the part of it that sounds. No fingers mean silence. Silence is also sent when foci expire, and
+// instead of a line that cannot be sent (a datagram holds 65,507 bytes). At the end, it is sent a few times, because a
+// datagram may get lost. A receiver that hears nothing for the hold time must go silent. `time_s` is the frame's
+// capture time on the source's clock.
 #pragma once
 
 #include <memory>
@@ -23,10 +23,10 @@ namespace palpa::session {
 /// Link "foci:udp:HOST:PORT". Throws bad_usage for another form, failure() for a host that does not resolve.
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting);
 
-/// The order in which a voice's foci play: [0,3,...], or [[0,1,...]] where several sound together.
+/// The order in which a voice's foci play: [0,3,...], or [[0,1,...]] if several sound together.
 void write_order(const array::Voice& voice, JsonWriter& json);
 
-/// The line as a document of its own; `json` is cleared first and keeps its storage.
+/// Writes the line as a complete document; `json` is cleared first and keeps its storage.
 void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json);
 
 }  // namespace palpa::session

@@ -22,11 +22,11 @@ std::uint64_t HandOver::lost() const {
 
 std::string to_text(const HandOver& counts) {
   const std::string all = fmt::format("{} drives sounded", counts.loop.drives);
-  if (!counts.behind) return all + "; the link does not say how many it played";
+  if (!counts.behind) return all + "; the link does not report how many it played";
   const Carried& behind = *counts.behind;
   if (!behind.guard) return all + fmt::format(", {} were played", behind.completed.drives);
   const std::string starting =
-      behind.starting > 0 ? fmt::format(", {} came before the first plan of a touch was there", behind.starting) : "";
+      behind.starting > 0 ? fmt::format(", {} came before the first plan of a touch", behind.starting) : "";
   return all + fmt::format(": {} were taken by the guard, {} were submitted to the board, {} were completed{}",
                            behind.guard->drives, behind.submitted.drives, behind.completed.drives, starting);
 }
@@ -34,8 +34,8 @@ std::string to_text(const HandOver& counts) {
 void HandOverWatch::look(const HandOver& counts) {
   if (!counts.unusual() || std::exchange(warned_, true)) return;
   log::warning(
-      fmt::format("{} of {} drives were lost between loop and device, where at most {} are normal ({}): end "
-                  "other programs, or give a longer --dwell",
+      fmt::format("{} of {} drives were lost between loop and device; at most {} are normal ({}): end other programs, "
+                  "or give a longer --dwell",
                   counts.lost(), counts.loop.drives, counts.normal(), to_text(counts)));
 }
 

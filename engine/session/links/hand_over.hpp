@@ -1,5 +1,5 @@
-// How far the drives came that left the loop: counted at each hand-over on their way to the device, so that a run can
-// say what reached the wire, and not only what it sent.
+// Counts drives at each hand-over on their way from the loop to the device. A run can then report how many drives
+// reached the wire, not only how many it sent.
 #pragma once
 
 #include <algorithm>
@@ -12,50 +12,52 @@
 
 namespace palpa::session {
 
-/// Whether anything is heard of that drive.
+/// Whether that drive makes any sound.
 inline bool sounds(std::span<const array::TransducerDrive> drive) {
   return std::any_of(drive.begin(), drive.end(), [](const array::TransducerDrive& t) { return t.amplitude != 0; });
 }
 
-/// What has passed one hand-over so far. Silence is not counted: boards leave it out where they are silent already.
+/// The numbers of drives and plans that have passed one hand-over so far. Silence is not counted, because boards skip
+/// it if they are silent already.
 struct Passed {
   std::uint64_t drives = 0;  ///< drives in which at least one transducer sounds
-  std::uint64_t plans = 0;   ///< plans with at least one finger, of boards that play them
+  std::uint64_t plans = 0;   ///< plans with at least one finger, for boards that play plans
 };
 
-/// What a link knows of what it was handed.
+/// A link's counts of the drives it was given.
 struct Carried {
-  /// Taken by whoever holds the board; nothing where the link is no board.
+  /// Taken by the process that holds the board; empty if the link is not a board.
   std::optional<Passed> guard;
-  /// The transfer to the device was begun. A drive that a board plays from a plan counts when that plan was sent.
+  /// Drives whose transfer to the device has begun. A drive that a board plays from a plan counts once that plan is
+  /// sent.
   Passed submitted;
-  /// The device has all of it. Of a link that is no board: written, or sent as a datagram.
+  /// Drives that are completely on the device. For a link that is not a board: written, or sent as a datagram.
   Passed completed;
-  /// Drives that sounded while the first plan of a touch was on its way, within the time that the board's line needs
-  /// for it. They are no loss: no board can play a plan before it is there.
+  /// Drives that sounded while the first plan of a touch was being transferred, within the time that the board's line
+  /// needs for it. They do not count as lost, because no board can play a plan before it has arrived.
   std::uint64_t starting = 0;
 };
 
 /// All hand-overs of a run.
 struct HandOver {
   Passed loop;                    ///< handed to the link
-  std::optional<Carried> behind;  ///< what became of it there; nothing where the link does not count
+  std::optional<Carried> behind;  ///< the counts of the link; empty if the link does not count
 
-  /// Drives that left the loop and never reached the device; 0 where nobody knows.
+  /// Drives that left the loop and never reached the device; 0 if unknown.
   std::uint64_t lost() const;
-  /// How many may be lost without a word: 8, since silence and a stop overtake what is on its way, and 2 % of all,
-  /// which an idle machine stays well below.
+  /// The number of lost drives up to which no warning is given. It is 8, because silence and a stop overtake drives
+  /// that are on their way, plus 2 % of all drives. An idle machine stays well below that.
   std::uint64_t normal() const { return 8 + loop.drives / 50; }
   bool unusual() const { return lost() > normal(); }
 };
 
-/// How many drives passed each hand-over, as part of a line.
+/// The number of drives that passed each hand-over, as part of a line.
 std::string to_text(const HandOver& counts);
 
-/// Warns once, as soon as more is lost than normal.
+/// Warns once, as soon as more drives are lost than normal.
 class HandOverWatch {
  public:
-  /// Looks at what is known by now.
+  /// Checks the current counts.
   void look(const HandOver& counts);
 
  private:

@@ -11,7 +11,7 @@
 namespace palpa::session {
 namespace {
 
-/// Takes everything and does nothing: the loop without an array.
+/// Accepts all calls and does nothing, for a loop without an array.
 class NullLink : public Link {
  public:
   void plan(const PlayedPlan&) override {}
@@ -39,7 +39,7 @@ std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKin
   const auto [name, argument] = parse_spec(spec);
   const LinkKind& kind = find_kind(kinds, name, "link");
   if (!setting.board_files.empty() && !kind.reads_board_files) {
-    throw bad_usage("--board-files goes with a link to boards that have files of their own, such as openmpd:SERIAL; " +
+    throw bad_usage("--board-files goes with a link to boards that have their own files, such as openmpd:SERIAL; " +
                     name + " has none");
   }
   return kind.open(argument, setting);

@@ -33,7 +33,8 @@ const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* 
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
   cycle.too_long = !silent && !cycle.is_listed();
   if (loudness == nullptr) return *planned;
-  // Slots that do not repeat soon enough are solved when they play; how loud they are is decided by the first of them.
+  // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots determine their
+  // loudness.
   loudness->solve(*planned, cycle.slots_to_look_at());
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     schedule.voices[v].target_pa = planned->voices[v].target_pa;

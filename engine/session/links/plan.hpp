@@ -1,4 +1,4 @@
-// What the output thread plays: the drives of one frame's schedule.
+// The plan that the output thread plays: the drives of one frame's schedule.
 #pragma once
 
 #include <complex>
@@ -16,34 +16,33 @@ namespace palpa::session {
 
 /// The schedule of one frame, solved for a layout.
 ///
-/// A schedule repeats after its cycle, so the drives of that many slots are all there is to know; a modulation that all
-/// fingers share is left to the output as one gain per slot. Where the cycle is too_long the output computes each
-/// slot's drive itself.
+/// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation,
+/// the output applies it as one gain per slot. If the cycle is too_long, the output computes each slot's drive itself.
 struct Plan {
   array::Schedule schedule;
   double captured_s = 0;   ///< on the loop's clock
-  double more_hold_s = 0;  ///< how much longer than the usual hold it may sound after that
+  double more_hold_s = 0;  ///< extra time beyond the usual hold that it may sound after captured_s
   Cycle cycle;
   std::vector<array::TransducerDrive> drives;  ///< cycle.length * transducers
 
-  /// Of a plan whose cycle is listed.
+  /// Only for a plan whose cycle is listed.
   std::span<const array::TransducerDrive> drive(std::uint64_t slot, std::size_t transducers) const {
     return std::span(drives).subspan((slot % cycle.length) * transducers, transducers);
   }
 };
 
-/// The plan as a link gets it, for the slots from `from` up to but not including `until`.
+/// The plan in the form that a link gets, for the slots from `from` up to but not including `until`.
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until);
 
-/// Makes it a plan that has nothing to drive, before its slots are planned.
+/// Resets it to a plan that has nothing to drive, before its slots are planned.
 void list_nothing(Plan& plan);
 
-/// Gives these values all the room that a live frame needs, so that the loop allocates nothing once it runs: any number
-/// of fingers and foci, most_cycle drives.
+/// Reserves the memory that a live frame can need, for any number of fingers and foci and most_cycle drives. The
+/// running loop then allocates nothing.
 void reserve(Plan& plan, std::size_t transducers);
 void reserve(array::Schedule& schedule);
 
-/// Where the slots of plans are worked out; keeps its storage.
+/// Scratch memory for planning slots; keeps its storage.
 struct SlotWork {
   array::Schedule unmodulated;
   std::vector<array::SlotFocus> foci;
@@ -52,10 +51,10 @@ struct SlotWork {
 /// Fills cycle and pressures; returns the schedule whose slots are to be planned.
 const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
 
-/// Which slots a plan for its schedule must hold: fills its cycle, and gives the foci of each of its slots, without the
-/// modulation where that is shared. `add` is called once per slot, in order, with the foci and,
-/// where fingers ask for a pressure and `loudness` is there, their factors, else none. Fills what pressures the voices
-/// reach then.
+/// Determines the slots that a plan for its schedule must hold. Fills its cycle and finds the foci of each of its
+/// slots, without a shared modulation. `add` is called once per slot, in order, with the foci and their factors. There
+/// are factors only if fingers request a pressure and `loudness` is given. In that case, the pressures that the voices
+/// reach are filled in.
 template <typename Add>
 void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) {
   const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
@@ -66,8 +65,8 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
   }
 }
 
-/// Fills a plan's drives on the host. `loudness`, of this layout and these options, is needed where fingers may ask for
-/// a pressure.
+/// Fills a plan's drives on the host. `loudness`, made for this layout and these options, is needed if fingers may
+/// request a pressure.
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
                    array::Loudness* loudness, array::DriveScratch& scratch);
 

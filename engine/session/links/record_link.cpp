@@ -51,7 +51,7 @@ class RecordLink : public Link {
     std::memcpy(header.magic, magic, sizeof(magic));
     writer_.add(text_of(std::span<const Header>(&header, 1)));
     if (!flush()) writer_.fail_stalled();
-    // Should the disk take no more, what it took must not end with a drive that sounds.
+    // If the disk becomes full, the data written so far must not end with a sounding drive.
     writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
   }
 
@@ -59,7 +59,8 @@ class RecordLink : public Link {
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     record_ = text_of(std::span<const std::uint64_t>(&slot, 1));
     record_ += text_of(drive);
-    // All of a record or nothing: what follows must stay readable. Room for the silence after a fault is kept free.
+    // Write a complete record or nothing, so that the rest stays readable. Room for the silence after a fault is kept
+    // free.
     stalled_ = !add();
     if (stalled_) writer_.fail_stalled();
     written_ += sounds(drive) ? 1 : 0;
@@ -80,21 +81,21 @@ class RecordLink : public Link {
     return stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
   }
   bool flush() { return (waits() && writer_.flush_waiting(*wait_unless_)) || writer_.flush_patiently(); }
-  /// The file ends in silence now, and not when whoever else is slow has let go of the program.
+  /// Ends the file in silence now, without waiting for other slow parts of the program.
   void close_stalled() {
     try {
       writer_.close();
-    } catch (const Error&) {  // that it stalled is the error to report
+    } catch (const Error&) {  // the stall is the error to report
     }
   }
 
-  /// A reader that stalls must not hear of drives long after they are over; a disk that stalls must not be heard.
+  /// A stalled reader must not get drives long after they are over; a stalled disk must have no effect on the sound.
   static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
 
   const std::atomic<bool>* wait_unless_;
   std::size_t transducers_, record_bytes_;
   StreamWriter writer_;
-  std::string record_;  ///< the one that is being written
+  std::string record_;  ///< the record that is being written
   bool stalled_ = false;
   std::uint64_t written_ = 0;  ///< drives that sound
 };
@@ -117,7 +118,7 @@ DriveRecording read_drive_recording(const std::filesystem::path& file) {
   Header header{};
   if (in.size() >= sizeof(header)) in.read_at(0, bytes_of(header));
   if (std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
-    throw bad_input(in.name(), "is no recording of drives (it should begin with 'palpadrv')");
+    throw bad_input(in.name(), "is not a recording of drives (it should begin with 'palpadrv')");
   }
   if (header.version != version) {
     throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));

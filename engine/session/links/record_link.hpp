@@ -1,4 +1,4 @@
-// Drives as a file, for replay and for tests that want to see the last thing that was sent.
+// Drives as a file, for replay and for tests that check the last drive sent.
 //
 // Little-endian: 8 bytes "palpadrv", u32 version (1), u32 transducers, f64 slot_s; then one record per drive: u64 slot
 // and, per transducer, f32 amplitude and f32 phase. For 3984 transducers at 1.5 ms that is 21 MB/s.
@@ -13,11 +13,11 @@
 
 namespace palpa::session {
 
-/// Link "record:FILE"; "-" is stdout. Throws failure() when the file cannot be created or written (a full disk, a
-/// limit): a file on a disk then holds whole drives, as many as it has room for, the last of them silent. The file may
-/// be a FIFO or a terminal; a reader, or a disk, that keeps the link waiting for half a second is a fault, so that it
-/// cannot hold the loop, and so is a FIFO that nobody has opened for that long. Where nothing sounds meanwhile,
-/// `wait_unless` is given: then it waits for them as long as it takes, until that becomes true.
+/// Link "record:FILE"; "-" is stdout. Throws failure() if the file cannot be created or written (a full disk, a limit).
+/// A file on a disk then holds only complete drives, as many as fit, and the last of them is silent. The file may be a
+/// FIFO or a terminal. So that it cannot block the loop, a reader or a disk that keeps the link waiting for half a
+/// second is an error, and so is a FIFO that nobody has opened for that long. `wait_unless` is for callers for which
+/// nothing sounds meanwhile: the link then waits without a limit until that flag becomes true.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
                                        const std::atomic<bool>* wait_unless = nullptr);
 
@@ -30,7 +30,7 @@ struct DriveRecording {
   std::uint32_t transducers = 0;
   std::vector<RecordedDrive> drives;
 };
-/// Throws bad_input naming the fault: not such a file, another version, cut off in the middle of a record.
+/// Throws bad_input naming the fault: not such a file, another version, or truncated within a record.
 DriveRecording read_drive_recording(const std::filesystem::path& file);
 
 }  // namespace palpa::session

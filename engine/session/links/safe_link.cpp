@@ -12,10 +12,10 @@
 namespace palpa::session {
 namespace {
 
-/// While a ramp moves, a plan is passed on again that often: a board with a clock of its own has to load each of them.
+/// Interval at which a plan is passed on again while a ramp moves. A board with its own clock has to load each of them.
 constexpr double replan_s = 10e-3;
 
-/// Runs `work`; the first error of all is kept, later ones are consequences.
+/// Runs `work` and keeps only the first error; later ones are consequences.
 template <typename Work>
 void keep_error(std::exception_ptr& first, Work work) {
   try {
@@ -34,9 +34,9 @@ void scale(std::span<array::TransducerDrive> drives, double factor) {
 
 void check_safety(const Safety& safety) {
   if (!(safety.ceiling >= 0 && safety.ceiling <= 1))
-    throw bad_usage(fmt::format("a link's ceiling is from 0 to 1, not {}", safety.ceiling));
+    throw bad_usage(fmt::format("a link's ceiling must be from 0 to 1, not {}", safety.ceiling));
   if (!(safety.ramp_s >= 0 && safety.ramp_s <= most_ramp_s))
-    throw bad_usage(fmt::format("a link's ramp is from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
+    throw bad_usage(fmt::format("a link's ramp must be from 0 to {} s, not {}", most_ramp_s, safety.ramp_s));
 }
 
 SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,
@@ -50,7 +50,7 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
   check_safety(safety);
   nothing_.slot_s = slot_s;
   if (plain()) return;
-  constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms, whatever doubles say
+  constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms despite rounding
   if (ramped())
     ramp_drives_ = static_cast<std::uint32_t>(std::max(1.0, std::ceil(safety.ramp_s / slot_s * (1 - rounding))));
   reserve(kept_, transducers);
@@ -62,13 +62,13 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
 SafeLink::~SafeLink() {
   try {
     finish();
-  } catch (...) {  // what came before is the error to report
+  } catch (...) {  // the earlier error is the one to report
   }
 }
 
 void SafeLink::plan(const PlayedPlan& plan) {
   if (ended_) return;
-  next_slot_ = std::max(next_slot_, plan.slots.from);  // should the link fail, silence comes after this plan
+  next_slot_ = std::max(next_slot_, plan.slots.from);  // if the link fails, silence comes after this plan
   nothing_.time_s = plan.schedule.time_s;
   if (plain()) return pass_on(plan);
   if (plan.schedule.voice_count == 0) {
@@ -131,11 +131,11 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
   const bool audible = sounds(drive);
-  on_ = on_ || audible;  // drives without a plan are heard, too
+  on_ = on_ || audible;  // drives without a plan also sound
   const bool fading = !on_ && must_fade();
   if (on_ && up_ < ramp_drives_) ++up_;
   if (fading) --up_;
-  // A modulation has all-zero drives of its own: what is to fade out is one that sounds.
+  // A modulation contains all-zero drives; the drive that fades out must be one that sounds.
   if (on_ && audible) last_.assign(drive.begin(), drive.end());
   if (fading && up_ == 0) {
     link_.plan({.schedule = nothing_, .slots = {slot, slot}});
@@ -159,7 +159,7 @@ void SafeLink::pass_on(const PlayedPlan& plan) {
 }
 
 void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
-  next_slot_ = slot;  // should the link fail, silence takes this drive's place
+  next_slot_ = slot;  // if the link fails, silence takes this drive's place
   const bool audible = sounds(drive);
   if (audible) ++passed_.drives;
   hand_over(slot, drive, audible);

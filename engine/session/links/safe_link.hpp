@@ -1,7 +1,7 @@
-// What keeps people safe, around any link: the silence at the end, a ceiling, a ramp.
+// The safety layer around any link: silence at the end, a ceiling, a ramp.
 //
-// Nothing is copied and nothing changed while the ceiling is 1 and there is no ramp. Calls that do not come are not its
-// business: a board has its watchdog, and whoever hears foci goes silent by itself.
+// While the ceiling is 1 and there is no ramp, nothing is copied or changed. This layer does not handle missing calls:
+// a board has its watchdog, and a receiver of foci goes silent by itself.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,24 @@ namespace palpa::session {
 
 struct Safety {
   /// 0..1: multiplies the amplitude of every transducer, and the gain and pressure of every finger for links that
-  /// forward foci. The sound pressure follows it; the radiation pressure, which is what skin feels, follows its square.
+  /// forward foci. The sound pressure is proportional to it. The radiation pressure, which is what skin feels, is
+  /// proportional to its square.
   double ceiling = 1;
-  /// How long amplitudes take from nothing to full when sound begins, and back to nothing when a plan without voices
-  /// comes: the drive that sounded last fades out, so sound outlasts the hold by as much. At most most_ramp_s; 0: at
-  /// once.
+  /// The time in which amplitudes rise from zero to full when sound begins, and fall back to zero when a plan without
+  /// voices comes. The last sounding drive fades out, so sound outlasts the hold by this time. At most most_ramp_s; 0:
+  /// at once.
   double ramp_s = 0;
 };
-inline constexpr double most_ramp_s = 0.5;  ///< a program that is told to end has a second for all
-/// Throws bad_usage on a ceiling or a ramp out of range.
+inline constexpr double most_ramp_s = 0.5;  ///< a program has one second to end after a signal
+/// Throws bad_usage if the ceiling or the ramp is out of range.
 void check_safety(const Safety& safety);
 
-/// Plays to another link. An all-zero drive is the last that link gets: from finish(), else from the destructor, so
-/// also where the link or its caller throws. What comes after finish() is dropped.
+/// Plays to another link. The last drive that the link gets is all-zero: from finish(), or else from the destructor, so
+/// even if the link or its caller throws. Calls after finish() are dropped.
 class SafeLink final : public Link {
  public:
-  /// `link` outlives it. `sent` is called after every drive that it took, with whether it sounds. Throws bad_usage on a
-  /// ceiling or a ramp out of range.
+  /// `link` must outlive it. `sent` is called after every drive that the link took; its argument says whether the drive
+  /// sounds. Throws bad_usage if the ceiling or the ramp is out of range.
   SafeLink(Link& link, std::size_t transducers, const Safety& safety = {}, double slot_s = 1.5e-3,
            std::function<void(bool sounds)> sent = {});
   ~SafeLink() override;
@@ -41,19 +42,20 @@ class SafeLink final : public Link {
 
   void plan(const PlayedPlan& plan) override;
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
-  /// The slot after the last that was sent.
+  /// The slot after the last one sent.
   std::uint64_t next_slot() const { return next_slot_; }
 
-  /// How many drives and plans the link was handed, and what became of them there.
+  /// The number of drives and plans that the link got, and the link's own counts of them.
   HandOver handed_over() const;
 
-  /// Nothing is touched any more: passes on a plan without voices and sends an all-zero drive for the next slot. With a
-  /// ramp sound is only on its way down then.
+  /// For when nothing is touched any more: passes on a plan without voices and sends an all-zero drive for the next
+  /// slot. With a ramp, sound only begins to fall.
   void silence();
-  /// Whether there is a ramp and sound on it: with a plan without voices every send() takes it further down.
+  /// Whether there is a ramp and sound is not yet down to zero. With a plan without voices, every send() lowers it
+  /// further.
   bool must_fade() const { return up_ > 0; }
   /// Silence at once, without a ramp: a plan without voices, an all-zero drive, then the link's own finish(). All three
-  /// are tried whatever fails; the first error is thrown.
+  /// are tried even if one fails; the first error is thrown.
   void finish() override;
 
  private:
@@ -72,24 +74,24 @@ class SafeLink final : public Link {
   std::size_t transducers_;
   double slot_s_;
   std::function<void(bool)> sent_;
-  array::Schedule nothing_;  ///< at the time of the last plan
+  array::Schedule nothing_;  ///< a schedule without voices, at the time of the last plan
   array::Drive silence_;
   std::uint64_t next_slot_ = 0;
-  Passed passed_;  ///< what the link was handed
+  Passed passed_;  ///< drives and plans that the link got
   bool ended_ = false;
 
-  // Where amplitudes change.
-  Plan kept_, scaled_;            ///< the last plan with voices as it came, and as it was passed on
-  std::uint64_t until_slot_ = 0;  ///< of the last plan with voices
+  // Only if amplitudes change.
+  Plan kept_, scaled_;            ///< the last plan with voices: as it came, and as it was passed on
+  std::uint64_t until_slot_ = 0;  ///< end of the last plan with voices
   array::Drive scaled_drive_;
 
-  // With a ramp.
-  bool on_ = false;                ///< sound is to be there
-  std::uint32_t ramp_drives_ = 1;  ///< how many drives the ramp takes
-  std::uint32_t up_ = 0;           ///< of them
-  array::Drive last_;              ///< the last drive while sound was to be there, before it was scaled
-  double passed_factor_ = 0;       ///< of the plan that was passed on last
-  std::uint64_t passed_slot_ = 0;  ///< from which slot on
+  // Only with a ramp.
+  bool on_ = false;                ///< there should be sound
+  std::uint32_t ramp_drives_ = 1;  ///< length of the ramp in drives
+  std::uint32_t up_ = 0;           ///< current position on the ramp, in drives
+  array::Drive last_;              ///< the last drive while there should be sound, before scaling
+  double passed_factor_ = 0;       ///< factor of the plan that was passed on last
+  std::uint64_t passed_slot_ = 0;  ///< first slot of that plan
 };
 
 }  // namespace palpa::session

@@ -1,4 +1,4 @@
-// Where frames come from, by name: `synthetic[:MESH]`, `recording:DIR`, and what other rooms add (real cameras).
+// The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, and those that other rooms add (real cameras).
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace palpa::session {
 
-/// What a source is told when it is opened. The referenced values are not kept.
+/// The values a source gets when it is opened. The referenced values are not kept.
 struct SourceSetting {
   const std::vector<sensing::Camera>& cameras;  ///< the rig's; a recording brings its own
-  const geometry::Mesh& occluders;              ///< the array's boards in the world: they hide what is behind them
+  const geometry::Mesh& occluders;              ///< the array's boards in the world, which hide everything behind them
   std::string default_skin;                     ///< mesh file of a synthetic finger
   bool noise = true;                            ///< synthetic frames with the depth sensor's noise
   std::uint64_t seed = 0;
-  bool paced = true;            ///< in real time; otherwise as fast as asked, no frame left out
+  bool paced = true;            ///< in real time; otherwise as fast as the caller asks, with no frame left out
   std::string rig = "the rig";  ///< its file, for messages
 };
 
@@ -30,16 +30,16 @@ struct SourceKind {
   std::string name;
   std::string help;
   std::function<std::unique_ptr<sensing::DepthSource>(const std::string& argument, const SourceSetting&)> open;
-  bool ends = false;  ///< by itself, since it was recorded
+  bool ends = false;  ///< it ends by itself because it was recorded
 };
 
-/// `name`: a rendered fingertip, or another mesh, that moves so.
+/// `name`: a rendered fingertip, or another mesh, with this motion.
 SourceKind synthetic_source(std::string name, std::string help, sensing::Motion motion);
 
 /// `synthetic` and `recording`.
 std::vector<SourceKind> builtin_sources();
 
-/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input where there is none in it.
+/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input if the file has no mesh.
 geometry::Mesh load_skin(const std::string& file);
 
 /// Whether "name" or "name:argument" ends by itself. Throws bad_usage as open_source does.

@@ -1,4 +1,4 @@
-// "name" or "name:argument", as links and sources are written on the command line.
+// "name" or "name:argument", the form of links and sources on the command line.
 #pragma once
 
 #include <span>
@@ -19,7 +19,7 @@ inline Spec parse_spec(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-/// The kind of that name. Throws bad_usage with all kinds' help where there is none; `what` is "link" or "source".
+/// The kind of that name. Throws bad_usage with all kinds' help if there is none; `what` is "link" or "source".
 template <typename Kind>
 const Kind& find_kind(std::span<const Kind> kinds, const std::string& name, const char* what) {
   std::string known;
@@ -27,7 +27,7 @@ const Kind& find_kind(std::span<const Kind> kinds, const std::string& name, cons
     if (kind.name == name) return kind;
     known += (known.empty() ? "" : "; ") + kind.help;
   }
-  throw bad_usage(std::string("there is no ") + what + " '" + name + "'; known are " + known);
+  throw bad_usage(std::string("unknown ") + what + " '" + name + "'; known are " + known);
 }
 
 }  // namespace palpa::session

@@ -62,7 +62,7 @@ bool UdpSender::send(std::string_view datagram) {
   const auto try_send = [&] {
     return ::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0;
   };
-  // The kernel tells of a receiver that is gone at the send after, which is then not made; so it is made again.
+  // The kernel reports a missing receiver at the next send, which then sends nothing. So that send is repeated.
   if (try_send() || (errno == ECONNREFUSED && try_send()) || errno == ECONNREFUSED) return true;
   fault_ = errno;
   return false;

@@ -1,4 +1,4 @@
-// One connected UDP socket to send datagrams from, never waiting.
+// One connected UDP socket that sends datagrams without waiting.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@ namespace palpa::session {
 
 class UdpSender {
  public:
-  /// `address` is HOST:PORT, or [HOST]:PORT for IPv6. `what` names the user in messages and `form` says what would be
-  /// right. Throws bad_usage for another form, failure() for a host that does not resolve.
+  /// `address` is HOST:PORT, or [HOST]:PORT for IPv6. In messages, `what` names the user of the socket and `form` is
+  /// the expected form. Throws bad_usage for another form, failure() for a host that does not resolve.
   UdpSender(const std::string& address, const std::string& what, const std::string& form);
   ~UdpSender();
   UdpSender(const UdpSender&) = delete;
   UdpSender& operator=(const UdpSender&) = delete;
 
-  /// Sends one datagram. Nobody listening is no fault of the sender's: a receiver may come and go. Otherwise false: it
-  /// could not be sent, and warn() says why.
+  /// Sends one datagram. It is not an error if nobody listens, because a receiver may come and go. Returns false if the
+  /// datagram could not be sent; warn() gives the reason.
   bool send(std::string_view datagram);
-  /// A warning of the datagram that could not be sent, the first time only. Apart from send(), since whoever reads
-  /// warnings may keep the caller waiting: silence goes first.
+  /// Warns of the datagram that could not be sent, the first time only. Separate from send(), because the reader of
+  /// warnings may keep the caller waiting, and silence must go first.
   void warn();
 
  private:

@@ -6,7 +6,7 @@
 namespace palpa::session {
 
 void EarlyStart::took(double taken_s, bool early) {
-  if (early != now()) return;  // begun before it was decided otherwise
+  if (early != now()) return;  // started before the mode changed
   if (trial_left_ > 0) {
     if (trial_left_ < trial) trial_sum_s_ += taken_s;
     if (--trial_left_ == 0) end_trial();
@@ -20,7 +20,7 @@ void EarlyStart::took(double taken_s, bool early) {
 
 bool EarlyStart::is_trial_due() const {
   if (!early_) return since_trial_ >= pause_ && 2 * usual_s_ < hold_s_;
-  // At once where what was gained is gone: somebody else may be using the device now.
+  // After the shorter pause if the gain is gone: another program may be using the device now.
   return since_trial_ >= (usual_s_ < other_s_ ? pause_ : first_pause);
 }
 

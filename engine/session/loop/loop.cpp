@@ -29,7 +29,7 @@ struct Captured {
   double arrived_s = 0;
 };
 
-/// A thread whose error is kept for whoever joins it.
+/// A thread whose error is kept until it is joined.
 class Worker {
  public:
   template <typename Work>
@@ -58,24 +58,24 @@ class Worker {
   std::thread thread_;
 };
 
-/// Raises a flag on every way out of a thread.
+/// Sets a flag however a thread ends.
 struct EndFlag {
   std::atomic<bool>& flag;
   explicit EndFlag(std::atomic<bool>& raised) : flag(raised) {}
   ~EndFlag() { flag = true; }
 };
 
-/// Tells the reader that no more frames will come, on every way out of the capture thread.
+/// Tells the reader that no more frames will come, however the capture thread ends.
 struct CloseFrames {
   Newest<Captured>& frames;
   explicit CloseFrames(Newest<Captured>& closed) : frames(closed) {}
   ~CloseFrames() { frames.close(); }
 };
 
-/// How often a thread that waits for another looks whether it still should.
+/// How often a thread that waits for another checks whether to continue.
 constexpr std::chrono::milliseconds slice{50};
 
-/// For every_frame: the value before must be in the reader's hands. False where `stopped()` came first.
+/// For every_frame: waits until the reader has taken the previous value. False if `stopped()` came first.
 template <typename T, typename Stopped>
 bool wait_until_taken(Newest<T>& values, Stopped stopped) {
   while (!values.wait_taken(slice)) {
@@ -84,7 +84,7 @@ bool wait_until_taken(Newest<T>& values, Stopped stopped) {
   return true;
 }
 
-/// How long a source is asked for a frame before the end is looked for again.
+/// The maximum time to wait for a frame before checking for the end again.
 constexpr double most_wait_s = 0.1;
 
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
@@ -92,7 +92,7 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sens
              LoopStats& stats) {
   SourceClock source_clock;
   const auto stopped = [&] { return stop.load(); };
-  double looked_s = clock.now();  // when there was a frame, or it was noted that there was none
+  double looked_s = clock.now();  // time of the last frame, or of the last note that there was none
   while (!stop && (options.frames == 0 || stats.captured < options.frames)) {
     Captured& next = frames.back();
     if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
@@ -124,7 +124,7 @@ void record(Newest<sensing::FrameSet>& frames, const RunOptions& options) {
   }
 }
 
-/// Says once that frames take longer than they sound.
+/// Warns once if frames take longer than they sound.
 class Overload {
  public:
   explicit Overload(double hold_s) : hold_s_(hold_s) {}
@@ -133,20 +133,19 @@ class Overload {
     late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
     if (late_ < in_a_row || std::exchange(warned_, true)) return;
     log::warning(
-        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so "
-                    "that what a frame shows is over before it sounds; give --hold {:.0f}ms, or frames and "
-                    "solids that take less",
+        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so a frame "
+                    "is out of date before it sounds; give --hold {:.0f}ms, or smaller frames or simpler solids",
                     frame_to_drives_s * 1e3, hold_s_ * 1e3, std::ceil(frame_to_drives_s * 30) * 100));
   }
 
  private:
-  static constexpr int in_a_row = 3;  ///< anything may come late once
+  static constexpr int in_a_row = 3;  ///< a single late frame is normal
   double hold_s_;
   int late_ = 0;
   bool warned_ = false;
 };
 
-/// What the compute thread needs.
+/// The data and the work of the compute thread.
 struct Compute {
   Planner& planner;
   Newest<Captured>& frames;
@@ -158,11 +157,11 @@ struct Compute {
   const RunOptions& options;
   LoopStats& stats;
 
-  /// Of a frame under way.
+  /// A frame in progress.
   struct Start {
     double arrived_s = 0;
-    bool waited = false;  ///< it came while another was under way,
-    bool early = false;   ///< and was started then
+    bool waited = false;  ///< it came while another was in progress,
+    bool early = false;   ///< and was started at once
   };
   std::deque<Start> under_way{};
   EarlyStart early_start{setting.output.hold_s};
@@ -171,7 +170,7 @@ struct Compute {
                        setting.lengthens_hold && !options.every_frame ? longest_auto_hold_s : 0};
   ShedReport shed_report{setting.output.hold_s};
   double begin_s = -1;
-  double idle_s = -std::numeric_limits<double>::infinity();  ///< since then nothing was under way
+  double idle_s = -std::numeric_limits<double>::infinity();  ///< time since when no frame is in progress
   double last_captured_s = -std::numeric_limits<double>::infinity();
 
   /// Returns the capture time of the last frame planned, on the loop's clock.
@@ -184,15 +183,15 @@ struct Compute {
   void shed(const FrameReport& report, double captured_s);
 };
 
-/// Takes the newest frame in, if there is one and it is its turn.
+/// Starts the newest frame, if there is one and it can be started now.
 bool Compute::start() {
   const bool early = planner.busy();
   if (!planner.can_start() || (early && !early_start.now())) return false;
-  // With frames under way the device is the one to wait for, else the camera.
+  // With frames in progress, wait for the device, otherwise for the camera.
   if (!frames.take(std::chrono::duration<double>(early ? 0.0 : 0.05))) return false;
   Captured& frame = frames.front();
   under_way.push_back({frame.arrived_s, early || frame.arrived_s < idle_s, early});
-  // Frames that wait for the loop have no age of their own.
+  // Frames that wait for the loop have no meaningful age.
   if (options.every_frame) frame.arrived_s = frame.captured_s = clock.now();
   if (begin_s < 0) begin_s = frame.arrived_s;
   planner.start({.images = frame.set.frames,
@@ -203,7 +202,7 @@ bool Compute::start() {
   return true;
 }
 
-/// Whether another plan is complete.
+/// Advances the oldest frame. Returns whether another plan is complete.
 bool Compute::step() {
   if (options.every_frame && !wait_until_taken(plans, [&] { return stopped(); })) return false;
   FrameReport report;
@@ -226,7 +225,7 @@ bool Compute::step() {
   return true;
 }
 
-/// Where frames are late some of their work is left out from the next one on.
+/// If frames are late, part of the work is left out from the next frame on.
 void Compute::shed(const FrameReport& report, double captured_s) {
   const FrameTimes times{report.planned_s - captured_s, report.planned_s - report.arrived_s,
                          captured_s - last_captured_s};
@@ -238,7 +237,7 @@ void Compute::shed(const FrameReport& report, double captured_s) {
 
 double Compute::run() {
   bool alive = false;      // frames are coming
-  planner.set_effort({});  // whatever a run before has left
+  planner.set_effort({});  // reset the effort of an earlier run
   while (!stopped()) {
     start();
     if (planner.busy()) {
@@ -252,18 +251,18 @@ double Compute::run() {
     }
   }
   shed_report.end(effort);
-  planner.set_effort({});  // for whoever uses it next
+  planner.set_effort({});  // for the next user
   return last_captured_s;
 }
 
-/// Frames that are still under way are not looked at any more; the planner is idle for whoever uses it next.
+/// Discards the frames in progress, so that the planner is idle for its next user.
 void drain(Planner& planner, Plan& plan) {
-  constexpr int most_steps = 16;  // far more than all frames under way take
+  constexpr int most_steps = 16;  // far more than all frames in progress take
   FrameReport report;
   for (int i = 0; i < most_steps && planner.busy(); ++i) {
     try {
       planner.step(plan, report);
-    } catch (...) {  // of a frame that nobody waits for
+    } catch (...) {  // error of a frame that nobody needs
     }
   }
 }
@@ -272,7 +271,7 @@ void drain(Planner& planner, Plan& plan) {
 
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
               std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
-  const log::Relay relay;  // what any thread has to say keeps none of them waiting
+  const log::Relay relay;  // log messages of any thread do not block any thread
   const Clock clock;
   Newest<Captured> frames;
   Newest<Plan> plans;
@@ -283,7 +282,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   std::exception_ptr compute_fault;
   std::optional<Worker> output_thread, recorder_thread, capture_thread;
   try {
-    // Whatever breaks ends the loop, and whoever waits within it.
+    // Any error ends the loop and every wait within it.
     const auto fail = [&] {
       ending.failed = true;
       stop = true;
@@ -298,11 +297,11 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
         throw;
       }
     });
-    // The link gets silence meanwhile, and the source is not asked before frames can be looked at in time.
+    // Meanwhile, the link gets silence. The source is read only when frames can be processed in time.
     planner.warm_up();
     if (options.record) {
       recorder_thread.emplace("--record", [&, fail] {
-        take_turns();  // whoever calls may go first
+        take_turns();  // the calling thread may have precedence
         try {
           record(recorded, options);
         } catch (...) {
@@ -313,7 +312,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     }
     capture_thread.emplace("the source", [&, fail] {
       const CloseFrames close(frames);
-      take_turns();  // what makes frames itself, or unpacks them, works as long as the touch that waits for them
+      take_turns();  // a source that renders or unpacks frames works as long as the touch that waits for them
       try {
         capture(source, frames, options.record ? &recorded : nullptr, setting, clock, stop_capture, options, stats);
       } catch (...) {
@@ -323,7 +322,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     });
     Compute compute{planner, frames, plans, clock, stop, output_ended, setting, options, stats};
     const double last_s = compute.run();
-    // A source that ended is one whose frames stopped coming: what it last showed is played until it expires.
+    // If the source has ended, its last frame is played until it expires, as if frames had stopped coming.
     const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };
     while (!stop && !output_ended && !ending.failed && sounds_on()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

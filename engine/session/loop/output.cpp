@@ -21,16 +21,16 @@ bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
   return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s + plan.more_hold_s;
 }
 
-/// How much longer than it should a ramp may take on its way down at the end: its slots may come late.
+/// Extra time for the ramp down at the end, because its slots may be late.
 constexpr double most_late_s = 0.1;
 
-/// How often somebody who waits for a slot looks whether its sound must end sooner.
+/// While waiting for a slot, how often to check whether the sound must end earlier.
 constexpr double most_sleep_s = 10e-3;
 
-/// How often the output looks how many of its drives have reached the device.
+/// How often the output checks how many of its drives have reached the device.
 constexpr double look_every_s = 1;
 
-/// The first slot that begins when the plan has expired, slot 0 having begun at `begin_s`.
+/// The first slot that begins after the plan has expired. Slot 0 began at `begin_s`.
 std::uint64_t expiry_slot(const Plan& plan, double begin_s, const OutputSetting& setting) {
   constexpr double most = 1e18;  // a hold without an end
   const double slot = std::ceil((plan.captured_s + setting.hold_s + plan.more_hold_s - begin_s) / setting.slot_s);
@@ -82,7 +82,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   bool sounding = false;
   HandOverWatch watch;
   double look_s = begin_s + look_every_s;
-  double fade_end_s = std::numeric_limits<double>::infinity();  // known when the end is asked for
+  double fade_end_s = std::numeric_limits<double>::infinity();  // set when the end is requested
   const auto too_long = [&](double now_s) {
     if (ending.asked()) return ending.failed || now_s >= fade_end_s || std::isinf(fade_end_s);
     return sounding && expired(plans.front(), now_s, setting);
@@ -106,14 +106,14 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     if (fresh && !silent) {
       safe.plan(played(plan, transducers, slot, expiry_slot(plan, begin_s, setting)));
     } else if (fresh || (silent && sounding)) {
-      // Nothing is touched, or frames stopped coming: whoever plays or shows a plan must hear of its end, too.
+      // Nothing is touched, or frames stopped coming. A link that plays or shows a plan must also learn of its end.
       nothing.time_s = plan.schedule.time_s;
       safe.plan({.schedule = nothing, .slots = {slot, slot}});
     }
     sounding = !silent;
     safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));
     stats.sent(std::max(now_s - due_s, 0.0), silent);
-    // Overslept by a whole slot or more: the slots between are over.
+    // Late by a whole slot or more: the slots in between are over.
     const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
     if (running > slot + 1) stats.skipped(running - slot - 1);
     slot = std::max(slot + 1, running);

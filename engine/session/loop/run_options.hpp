@@ -1,4 +1,4 @@
-// How a run goes, and who looks on while it does: what run_loop and Session::run are asked for.
+// The options and the observers of a run, for run_loop and Session::run.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,29 @@
 
 namespace palpa::session {
 
-/// Functions that look on must throw nothing but Error, which ends the run.
+/// The observer functions must throw nothing but Error, which ends the run.
 struct RunOptions {
-  std::uint64_t frames = 0;  ///< stop after that many captured frames; 0: at the source's end
-  /// Off: a frame that comes while another waits replaces it, and so does a plan. On: each waits for the next thread,
-  /// so every frame is looked at and every plan is played.
+  std::uint64_t frames = 0;  ///< stop after this many captured frames; 0: at the source's end
+  /// False: a frame that comes while another one waits replaces it; the same holds for plans. True: each frame and plan
+  /// waits for the next thread, so every frame is processed and every plan is played.
   bool every_frame = false;
-  /// Of a session, whose events they are; run_loop makes none. On the calling thread, after every frame, also without
-  /// events, and when fingers let go because no frame comes or the run ends. It must not linger.
+  /// Only for a session, which makes the events; run_loop makes none. Called on the calling thread after every frame,
+  /// even without events, and when fingers are released because no frame comes or the run ends. It must return quickly.
   std::function<void(std::span<const Event>)> events{};
-  /// On the calling thread, before a frame's events. It must not linger.
+  /// Called on the calling thread, before a frame's events. It must return quickly.
   std::function<void(const FrameReport&, const Plan&)> planned{};
-  /// On the calling thread, once when no frame has come for the hold after one was planned. Never with every_frame,
-  /// whose frames wait for the loop.
+  /// Called on the calling thread, once, when no frame has come for the hold after one was planned. Never called with
+  /// every_frame, because its frames wait for the loop.
   std::function<void()> expired{};
-  /// Capture thread: a frame with that number has come, and will be planned or replaced by a newer one. Must not
-  /// linger.
+  /// Called on the capture thread: a frame with this number has come and will be planned or replaced by a newer one.
+  /// Must return quickly.
   std::function<void(std::uint64_t sequence)> arrived{};
-  /// Output thread, after every drive that the link took, the last silence too: whether it sounds. Must not linger.
+  /// Called on the output thread after every drive that the link took, including the last silence: whether it sounds.
+  /// Must return quickly.
   std::function<void(bool sounds)> sent{};
-  /// On a thread of its own, so that a slow disk delays no touch: every frame, e.g. to be written down. Frames that
-  /// come while it is busy are left out, all but the newest (never with every_frame), and counted as `unrecorded`.
+  /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
+  /// frames come while it is busy, all except the newest are left out (never with every_frame) and counted as
+  /// `unrecorded`.
   std::function<void(const sensing::FrameSet&)> record{};
 };
 

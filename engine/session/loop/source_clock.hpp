@@ -6,11 +6,11 @@
 
 namespace palpa::session {
 
-/// The least delay between capture and arrival seen so far is taken for none: a frame that dawdled on its way is then
-/// as old as it really is, but for what every frame takes alike: exposure and transfer, some 10 ms of a depth camera.
-/// Nothing tells that part from two clocks that began at different times; whoever sets a hold has to allow for it.
-/// The estimate leaks upwards, since clocks drift apart by some ten parts in a million, and starts anew when the
-/// source's clock steps back, as it does when a camera is reset. No frame is younger than its arrival.
+/// The least delay between capture and arrival so far is taken as zero delay. A delayed frame then has its true age,
+/// except for the part that all frames have in common: exposure and transfer, about 10 ms for a depth camera. This part
+/// cannot be distinguished from two clocks that began at different times, so the hold must allow for it. The estimate
+/// leaks upwards, because clocks drift apart by about ten parts in a million. It restarts when the source's clock steps
+/// back, for example after a camera reset. No frame has a capture time after its arrival.
 class SourceClock {
  public:
   /// Seconds on the loop's clock of a frame captured at `source_s` that arrived at `arrived_s`.
@@ -24,7 +24,7 @@ class SourceClock {
   }
 
  private:
-  static constexpr double leak = 1e-3;  ///< seconds per second, more than any two clocks differ
+  static constexpr double leak = 1e-3;  ///< seconds per second; more than the drift between any two clocks
   double least_delay_ = std::numeric_limits<double>::infinity();
   double last_source_s_ = -std::numeric_limits<double>::infinity();
   double last_arrived_s_ = 0;

@@ -1,5 +1,6 @@
-// The planner on the device. A frame takes two submits: skin to foci, then, once the host has made the schedule, foci
-// to drives. The hop over the host costs a fraction of a millisecond and keeps schedules and methods in plain C++.
+// The planner on the device. A frame takes two submits: first skin to foci, then, after the host has made the schedule,
+// foci to drives. The detour over the host costs a fraction of a millisecond and keeps schedules and methods in plain
+// C++.
 #include <fmt/core.h>
 
 #include <complex>
@@ -67,7 +68,8 @@ class GpuPlanner : public Planner {
     drive_ms_.reserve(4);
   }
 
-  /// Not before the drives of the frame under way are on their way: they would come after all of the next one's work.
+  /// Not before the drives of the current frame are submitted; otherwise, they would come after all of the next frame's
+  /// work.
   bool can_start() const override {
     return !busy() || (started_ - finished_ < flights_.size() &&
                        flights_[finished_ % flights_.size()]->state == Flight::State::driving);
@@ -109,9 +111,9 @@ class GpuPlanner : public Planner {
   }
 
   void warm_up() override {
-    if (started_ != 0) return;  // frames have done it
-    const Activity work("compiles shaders, which the driver keeps for the next time");
-    // Two frames without skin, one for each in flight, dispatch all that finds foci; none of it has any work.
+    if (started_ != 0) return;  // done by earlier frames
+    const Activity work("compiling shaders, which the driver keeps for the next time");
+    // Two frames without skin, one for each in flight, dispatch all kernels up to the foci. The kernels have no work.
     std::vector<sensing::DepthFrame> dark(setting_.cameras.size());
     for (std::size_t c = 0; c < dark.size(); ++c)
       dark[c].depth.assign(std::size_t{setting_.cameras[c].width} * setting_.cameras[c].height, 0);
@@ -140,8 +142,8 @@ class GpuPlanner : public Planner {
     ++finished_;
   }
 
-  /// In a live session a frame with more skin in the shell than there is room for touches nothing: the loop goes on,
-  /// and says so once.
+  /// In a live session, a frame with more skin in the shell than there is room for touches nothing. The loop continues
+  /// and warns once.
   void read_touch(Flight& flight) {
     try {
       touch::read(flight.memory, flight.touch);
@@ -154,7 +156,7 @@ class GpuPlanner : public Planner {
     }
   }
 
-  /// The hop over the host: the fingers' schedule, and the foci of each slot of its cycle.
+  /// The part on the host: the fingers' schedule, and the foci of each slot of its cycle.
   void plan_on_host(Flight& flight) {
     scheduler_.make(flight.touch, flight.report.time_s, flight.plan.schedule);
     list_nothing(flight.plan);
@@ -178,7 +180,8 @@ class GpuPlanner : public Planner {
     flight.submitted = timeline_.submit(flight.drive_recorder.end());
   }
 
-  /// Slots of one focus, of two, and on to the most that sound together: kernels differ by their number.
+  /// Slots of one focus, of two, and so on up to the maximum that sounds together, because the kernels depend on this
+  /// number.
   void warm_up_drives(Flight& flight) {
     if (!flight.drive_memory) return;
     array::DriveMemory& memory = *flight.drive_memory;

@@ -1,5 +1,4 @@
-// The planner through the passes' C++ twins: one frame at a time on the calling
-// thread.
+// The planner with the passes' C++ twins: one frame at a time on the calling thread.
 #include <chrono>
 #include <optional>
 

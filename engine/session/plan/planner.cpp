@@ -5,7 +5,8 @@
 namespace palpa::session {
 namespace {
 
-/// Depth frames that come one by one may be of a whole hand in a solid: more contacts than a frame of a loop has.
+/// Depth frames that are processed one by one may show a whole hand in a solid, with more contacts than a frame of a
+/// loop has.
 constexpr std::uint32_t most_contacts_of_one = 1U << 20;
 
 }  // namespace

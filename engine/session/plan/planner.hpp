@@ -1,4 +1,4 @@
-// From frames of skin to plans: what a session computes, one frame after the other, several under way at a time.
+// From frames of skin to plans: the computation of a session. Frames are processed in order, several at a time.
 #pragma once
 
 #include <cstdint>
@@ -18,22 +18,22 @@
 
 namespace palpa::session {
 
-/// One frame of skin. Nothing of it is kept.
+/// One frame of skin. The planner keeps no reference to it.
 struct SkinFrame {
-  std::span<const sensing::DepthFrame> images{};  ///< of a session with cameras: one of each
-  std::span<const sensing::SkinPoint> points{};   ///< of one without: indices ascend
+  std::span<const sensing::DepthFrame> images{};  ///< for a session with cameras: one per camera
+  std::span<const sensing::SkinPoint> points{};   ///< for a session without cameras: indices ascend
   std::uint64_t sequence = 0;
   double time_s = 0;      ///< capture, on the source's clock
   double captured_s = 0;  ///< the same on the loop's clock
   double arrived_s = 0;   ///< in memory, on the loop's clock
 };
 
-/// What became of a frame besides its plan. Valid until the planner's next step.
+/// The results of a frame besides its plan. Valid until the planner's next step.
 struct FrameReport {
   std::uint64_t sequence = 0;
   double time_s = 0;  ///< capture, on the source's clock
   const touch::Touch* touch = nullptr;
-  std::span<const gpu::PassTime> passes;  ///< in the order they ran, on the device or of the C++ twins
+  std::span<const gpu::PassTime> passes;  ///< in the order they ran, on the device or as C++ twins
   double arrived_s = 0, planned_s = 0;    ///< on the loop's clock: frame in memory, drives in memory
 };
 
@@ -42,39 +42,40 @@ class Planner {
   virtual ~Planner() = default;
   /// Whether another frame can be started before a step.
   virtual bool can_start() const = 0;
-  /// Whether frames are under way.
+  /// Whether frames are in progress.
   virtual bool busy() const = 0;
-  /// Takes a frame in.
+  /// Starts a frame.
   virtual void start(const SkinFrame& frame) = 0;
-  /// Brings the oldest frame under way one stage further, waiting for the device where it must. True when its plan is
+  /// Advances the oldest frame in progress by one stage; waits for the device if necessary. True when its plan is
   /// complete.
   virtual bool step(Plan& plan, FrameReport& report) = 0;
-  /// Lets the device get ready for every frame to come: drivers compile a kernel when it is first dispatched, which
-  /// takes seconds where no cache has it. Changes nothing that frames compute; does nothing after the first of them.
+  /// Prepares the device for all frames: drivers compile a kernel when it is first dispatched, which takes seconds if
+  /// it is not in a cache. Does not change any result. Does nothing after the first frame.
   virtual void warm_up() {}
-  /// From the next start on frames are worked on with that effort. What can be shed at all; by default nothing.
+  /// Sets the effort for frames from the next start on. most_shed() is the maximum that can be shed; by default
+  /// nothing.
   virtual void set_effort(const Effort&) {}
   virtual Effort most_shed() const { return {}; }
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
 
-/// Passes on the device. For a live setting two frames in flight, and a frame that exceeds its room is left out with a
-/// warning; else one, and it is an error. `device`, `setting` and `scheduler` outlive it. Throws Error where the device
-/// is lost.
+/// Runs the passes on the device. For a live setting, there are two frames in flight, and a frame that exceeds its
+/// capacity is left out with a warning. Otherwise, there is one frame in flight, and exceeding its capacity is an
+/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost.
 std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
                                           Scheduler& scheduler);
-/// The same through the passes' C++ twins.
+/// The same with the passes' C++ twins.
 std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler);
 
-/// Gives a touch all the room that a live frame needs: any number of fingers and foci, `contacts_per_finger` contacts
-/// (a finger that ever has more grows once), and deep points as many as a frame in flight has room for.
+/// Reserves the memory that a live frame needs in a touch: any number of fingers and foci, `contacts_per_finger`
+/// contacts (a finger with more grows once), and as many deep points as a frame in flight has room for.
 inline constexpr std::size_t contacts_per_finger = 4096;
 inline constexpr std::uint32_t most_deep = 1U << 18;
 void reserve(touch::Touch& touch);
 
-/// What the stage is for, on the device or through its twins: of single frames, of events and of methods that look at
-/// contacts it gives these, too; events look at deep points.
+/// The setting of the stage, on the device or as its twins. Single frames, events and methods that need contacts get
+/// contacts; events also get deep points.
 touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler);
 
 }  // namespace palpa::session

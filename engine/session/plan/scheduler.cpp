@@ -78,7 +78,7 @@ void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) co
   const auto count = static_cast<std::uint32_t>(placement.foci.size());
   const std::uint32_t left = std::max(std::min(count, fewest_foci), count / foci_part_);
   if (left == count) return;
-  // Of a sector without a place the nearest that has one, as make_voice would take.
+  // For a sector without a position, the nearest one with a position, as in make_voice.
   const auto placed = [&](std::uint32_t sector) {
     for (std::uint32_t away = 0; away < count; ++away) {
       for (const std::uint32_t one : {(sector + count - away) % count, (sector + away) % count}) {
@@ -92,7 +92,7 @@ void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) co
     chosen[f] = placement.foci[placed(f * count / left)];
   std::copy_n(chosen.begin(), left, placement.foci.begin());
   placement.foci.resize(left);
-  // A stride that was asked for may divide what is left.
+  // The requested stride may share a divisor with the remaining number of foci.
   if (voice.stride && std::gcd(*voice.stride, left) != 1) voice.stride = geometry::usual_stride(left);
 }
 

@@ -1,5 +1,4 @@
-// From the fingers of a frame to what they play: where the method puts their foci, their solid's haptics, tuning,
-// order.
+// From the fingers of a frame to their voices: the method's foci, the solid's haptics, tuning and order.
 #pragma once
 
 #include <memory>
@@ -20,69 +19,69 @@ namespace palpa::session {
 
 class TuningThread;
 
-/// What is chosen by the perimeter that a finger's foci run around (acoustics/felt/tune.hpp).
+/// The values that are chosen by the perimeter of a finger's path of foci (acoustics/felt/tune.hpp).
 enum class Tune {
   nothing,
-  stride,  ///< the stride, of fingers that are followed from frame to frame
+  stride,  ///< the stride, for fingers that are followed from frame to frame
   all,     ///< foci, stride and dwell, for a single frame: another number of foci would move every focus
 };
 
-/// How fingers become voices. What the haptics of a finger's solid ask for takes the place of `voice`.
+/// How fingers become voices. The haptics of a finger's solid override `voice`.
 struct ScheduleOptions {
   touch::MethodOptions method;  ///< places the foci
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;
-  acoustics::TuneOptions tuning;  ///< of Tune::all; its spectrum's field is not for the user to give
-  /// How wide a Gaussian spot stands for a focus; nothing: the array's field where there is an array.
+  acoustics::TuneOptions tuning;  ///< for Tune::all; callers must not set the field of its spectrum
+  /// Width of a Gaussian spot that represents a focus. Empty: the array's field is used if there is an array.
   std::optional<double> spot_m;
 };
 
-/// How a finger came to its voice.
+/// How a finger got its voice.
 struct ScheduledFinger {
   touch::Placement placement;
-  double perimeter_m = 0;                 ///< of the path of its foci; 0: they stand still
-  std::optional<acoustics::Tuned> tuned;  ///< with Tune::all, of foci that move
+  double perimeter_m = 0;                 ///< length of the path of its foci; 0: they stand still
+  std::optional<acoustics::Tuned> tuned;  ///< with Tune::all, if foci move
 };
 
-/// Remembers the strides that it chose from frame to frame.
+/// Keeps the chosen strides from frame to frame.
 class Scheduler {
  public:
-  /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all takes what
-  /// `field`, which outlives it, makes of the foci; without it they are spots, as they are of Tune::stride.
+  /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all uses the
+  /// foci's sound from `field`, which must outlive this object. Without `field`, and for Tune::stride, foci are spots.
   Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
             const ScheduleOptions& options, const acoustics::FocusField* field = nullptr);
   ~Scheduler();
   Scheduler(Scheduler&&) noexcept;
   Scheduler& operator=(Scheduler&&) noexcept;
 
-  /// How long one drive lasts: see slot_length.
+  /// Duration of one drive, see slot_length.
   double slot_s() const { return slot_s_; }
   const std::vector<SolidHaptics>& solids() const { return solids_; }
-  /// Whether the method looks at the contacts themselves, see touch::needs_contacts.
+  /// Whether the method needs the contacts themselves, see touch::needs_contacts.
   bool needs_contacts() const { return touch::needs_contacts(options_.method); }
 
-  /// Whether some solid asks for a pressure.
+  /// Whether any solid requests a pressure.
   bool needs_pressures() const;
 
-  /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one each, in their order.
-  /// Allocates nothing once `schedule` has the room (reserve).
+  /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one per finger, in the same
+  /// order. Allocates nothing once `schedule` has enough memory (reserve).
   void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);
-  /// From the next make on foci sound so far from where they are seen, metres in the world: an array that stands
-  /// elsewhere than one thinks is found by it.
+  /// From the next make() on, foci sound at this offset from where they are seen, metres in the world. This helps to
+  /// find the real place of an array that stands elsewhere than assumed.
   void aim(const Vec3& offset) { aim_ = offset; }
-  /// From the next make on fingers whose foci follow one another have an n-th of them, evenly spread and three at
-  /// least; 1: all.
+  /// From the next make() on, fingers whose foci sound one after the other have only 1/n of them, evenly spread, but at
+  /// least three. 1: all.
   void thin_foci(std::uint32_t part) { foci_part_ = part; }
-  /// From now on a thread computes what `field`, which outlives that, makes of the foci, and strides follow it when it
-  /// is ready; nullptr ends the thread. Nothing without Tune::stride.
+  /// From now on, a thread computes the foci's sound from `field`, and strides use it when it is ready. `field` must
+  /// outlive the thread; nullptr ends the thread. Does nothing without Tune::stride.
   void tune_beside(const acoustics::ArrayField* field);
-  /// That thread; nullptr without one.
+  /// The thread of tune_beside(); nullptr if there is none.
   const TuningThread* tuning() const { return beside_.get(); }
-  /// How the newest frame's fingers came to their voices, valid until the next make.
+  /// How the newest frame's fingers got their voices. Valid until the next make().
   std::span<const ScheduledFinger> fingers() const { return std::span(fingers_).first(count_); }
 
-  /// What a finger plays, its skin all around, on a solid whose haptics ask for no schedule of their own: order, dwell
-  /// and modulation. Its foci have no place.
+  /// The voice of a finger with skin all around, on a solid whose haptics have no schedule of their own: order, dwell
+  /// and modulation. Its foci have no position.
   array::Voice common_voice() const;
 
  private:

@@ -1,4 +1,4 @@
-// What a session is made of: each value stands here once.
+// The values of a session; each is defined here once.
 #pragma once
 
 #include <optional>
@@ -18,32 +18,33 @@
 namespace palpa::session {
 
 struct SessionSetting {
-  std::string scene = "scene";  ///< where the solids are from, for messages
+  std::string scene = "scene";  ///< source of the solids, for messages
   std::vector<geometry::Solid> solids;
-  std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; else as their depth frames
-  array::Layout layout;                  ///< as posed in the world; without transducers nothing is driven
+  std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; otherwise as depth frames
+  array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
   touch::Parameters touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
-  /// What spectra and Tune::all have of a focus, in the place of the layout's field in free air; it outlives the
+  /// The field of a focus for spectra and Tune::all, instead of the layout's field in free air. It must outlive the
   /// session.
   const acoustics::FocusField* field = nullptr;
-  /// Nothing: nobody asks for events. Then fingers are no deeper than delta, which saves looking at the skin below.
+  /// Empty: events are not requested. Fingers are then never deeper than delta, which saves looking at the deeper skin.
   std::optional<EventOptions> events = EventOptions{};
-  /// Fingers keep their ids from frame to frame, and as the next two say their axes and foci. Off: each frame stands
-  /// alone.
+  /// Fingers keep their ids from frame to frame, and also their axes and foci as the next two members say. False: each
+  /// frame stands alone.
   bool follow = true;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
-  /// What a frame shows lasts that long after its capture if no other comes: then comes silence, and fingers let go.
+  /// How long a frame is valid after its capture if no other comes. Then comes silence, and fingers are released.
   double hold_s = 0.1;
-  /// run() may lengthen it to longest_auto_hold_s where frames are late whatever is shed (session/watch/effort.hpp).
+  /// run() may lengthen the hold to longest_auto_hold_s if frames are late although work is shed
+  /// (session/watch/effort.hpp).
   bool lengthens_hold = false;
-  Safety safety;  ///< around whatever link it runs to
-  /// It never runs by itself: a frame may then have far more skin in the shell than a loop has room for.
+  Safety safety;  ///< applied to every link
+  /// The session never runs a loop. A frame may then have far more skin in the shell than a loop has room for.
   bool frame_by_frame = false;
 
-  /// Whether it has all that run() needs.
+  /// Whether it has everything that run() needs.
   bool live() const { return !frame_by_frame && !cameras.empty() && !layout.transducers.empty(); }
 };
 

@@ -33,8 +33,8 @@ std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<co
     if (!fault.empty()) throw bad_usage(fault);
   }
   if (voice.pressure_pa && !(*voice.pressure_pa > 0 && *voice.pressure_pa <= array::most_pressure_pa)) {
-    throw bad_usage(
-        fmt::format("a pressure of {} Pa: give above 0, at most {} Pa", *voice.pressure_pa, array::most_pressure_pa));
+    throw bad_usage(fmt::format("a pressure of {} Pa is out of range: give one above 0 and at most {} Pa",
+                                *voice.pressure_pa, array::most_pressure_pa));
   }
   std::vector<SolidHaptics> resolved;
   resolved.reserve(solids.size());
@@ -54,7 +54,7 @@ double slot_length(std::span<const SolidHaptics> solids, const array::VoiceOptio
     common = std::gcd(common, nanoseconds(solid.voice.dwell_s));
     shortest = std::min(shortest, solid.voice.dwell_s);
   }
-  // A dwell that all share is the slot, however short.
+  // If the shortest dwell divides all others, it is the slot, however short.
   if (common == nanoseconds(shortest) || common < nanoseconds(shortest_slot_s)) return shortest;
   return static_cast<double>(common) * 1e-9;
 }

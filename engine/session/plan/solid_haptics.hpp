@@ -1,4 +1,4 @@
-// How each solid is felt: what the haptics of its node ask for, and the session's values for what they leave open.
+// How each solid is felt: the haptics of its node, and the session's values for everything that the node leaves open.
 #pragma once
 
 #include <span>
@@ -11,23 +11,22 @@
 
 namespace palpa::session {
 
-/// One solid's haptics with nothing left open but what may stay so.
+/// One solid's haptics with all values resolved that can be.
 struct SolidHaptics {
   std::uint32_t foci = 0;     ///< per finger
   array::VoiceOptions voice;  ///< stride, dwell, intensity and pressure
-  bool own_schedule = false;  ///< it asks for foci, stride or dwell itself, whatever they are
+  bool own_schedule = false;  ///< it sets foci, stride or dwell itself, whatever their values
 };
 
-/// One entry per solid, once for a session; `touch` and `voice` hold for all of them. Throws bad_usage where stride and
-/// foci that hold for all share a divisor, so that some foci would never sound, and on a pressure out of
-/// range; bad_input naming `scene` and node where
-/// a solid's do.
+/// One entry per solid, computed once for a session. `touch` and `voice` are the common values. Throws bad_usage if the
+/// common stride and foci share a divisor, so that some foci would never sound, or if the common pressure is out of
+/// range. Throws bad_input naming `scene` and node if this holds for a solid's own values.
 std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<const geometry::Solid> solids,
                                           const touch::Parameters& touch, const array::VoiceOptions& voice);
 
-/// How long one drive must last for the dwells of all solids: what divides them all, in whole nanoseconds. Where that
-/// is less than shortest_slot_s it is the shortest dwell, and longer ones last for whole slots only on average. The
-/// dwell that holds for all where there is no solid.
+/// The duration of one drive that suits the dwells of all solids: their greatest common divisor, in whole nanoseconds.
+/// If that is less than shortest_slot_s, the shortest dwell is used, and longer dwells are then correct only on
+/// average, in whole slots. Without solids, it is the common dwell.
 inline constexpr double shortest_slot_s = 0.25e-3;
 double slot_length(std::span<const SolidHaptics> solids, const array::VoiceOptions& voice);
 

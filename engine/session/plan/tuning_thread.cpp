@@ -71,7 +71,7 @@ void TuningThread::work() {
       }
       answers_.publish();
     }
-  } catch (const std::exception&) {  // no memory: strides stay as they are, and what sounds goes on
+  } catch (const std::exception&) {  // no memory: strides stay as they are, and sound continues
   }
 }
 

@@ -1,5 +1,5 @@
-// What an array makes of the fingers' foci, computed beside the loop: it takes milliseconds per finger, and no frame
-// waits for it.
+// Computes the array's sound at the fingers' foci in a separate thread beside the loop. It takes milliseconds per
+// finger, and no frame waits for it.
 #pragma once
 
 #include <atomic>
@@ -15,28 +15,28 @@
 
 namespace palpa::session {
 
-/// One question at a time goes over to the thread, of all fingers whose harmonics are wanted; the next when the answer
-/// is here. All calls are the compute thread's; none of them waits. The thread sleeps while nothing is asked, and gives
-/// way to every other: it is not real-time even where who starts it is (SCHED_BATCH), and nicer than that by ten. It
-/// takes no signals.
+/// One question at a time goes to the thread. It covers all fingers whose harmonics are needed. The next question is
+/// sent when the answer has arrived. All calls come from the compute thread, and no call waits. The thread sleeps
+/// while there is no question, and it yields to all other threads: it is not real-time (SCHED_BATCH) even if the thread
+/// that starts it is, and its nice value is higher by ten. It takes no signals.
 class TuningThread {
  public:
-  /// `field` outlives it.
+  /// `field` must outlive it.
   explicit TuningThread(const acoustics::ArrayField& field);
-  /// Ends the thread, in the middle of a question within a few milliseconds.
+  /// Ends the thread, within a few milliseconds even in the middle of a question.
   ~TuningThread();
   TuningThread(const TuningThread&) = delete;
   TuningThread& operator=(const TuningThread&) = delete;
 
-  /// A new frame: hands what has become known to `strides`.
+  /// Begins a new frame: gives new results to `strides`.
   void begin(acoustics::StrideTuner& strides);
-  /// How many fingers' fields have become known so far.
+  /// The number of fingers' fields computed so far.
   std::uint64_t known() const { return known_; }
-  /// A finger of that frame, its foci in the order of their sectors: asks for it where `strides` wants it and no other
-  /// question is under way. `asks`: for a pressure, which each focus has then.
+  /// Adds a finger of that frame, with foci in the order of their sectors, to the question if `strides` needs it and no
+  /// other question is open. `asks`: the finger requests a pressure, which each focus then has.
   void look_at(std::uint32_t id, std::span<const Vec3> foci, bool asks, double time_s,
                const acoustics::StrideTuner& strides);
-  /// The frame's last finger was looked at.
+  /// Ends the frame, after its last finger.
   void end();
 
  private:
@@ -63,7 +63,7 @@ class TuningThread {
   const acoustics::ArrayField& field_;
   Newest<Question> questions_;
   Newest<Answers> answers_;
-  bool asked_ = false;  ///< a question is under way
+  bool asked_ = false;  ///< a question is open
   std::uint64_t known_ = 0;
   std::atomic<bool> ends_{false};
   std::thread thread_;

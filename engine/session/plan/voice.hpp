@@ -1,4 +1,4 @@
-// A finger's part of the schedule: where touching and sounding meet.
+// A finger's part of the schedule: the interface between touching and sounding.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 namespace palpa::session {
 
 /// Turns the foci that a method has placed (touch/foci/method.hpp) into the voice of the finger `id` on `solid`. An
-/// empty sector takes the position of the nearest non-empty one by angle; of two equally near, the one with the lower
-/// index. Where all foci sound together it is left out: its neighbour would be twice as loud. The placement must have
-/// one focus with a position at least.
+/// empty sector takes the position of the nearest non-empty one by angle; if two are equally near, the one with the
+/// lower index. If all foci sound together, an empty sector is left out, because its neighbour would be twice as loud.
+/// The placement must have at least one focus with a position.
 void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid,
                 const array::VoiceOptions& options, array::Voice& voice);
 

@@ -1,5 +1,4 @@
-// Questions answered beside the thread that asks them: on one thread, the newest question first, whoever asks waits for
-// nothing.
+// Answers questions on a separate thread, the newest question first. The asking thread never waits.
 #pragma once
 
 #include <atomic>
@@ -19,16 +18,17 @@
 
 namespace palpa::session {
 
-/// An Answer has a `number`, that of its question, 0 for none, and a `fault`: why there is nothing else in it, as the
-/// error said; empty: it is all there. The thread gives way to all others (threads.hpp), as do those that it starts.
+/// An Answer has a `number`, which is that of its question (0: no question yet), and a `fault`. If `fault` is not
+/// empty, it is the error message and the answer has no other content. The thread and the threads that it starts yield
+/// to all others (threads.hpp).
 template <typename Question, typename Answer>
 class Beside {
  public:
-  /// Called on the thread. It may throw GivenUp soon after `give_up` became true.
+  /// Called on the separate thread. It may throw GivenUp soon after `give_up` became true.
   using Work = std::function<Answer(const Question&, const std::atomic<bool>& give_up)>;
 
   explicit Beside(Work work) : work_(std::move(work)), thread_(start_thread("a preview", [this] { go_round(); })) {}
-  /// Ends the thread, in the middle of an answer too, as soon as that gives up.
+  /// Ends the thread. If an answer is being computed, waits until it gives up.
   ~Beside() {
     {
       const std::lock_guard lock(mutex_);
@@ -40,7 +40,7 @@ class Beside {
   Beside(const Beside&) = delete;
   Beside& operator=(const Beside&) = delete;
 
-  /// Takes the place of a question that waits. Never waits itself. Its number: 1, 2, ...
+  /// Replaces a waiting question. Never blocks. Returns the question's number: 1, 2, ...
   std::uint64_t ask(Question question) {
     std::uint64_t number = 0;
     {
@@ -51,12 +51,12 @@ class Beside {
     wake_.notify_one();
     return number;
   }
-  /// The newest answer; questions that another took the place of have none.
+  /// The newest answer. Replaced questions have no answer.
   std::shared_ptr<const Answer> newest() const {
     const std::lock_guard lock(mutex_);
     return newest_;
   }
-  /// Whether something newer was asked than newest() answers.
+  /// Whether there is a newer question than the one that newest() answers.
   bool stale() const {
     const std::lock_guard lock(mutex_);
     return newest_->number != asked_;

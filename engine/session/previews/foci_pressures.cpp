@@ -10,7 +10,7 @@
 namespace palpa::session {
 namespace {
 
-/// Nearer to its trough a modulation says little about its crest.
+/// Below this gain, a modulation is near its trough and says little about its crest.
 constexpr double least_modulation = 0.5;
 
 double modulation_of(const array::Schedule& schedule, const array::Voice& voice, std::uint64_t slot) {

@@ -1,4 +1,4 @@
-// What a plan's drives give at its foci.
+// The pressures of a plan's drives at its foci.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,12 @@
 
 namespace palpa::session {
 
-/// Peak pressures in Pa by `setting`'s directivity, without absorption: an entry for each voice of the plan, in it one
-/// for each of the voice's foci. Of a focus' slots that in which it has the least, the others sounding along; of a
-/// finger that is modulated at the modulation's crest. 0 for foci that never sound or have no place.
+/// Peak pressures in Pa with `setting`'s directivity, without absorption: an entry for each voice of the plan, with one
+/// value for each of the voice's foci. The value of a focus is the least over its slots, with the other foci sounding
+/// as well. For a modulated finger, it is the value at the modulation's crest. 0 for foci that never sound or have no
+/// position.
 ///
-/// A plan whose drives are not listed is looked at for its first most_cycle slots.
+/// If a plan's drives are not listed, its first most_cycle slots are evaluated.
 std::vector<std::vector<double>> foci_pressures(const Plan& plan, const SessionSetting& setting);
 
 }  // namespace palpa::session

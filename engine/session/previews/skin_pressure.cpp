@@ -12,7 +12,7 @@
 namespace palpa::session {
 namespace {
 
-/// Mean over time of the square of a modulation's gain, as slots sample it.
+/// The time average of the squared gain of a modulation, sampled at slots.
 double mean_square(const Cycle& cycle, double slot_s) {
   if (cycle.modulation_hz == 0) return 1;
   constexpr int slots = 4000;  // whole periods of every usual modulation, six seconds
@@ -24,7 +24,7 @@ double mean_square(const Cycle& cycle, double slot_s) {
   return sum / slots;
 }
 
-/// Sounds solved in one go: their incident waves are all in memory at a time.
+/// Number of sounds solved together; their incident waves are all in memory at the same time.
 constexpr std::size_t together = 16;
 
 }  // namespace

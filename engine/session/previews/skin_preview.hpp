@@ -1,9 +1,9 @@
-// The pressure on a finger for whoever draws it while foci, array or finger change: computed beside the drawing thread,
+// The pressure on a finger, for drawing while foci, array or finger change. It is computed beside the drawing thread,
 // the newest question first.
 //
-// The equations are solved in the finger's own frame, into which the array is moved: they are factored once per mesh
-// and tone (acoustics/bodies/body_cache.hpp), and a finger that moves as a whole, foci that move, another array or
-// schedule cost right-hand sides only, 0.2 s for the paper's case.
+// The equations are solved in the finger's own frame; the array is moved into that frame. The equations are factored
+// once per mesh and tone (acoustics/bodies/body_cache.hpp). If the finger moves as a whole, if foci move, or if the
+// array or the schedule changes, only the right-hand sides are recomputed. That takes 0.2 s for the paper's case.
 #pragma once
 
 #include <atomic>
@@ -29,36 +29,37 @@ struct SkinQuestion {
   std::string name = "the finger";  ///< its file, for messages
   geometry::Mesh finger;            ///< in its own frame, as acoustics::body_mesh returns it
   Transform T_world_finger{1.0};    ///< rigid
-  Plan plan;                        ///< of the layout, by these options; without a voice it is silent
+  Plan plan;                        ///< made for the layout with these options; silent without a voice
   array::Layout layout;             ///< in the world
   array::DriveOptions drive;
   acoustics::Air air;
 };
 
 struct SkinAnswer {
-  std::uint64_t number = 0;       ///< of the question; 0: there was none yet
+  std::uint64_t number = 0;       ///< number of the question; 0: no question yet
   acoustics::SkinPressure faces;  ///< time averages, Pa
-  std::vector<double> vertices;   ///< `langevin` of these: at each vertex of the mesh
-  std::string fault;              ///< why there is nothing of that, as the error said it; empty: it is all there
+  std::vector<double> vertices;   ///< `langevin` of `faces`, at each vertex of the mesh
+  std::string fault;              ///< the error message if there is no result; empty on success
 };
 
-/// Answers on the calling thread. Throws bad_input where the finger stands in the array, GivenUp (base/parallel.hpp)
-/// soon after `give_up` became true.
+/// Answers on the calling thread. Throws bad_input if the finger intersects the array, GivenUp (base/parallel.hpp) soon
+/// after `give_up` became true.
 SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
                   const std::atomic<bool>* give_up = nullptr);
 
-/// Beside whoever asks (beside.hpp). What is computed says so where doing() is looked at (base/activity.hpp).
+/// Answers beside the asking thread (beside.hpp). The computation reports its activity through doing()
+/// (base/activity.hpp).
 class SkinPreview {
  public:
   SkinPreview();
 
   std::uint64_t ask(SkinQuestion question) { return beside_.ask(std::move(question)); }
   std::shared_ptr<const SkinAnswer> newest() const { return beside_.newest(); }
-  /// Whether something newer was asked than newest() answers: a picture of it is to be marked.
+  /// Whether there is a newer question than the one that newest() answers. A picture of that answer should be marked.
   bool stale() const { return beside_.stale(); }
 
  private:
-  acoustics::BodyCache bodies_;  ///< of the thread
+  acoustics::BodyCache bodies_;  ///< used by the thread only
   Beside<SkinQuestion, SkinAnswer> beside_;
 };
 

@@ -10,7 +10,7 @@
 namespace palpa::session {
 namespace {
 
-/// How much longer than it needs to be a hold is made, so that the next frame need not change it.
+/// Factor by which a hold is made longer than necessary, so that the next frame need not change it.
 constexpr double spare = 1.1;
 
 }  // namespace
@@ -36,7 +36,7 @@ bool EffortControl::shed(double reach_s) {
     steady_ = calm_ = sure_ = 0;
     return true;
   }
-  // What was taken back was needed: it is tried less often from now on.
+  // The step that was taken back is needed, so taking it back is tried less often from now on.
   if (taken_back_) calm_needed_ = std::min(2 * calm_needed_, longest_calm);
   taken_back_ = false;
   now_.pixel_stride < most_.pixel_stride ? ++now_.pixel_stride : ++now_.foci_part;
@@ -59,7 +59,7 @@ bool EffortControl::take_back() {
   return true;
 }
 
-/// How much longer a frame may take without the last step, if all of its work is what that step has shed.
+/// Factor by which a frame may take longer without the last step, if that step affects all of its work.
 double EffortControl::more_without_last_step() const {
   if (hold_s_ > usual_hold_s_) return 1;
   const auto more = [](std::uint32_t n) { return n > 1 ? static_cast<double>(n) / (n - 1) : 1.0; };
@@ -71,7 +71,7 @@ std::string to_text(const Effort& effort) {
   constexpr const char* nth[] = {"", "", "2nd", "3rd", "4th"};
   std::string text;
   if (effort.pixel_stride > 1)
-    text = fmt::format("only every {0} pixel of every {0} row was looked at", nth[effort.pixel_stride]);
+    text = fmt::format("only every {0} pixel of every {0} row was used", nth[effort.pixel_stride]);
   if (effort.foci_part > 1) {
     text += fmt::format("{}fingers had one in {} of their foci", text.empty() ? "" : " and ", effort.foci_part);
   }
@@ -91,10 +91,10 @@ void ShedReport::tell(const EffortControl& control) {
   if (std::exchange(told_, true)) return;
   std::string what = to_text(control.least());
   if (control.most_hold_s() > hold_s_)
-    what += fmt::format(", and what a frame shows sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
+    what += fmt::format(", and a frame sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
   log::warning(
-      fmt::format("overloaded: from capture to drives took {:.0f} ms, too long for the hold of {:.0f} ms, so that {}; "
-                  "what helps: fewer or smaller solids, a smaller roi, no other programs, or a longer --hold",
+      fmt::format("overloaded: from capture to drives took {:.0f} ms, too long for the hold of {:.0f} ms, so {}; use "
+                  "fewer or smaller solids, a smaller roi or a longer --hold, or end other programs",
                   1e3 * whole_s_, 1e3 * hold_s_, what));
 }
 

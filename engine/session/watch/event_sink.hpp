@@ -1,4 +1,5 @@
-// Where events go: lines of JSON to stdout, a file or a pipe, or a datagram each. Sinks never keep the loop waiting.
+// The destinations of events: lines of JSON to stdout, a file or a pipe, or one datagram per event. Sinks never block
+// the loop.
 #pragma once
 
 #include <atomic>
@@ -15,23 +16,23 @@ namespace palpa::session {
 class EventSink {
  public:
   virtual ~EventSink() = default;
-  /// Once per frame; never waits. Throws failure() where nobody will ever get them, once that is known: a closed pipe,
-  /// a full disk.
+  /// Called once per frame; never waits. Throws failure() once it is known that nobody will ever get the events: a
+  /// closed pipe, a full disk.
   virtual void write(std::span<const Event> events) = 0;
-  /// After the last event: hands over what still waits, which takes half a second at most.
+  /// Called after the last event: flushes the remaining lines, which takes at most half a second.
   virtual void finish() {}
 
   std::uint64_t written() const { return written_; }  ///< lines that were accepted
-  std::uint64_t dropped() const { return dropped_; }  ///< lines left out, since their reader was too slow
+  std::uint64_t dropped() const { return dropped_; }  ///< lines left out because their reader was too slow
 
  protected:
   std::uint64_t written_ = 0, dropped_ = 0;
 };
 
-/// "-", a file or "udp:HOST:PORT". Lines leave at once, written by a thread of their own; of a reader, or a disk, that
-/// is slower than that up to a megabyte waits, then whole lines are left out, counted, and there is one warning. With
-/// `wait_unless`, for frames that wait for the loop, no line is left out: the reader is waited for until that flag
-/// becomes true. Throws bad_usage for another form, failure() for what cannot be opened.
+/// "-", a file or "udp:HOST:PORT". A separate thread writes the lines at once. If the reader or the disk is slower, up
+/// to a megabyte is buffered. After that, complete lines are left out and counted, and there is one warning. With
+/// `wait_unless`, for frames that wait for the loop, no line is left out: the sink waits for the reader until that flag
+/// becomes true. Throws bad_usage for another form, failure() if the target cannot be opened.
 std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
                                            const std::atomic<bool>* wait_unless = nullptr);
 

@@ -7,8 +7,8 @@
 namespace palpa::session {
 namespace {
 
-/// More lost fingers than this are not waited for: ids that never come twice must not fill the memory of a source whose
-/// clock stands still.
+/// Maximum number of lost fingers that are waited for. If a source's clock stands still, ids that never return must not
+/// fill the memory.
 constexpr std::size_t most_held = 4 * std::size_t{touch::max_fingers};
 
 }  // namespace
@@ -44,7 +44,7 @@ std::span<const Event> EventTracker::update(const touch::Touch& touch, double ti
   for (const touch::Finger& finger : fingers) {
     Held* held = held_of(finger.id);
     const bool fresh = !held || held->solid != finger.solid;
-    if (held && fresh) {  // it has left the solid before
+    if (held && fresh) {  // it has left the previous solid
       release(*held, time_s);
       held_.erase(held_.begin() + (held - held_.data()));
     }
@@ -79,7 +79,7 @@ EventTracker::Held* EventTracker::held_of(std::uint32_t id) {
   return held == held_.end() ? nullptr : &*held;
 }
 
-/// Releases who has been missing for the grace, those first who were lost first.
+/// Releases fingers that have been missing for the grace time, in the order in which they were lost.
 void EventTracker::release_missing(double time_s) {
   const std::size_t begin = events_.size();
   const std::size_t missing =

@@ -1,13 +1,13 @@
-// Touch as events: what a button, a knob or a game wants to know of a finger, told once when it happens.
+// Touch as events: the data about a finger that a button, a knob or a game needs, reported once when it happens.
 //
 //   touch    a finger touches a solid that it did not touch in the frame before
-//   move     it has moved on by `move_m` or more, along the surface or in depth, since the last event told of it
-//   press    it passes the solid's press depth; told again only after it has come up to `rearm` of that depth
+//   move     it has moved by `move_m` or more, along the surface or in depth, since its last event
+//   press    it passes the solid's press depth; reported again only after it has come back up to `rearm` of that depth
 //   release  it has left the solid, or the stream has ended
 //
 // Every touch is followed by exactly one release with the same finger and solid; moves and presses lie between them. A
-// pure state machine: the same touches give the same events. Who is who is decided before
-// (touch/follow/follow_pass.hpp): a finger is its id.
+// pure state machine: the same touches give the same events. Fingers are identified by their id, which is assigned
+// earlier (touch/follow/follow_pass.hpp).
 #pragma once
 
 #include <cstdint>
@@ -34,11 +34,11 @@ inline constexpr Word<EventKind> event_words[] = {{"touch", EventKind::touch},
 
 struct Event {
   EventKind kind = EventKind::touch;
-  double time_s = 0;         ///< capture of the frame, on the source's clock; of a release see EventTracker
+  double time_s = 0;         ///< capture of the frame, on the source's clock; for a release, see EventTracker
   std::uint32_t solid = 0;   ///< index into the scene's solids
   std::uint32_t finger = 0;  ///< touch::Finger::id
-  float depth_m = 0;         ///< touch::Finger::depth_m; of a release the last seen
-  glm::vec3 centroid{};      ///< of its contacts, metres, world; of a release the last seen
+  float depth_m = 0;         ///< touch::Finger::depth_m; for a release, the last one seen
+  glm::vec3 centroid{};      ///< of its contacts, metres, world; for a release, the last one seen
 };
 
 struct EventOptions {
@@ -48,20 +48,20 @@ struct EventOptions {
 
 class EventTracker {
  public:
-  /// `solids` are those of the touches; their press depths are kept, nothing else. When no frame came for `hold_s`,
-  /// every finger is released. A finger that is missing from frames for less than half of it has not left: a camera may
-  /// miss it for a frame or two. Its release has the time at which it had been missing for that long. One whose id is
-  /// there again in time continues its touch.
+  /// `solids` are those of the touches; only their press depths are kept. If no frame comes for `hold_s`, every finger
+  /// is released. A finger that is missing from frames for less than half of `hold_s` is not released, because a camera
+  /// may miss it for a frame or two. Its release has the time at which it had been missing for that long. If its id
+  /// returns in time, the touch continues.
   explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
-  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. A time earlier than
-  /// that of the frame before is a new beginning, of ids too: whoever touched is released first, as by end(). Valid
-  /// until the next call.
+  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. If the time goes
+  /// backwards, tracking restarts, and ids too: fingers that touched are released first, as by end(). Valid until the
+  /// next call.
   std::span<const Event> update(const touch::Touch& touch, double time_s);
-  /// Tells that no frame has come for hold_s after the last one; update finds out by itself, but only with the next
-  /// frame.
+  /// To be called if no frame has come for hold_s after the last one. update() also detects this, but only with the
+  /// next frame.
   std::span<const Event> expire();
-  /// The end of the stream: releases of all that still touch, at the time of the last frame.
+  /// The end of the stream: releases all fingers that still touch, at the time of the last frame.
   std::span<const Event> end();
 
  private:
@@ -91,7 +91,7 @@ class EventTracker {
   std::vector<Event> events_;
 };
 
-/// One event as a document of its own, one line:
+/// Writes one event as a complete document on one line:
 ///   {"event":"touch","time_s":1.5,"solid":"knob","finger":0,"depth_m":0.001,"centroid_m":[0.01,0,0.02]}
 /// `json` is cleared first and keeps its storage.
 void write_event_line(const Event& event, std::span<const std::string> solid_names, JsonWriter& json);

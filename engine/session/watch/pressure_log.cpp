@@ -15,9 +15,9 @@ std::optional<std::string> unreached(const array::Schedule& schedule, std::span<
     const double asked = voice.pressure_pa * voice.gain;
     if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
     return fmt::format(
-        "finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give{}", voice.id,
+        "finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: the array cannot give more{}", voice.id,
         voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked,
-        schedule.voice_count > 1 ? " beside what else sounds" : "");
+        schedule.voice_count > 1 ? " while other fingers sound" : "");
   }
   return std::nullopt;
 }
@@ -46,7 +46,7 @@ void PressureLog::planned(const array::Schedule& schedule) {
   if (warned_) return;
   const std::optional<std::string> fault = unreached(schedule, solid_names_);
   warned_ = fault.has_value();
-  if (fault) log::warning(*fault + "; this is said once, the stats have every finger");
+  if (fault) log::warning(*fault + "; this warning comes once, and the stats have every finger");
 }
 
 void write_pressures(std::span<const FingerPressure> fingers, std::span<const std::string> solid_names,

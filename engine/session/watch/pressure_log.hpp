@@ -1,4 +1,4 @@
-// What was reached of the pressures that fingers asked for.
+// How much of the requested pressures fingers got.
 #pragma once
 
 #include <cstddef>
@@ -17,24 +17,24 @@ namespace palpa::session {
 struct FingerPressure {
   std::uint32_t id = 0, solid = 0;
   std::uint64_t frames = 0;
-  double asked_pa = 0;  ///< times its gain, in its newest frame; 0: nothing
+  double asked_pa = 0;  ///< the requested pressure times its gain, in its newest frame; 0: none
   double least_pa = 0, most_pa = 0, sum_pa = 0;
 };
 
-/// The member "fingers" of a document of statistics; nothing where there are none.
+/// The member "fingers" of a document of statistics; writes nothing if there are none.
 void write_pressures(std::span<const FingerPressure> fingers, std::span<const std::string> solid_names,
                      JsonWriter& json);
 
-/// Less than that part of what was asked is not reached; what is missing of next to nothing is nothing.
+/// Whether at least 99 % of the requested pressure is reached. Requests below 1 mPa always count as reached.
 constexpr bool is_reached(double asked_pa, double reached_pa) {
   return reached_pa >= 0.99 * asked_pa || asked_pa < 1e-3;
 }
 
-/// Says of the first finger of the schedule that does not reach what it asks what it has instead, as a sentence;
-/// nothing where all do. `solid_names` by solid index.
+/// A sentence about the first finger of the schedule that does not reach its requested pressure, with the pressure that
+/// it gets. Empty if all fingers reach theirs. `solid_names` by solid index.
 std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names);
 
-/// Whether some voice has more than linear acoustics knows of.
+/// Whether any voice has more pressure than linear acoustics holds for.
 bool beyond_linear(const array::Schedule& schedule);
 
 class PressureLog {
@@ -43,9 +43,9 @@ class PressureLog {
   static constexpr std::size_t most = 256;
   explicit PressureLog(std::span<const std::string> solid_names) : solid_names_(solid_names) { fingers_.reserve(most); }
 
-  /// A frame's schedule. Warns once where a pressure is not reached.
+  /// Adds a frame's schedule. Warns once if a pressure is not reached.
   void planned(const array::Schedule& schedule);
-  /// In the order in which they first came.
+  /// In the order of their first appearance.
   const std::vector<FingerPressure>& fingers() const { return fingers_; }
 
  private:

@@ -21,7 +21,7 @@ void add_distribution(JsonWriter& json, std::string_view key, const Samples& sam
   json.end_object();
 }
 
-/// `drives` and, of boards that play them, `plans`: what passed each hand-over.
+/// The numbers that passed each hand-over: `drives` and, for boards that play them, `plans`.
 void add_hand_over(JsonWriter& json, const HandOver& counts) {
   json.key("hand_over").begin_object();
   const auto add = [&](std::string_view key, std::uint64_t Passed::*what, bool drives) {

@@ -1,4 +1,4 @@
-// What a loop measured about itself.
+// The measurements of a loop.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class Samples {
 /// Kept by the output thread.
 struct OutputStats {
   std::uint64_t drives = 0, silent_drives = 0, skipped_slots = 0;
-  HandOver hand_over;          ///< what left for the link, and how far it came
+  HandOver hand_over;          ///< the counts of drives at each hand-over to the device
   Samples jitter_s;            ///< how late each drive left
   Samples capture_to_drive_s;  ///< from a frame's capture to its first drive
 
@@ -53,22 +53,22 @@ struct OutputStats {
   void first_drive(double latency_s) { capture_to_drive_s.add(latency_s); }
 };
 
-/// Of a run that tells its events.
+/// For a run that reports events.
 struct EventStats {
   std::uint64_t written = 0, dropped = 0;
 };
 
-/// Of a run that tunes strides.
+/// For a run that tunes strides.
 struct TuneStats {
-  bool of_array = false;     ///< by the array's field, once it is known; else by spots
-  std::uint64_t fields = 0;  ///< times that a finger's came to be known
+  bool of_array = false;     ///< true: by the array's field, once it is known; false: by spots
+  std::uint64_t fields = 0;  ///< how many fingers' fields were computed
 };
 
-/// Of a run that has shed work.
+/// For a run that has shed work.
 struct ShedStats {
-  Effort least;              ///< the least that frames were worked on with
+  Effort least;              ///< the least effort of any frame
   double hold_s = 0;         ///< the longest that a frame was allowed to sound
-  std::uint64_t frames = 0;  ///< that were worked on in part
+  std::uint64_t frames = 0;  ///< that were processed only in part
 };
 
 /// The time of one pass over all frames.
@@ -79,12 +79,12 @@ struct PassStats {
 
 struct LoopStats {
   std::uint64_t captured = 0;    ///< frames that came from the source
-  std::uint64_t replaced = 0;    ///< of these, not looked at because a newer one had come
-  std::uint64_t missing = 0;     ///< times that the source had nothing within the hold
-  std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, most often since they came too fast
+  std::uint64_t replaced = 0;    ///< of these, skipped because a newer one had come
+  std::uint64_t missing = 0;     ///< how often the source had no frame within the hold
+  std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, usually because they came too fast
   std::uint64_t planned = 0;     ///< frames whose drives were made
   std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
-  std::uint64_t touching = 0;    ///< of those planned, frames with at least one finger
+  std::uint64_t touching = 0;    ///< of the planned frames, those with at least one finger
   double seconds = 0;            ///< from the first frame to the end
   Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;
@@ -92,8 +92,8 @@ struct LoopStats {
   std::optional<EventStats> events;
   std::optional<TuneStats> tune;
   std::optional<ShedStats> shed;
-  std::vector<FingerPressure> fingers;  ///< where pressures were asked for
-  std::vector<std::string> solids;      ///< the names of theirs
+  std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
+  std::vector<std::string> solids;      ///< the names of their solids
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t usual_frames = 30, most_frames = 100;
 constexpr double degree = std::numbers::pi / 180;
-/// More than that is no camera's noise within a metre.
+/// More than any camera's noise within a metre.
 constexpr double usual_rms_m = 1e-3;
 
 std::uint64_t frames_of(const CalibrateTask& task) {
@@ -33,7 +33,7 @@ std::string source_of(const CalibrateTask& task) {
   return task.source.empty() ? "synthetic" : task.source;
 }
 
-/// In the world.
+/// The target's pose in the world.
 Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   const TargetMount mount = target_mount(placed.layout);
   Vec3 origin(mount.T_layout_target[3]);
@@ -44,14 +44,14 @@ Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);
 }
 
-/// A target or a camera of another scale puts the camera elsewhere with small distances all the same.
+/// If the target or the camera has another scale, the camera's pose is wrong although the distances are small.
 void warn_of_scale(const CalibratedCamera& camera, double depth_unit_m) {
   const sensing::FoundTarget& found = camera.found;
   if (!sensing::scale_is_off(found)) return;
   log::warning(fmt::format(
-      "camera \"{}\": it sees the target {:.1f} % {} than it is, {:.1f} mm across the plate; the print or the camera's "
-      "measure is off, which look alike: measure the plate, which has 130.0 mm; if it is right, the camera needs "
-      "another depth_unit_m (such as {:.4g}) or a calibration of its own; the pose is off by millimetres until then",
+      "camera \"{}\": it sees the target {:.1f} % {} than it is, {:.1f} mm across the plate; either the print or the "
+      "camera's scale is off: measure the plate, which should be 130.0 mm wide; if the print is right, the camera "
+      "needs another depth_unit_m (such as {:.4g}) or its own calibration; until then, the pose is off by millimetres",
       camera.name, 100 * std::abs(found.scale - 1), found.scale > 1 ? "larger" : "smaller",
       1e3 * std::abs(found.scale - 1) * 2 * sensing::TargetSize::plate_half, depth_unit_m / found.scale));
 }
@@ -60,8 +60,8 @@ void warn_of_distance(const CalibratedCamera& camera) {
   const double rms_m = camera.found.fit.rms_m;
   if (!(rms_m > usual_rms_m)) return;
   log::warning(
-      fmt::format("camera \"{}\": its points lie {:.1f} mm from the target, rms: was it printed in "
-                  "millimetres, and flat? is depth_unit_m right?",
+      fmt::format("camera \"{}\": its points lie {:.1f} mm (rms) from the target: was it printed in millimetres, and "
+                  "flat? is depth_unit_m right?",
                   camera.name, rms_m * 1e3));
 }
 

@@ -1,5 +1,5 @@
-// What `palpa calibrate` computes, but for --nudge: the poses of a rig's cameras from what they see of the calibration
-// target, and the target itself. What is solved stands in setup/calibration.hpp. Metres, world frame.
+// The computation of `palpa calibrate`, except for --nudge: the poses of a rig's cameras from their frames of the
+// calibration target, and the target itself. The method is in setup/calibration.hpp. Metres, world frame.
 #pragma once
 
 #include <cstdint>
@@ -17,50 +17,51 @@
 
 namespace palpa::setup {
 
-/// Where the target stands, if not on its mount (target_mount.hpp).
+/// The place of the target, if it is not on its mount (target_mount.hpp).
 struct TargetPlace {
   std::string at;       ///< "x,y,z", the middle of its underside in the layout's own frame; empty: on its mount
-  double turn_deg = 0;  ///< of the target about its own z, from above counter-clockwise
+  double turn_deg = 0;  ///< of the target about its own z, counter-clockwise seen from above
 };
 
 struct CalibrateTask {
   std::string source;        ///< as session::open_source takes it; empty: a rehearsal, the rig's own cameras rendered
-  std::uint64_t frames = 0;  ///< taken together, at most 100; 0: 30
+  std::uint64_t frames = 0;  ///< number of frames combined, at most 100; 0: 30
   bool noise_free = false;   ///< synthetic frames without the sensor's noise
-  std::uint64_t seed = 0;    ///< of that noise
+  std::uint64_t seed = 0;    ///< seed of that noise
   RigOptions rig;
   TargetPlace target;
 };
-/// Throws bad_usage, which names the command's options, for too many frames and for a real source without noise.
+/// Throws bad_usage, naming the command's options, for too many frames and for a real source with `noise_free`.
 void check(const CalibrateTask& task);
 
-/// What is said while cameras are looked at; each may be empty.
+/// Callbacks during the calibration; each may be empty.
 struct CalibrateWatch {
-  std::function<void(std::uint64_t frames)> opened{};  ///< all is read and the source is open; so many are to be taken
-  std::function<void(std::uint64_t frames)> taken{};   ///< after each frame: how many there are
-  std::function<void()> all_taken{};                   ///< before poses are computed
+  /// all input is read and the source is open; number of frames to take
+  std::function<void(std::uint64_t frames)> opened{};
+  std::function<void(std::uint64_t frames)> taken{};  ///< after each frame: number of frames so far
+  std::function<void()> all_taken{};                  ///< before the poses are computed
 };
 
 struct CalibrateResult {
   std::vector<CalibratedCamera> cameras;
-  std::uint64_t frames = 0;  ///< that were taken
+  std::uint64_t frames = 0;  ///< number of frames taken
   Transform T_world_target{1.0};
-  sensing::Rig rig;  ///< the rig with these poses, and with the array of RigOptions::layout where that is given
+  sensing::Rig rig;  ///< the rig with these poses, and with the array of RigOptions::layout if that is given
 };
-/// What `palpa calibrate --json` writes (docs/files.md).
+/// The output of `palpa calibrate --json` (docs/files.md).
 std::string to_json(const CalibrateResult& result);
 
-/// `sources` come beside palpa's own. Warns of a target or a camera of another scale, and of points that lie far from
+/// `sources` are added to palpa's own. Warns if the target or a camera has another scale, and if points lie far from
 /// the target. Throws as check, load_posed_rig, session::open_source, collect_still_frames and calibrate_cameras do.
 CalibrateResult calibrate(const CalibrateTask& task, std::span<const session::SourceKind> sources,
                           const CalibrateWatch& watch = {});
 
-/// The target for that layout as it is printed, its underside at z = 0.
+/// The target for that layout, in the position for printing, with its underside at z = 0.
 geometry::Mesh target_to_print(const array::Layout& layout);
-/// The same in the world, where it stands.
+/// The same, in its place in the world.
 geometry::Mesh target_in_world(const TargetPlace& place, const PlacedLayout& placed);
 
-/// The rig with the array of RigOptions::layout in place of its own, where that is given.
+/// The rig. If RigOptions::layout is given, it has that array instead of its own.
 sensing::Rig rig_to_write(const PosedRig& posed, const RigOptions& options);
 
 }  // namespace palpa::setup

@@ -16,16 +16,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// std::quoted would be found, too.
+/// Not named `quoted`, because std::quoted would also be found.
 std::string in_quotes(const std::string& name) {
   return geometry::text::quoted(name);
 }
 
-/// The solids to take apart, as --surface parts takes them, and open ones too. Throws bad_input for what cannot be.
+/// The solids to decompose: those of --surface parts, and open ones too. Throws bad_input for solids that cannot be
+/// decomposed.
 std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeTask& task) {
   const std::optional<int> index = task.gltf_scene ? std::optional(static_cast<int>(*task.gltf_scene)) : std::nullopt;
   geometry::Scene scene = [&] {
-    const Activity work("reads " + task.scene);
+    const Activity work("reading " + task.scene);
     return geometry::load_gltf(task.scene, index);
   }();
   std::erase_if(scene.meshes, [](const geometry::SceneMesh& mesh) { return !mesh.haptics.touchable; });

@@ -1,5 +1,5 @@
-// What `palpa decompose` computes: the convex parts of a scene's solids, and how well they match them. The method is in
-// geometry/parts/decompose.hpp. Metres, world frame.
+// The computation of `palpa decompose`: the convex parts of a scene's solids, and how well the parts match the solids.
+// The method is in geometry/parts/decompose.hpp. Metres, world frame.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,28 @@ namespace palpa::setup {
 
 struct DecomposeTask {
   std::string scene;                        ///< glTF file
-  std::optional<std::uint32_t> gltf_scene;  ///< scene of the file; nothing: the file's own
+  std::optional<std::uint32_t> gltf_scene;  ///< scene of the file; empty: the file's default scene
   geometry::DecomposeOptions options;
-  std::uint64_t seed = 0;  ///< of the points by which parts are measured
+  std::uint64_t seed = 0;  ///< for the points with which parts are measured
 };
 
-/// A solid, and what it is the union of.
+/// A solid, and the parts of which it is the union.
 struct Decomposed {
   geometry::Solid solid;
   geometry::Parts parts;
   geometry::PartsReport report;
-  double seconds = 0;  ///< that the cutting took
+  double seconds = 0;  ///< time for the decomposition
 };
-/// What `palpa decompose --json` writes (docs/files.md); `file` is where the parts are written to.
+/// The output of `palpa decompose --json` (docs/files.md); `file` is the file with the parts.
 std::string to_json(const std::vector<Decomposed>& solids, const std::string& file);
 
-/// The parts as meshes of a scene (geometry/gltf/write.hpp), marked so that reading it makes them their solids again.
+/// The parts as meshes of a scene (geometry/gltf/write.hpp), marked so that a reader reassembles them to their solids.
 std::vector<geometry::SceneMesh> part_meshes(const std::vector<Decomposed>& solids);
 
-/// Every mesh of the scene that can be touched, in its order. An open one is closed first, with a warning. `all_read`
-/// is called once the scene is read and the long work begins. Throws bad_input for a scene without such a mesh, for one
-/// that consists of parts already and for a mesh that cannot be cut; failure as geometry::decompose does.
+/// Decomposes every mesh of the scene that can be touched, in the scene's order. An open mesh is closed first, with a
+/// warning. `all_read` is called after the scene is read and before the long computation begins. Throws bad_input for a
+/// scene without such a mesh, for a scene that already consists of parts, and for a mesh that cannot be decomposed.
+/// Throws failure as geometry::decompose does.
 std::vector<Decomposed> decompose(const DecomposeTask& task, const std::function<void()>& all_read = {});
 
 }  // namespace palpa::setup

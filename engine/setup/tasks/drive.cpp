@@ -28,13 +28,13 @@ acoustics::Air air_of_solvers(const DriveOptionsGroup& drive) {
   return acoustics::without_absorption(air(drive.medium, {}));
 }
 
-/// What sounds in the touch's slot, in the layout's frame, as a schedule of one slot: a voice per finger, and none for
-/// one that is silent (`gain` 0).
+/// The sound in the touch's slot, in the layout's frame, as a schedule of one slot: one voice per finger, except for
+/// silent fingers (`gain` 0).
 array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touch, const PlacedLayout& placed) {
   constexpr std::uint64_t longest_cycle = 1u << 20;
   const std::uint32_t slot = task.slot.value_or(0);
   if (const std::uint64_t cycle = array::cycle_length(touch, longest_cycle); cycle != 0 && slot >= cycle) {
-    throw bad_usage(fmt::format("--slot: {} is not there: {} has {}", slot, task.touch,
+    throw bad_usage(fmt::format("--slot: {} does not exist: {} has {}", slot, task.touch,
                                 cycle == 1 ? "one slot, 0" : fmt::format("the slots 0 to {}", cycle - 1)));
   }
   std::vector<array::SlotFocus> foci;
@@ -61,7 +61,7 @@ array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touc
   return schedule;
 }
 
-/// Refuses fingers that ask for a pressure beside what it takes the place of.
+/// Refuses fingers that request a pressure together with options that a pressure replaces.
 void check_pressures(const DriveTask& task, const array::Schedule& touch) {
   for (const array::Voice& finger : touch.voices) {
     if (finger.pressure_pa > 0)
@@ -69,7 +69,7 @@ void check_pressures(const DriveTask& task, const array::Schedule& touch) {
   }
 }
 
-/// Of each voice that asks for none itself.
+/// Sets the pressure for each voice that does not request one itself.
 void ask_for_pressure(const DriveOptionsGroup& drive, array::Schedule& schedule) {
   for (array::Voice& voice : schedule.voices) {
     if (voice.pressure_pa == 0) voice.pressure_pa = drive.pressure_pa.value_or(0);
@@ -99,7 +99,7 @@ std::vector<Vec3> aim(FingerInSound& finger, const std::vector<array::SlotFocus>
   return finger.sound.aim(places);
 }
 
-/// Of each focus, against the drive that free air asks for.
+/// The gain at each focus relative to the drive for free air.
 std::vector<double> gains_over(const array::DriveOptions& in_free_air, const array::Layout& layout,
                                const FingerInSound& finger, const DriveResult& result) {
   const array::Drive other = array::drive_for(layout, result.foci, in_free_air);
@@ -111,12 +111,12 @@ std::vector<double> gains_over(const array::DriveOptions& in_free_air, const arr
   return gains;
 }
 
-/// Where drives are computed.
+/// The place where drives are computed.
 struct Computer {
-  const gpu::Device* device = nullptr;                 ///< there already,
-  const gpu::DeviceOptions* device_options = nullptr;  ///< or to be opened; neither: the processor
-  FingerInSound* finger = nullptr;                     ///< on the processor; its transfer takes the place of free air
-  std::string touch;                                   ///< the file that foci are from, for messages
+  const gpu::Device* device = nullptr;                 ///< an open device,
+  const gpu::DeviceOptions* device_options = nullptr;  ///< or one to be opened; neither: the processor
+  FingerInSound* finger = nullptr;                     ///< on the processor; its transfer replaces free air
+  std::string touch;                                   ///< file of the foci, for messages
 };
 
 array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span<const array::SlotFocus> foci,
@@ -126,7 +126,7 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
   return drive_on_gpu(gpu::Device(*by.device_options), layout, foci, factors, options);
 }
 
-/// Of slot 0 of the schedule, whose foci, if there is a finger, it was aimed at.
+/// Computes the drive of slot 0 of the schedule. If there is a finger, it must already be aimed at the schedule's foci.
 void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
                 const Computer& by, DriveResult& result) {
   array::DriveOptions options = in_free_air;
@@ -143,9 +143,9 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
   result.unresolved = array::unresolved_pairs(layout, result.foci, options);
 }
 
-/// What a command line refuses while it is read.
+/// Refuses values that the command line refuses during parsing.
 void check_values(const DriveOptionsGroup& drive) {
-  air_of_solvers(drive);  // refuses air and tones that are none
+  air_of_solvers(drive);  // refuses invalid air and tones
   if (drive.pressure_pa && !(*drive.pressure_pa > 0 && *drive.pressure_pa <= array::most_pressure_pa)) {
     throw bad_usage(fmt::format("a pressure of {} Pa at each focus is not above 0 and at most {} Pa",
                                 *drive.pressure_pa, array::most_pressure_pa));

@@ -1,5 +1,5 @@
-// What `palpa drive` computes: amplitude and phase of every transducer for one focus, or for several at once, and what
-// that sounds like at them. Lengths in metres, pressures in Pa, peak, phases in radians under the time factor e^-iwt;
+// The computation of `palpa drive`: amplitude and phase of every transducer for one focus, or for several at once, and
+// the sound at the foci. Lengths are in metres, pressures in Pa (peak), phases in radians with the time factor e^-iwt,
 // all in the layout's own frame. The formulas are in array/drive.hpp and, for a finger, in
 // acoustics/bodies/finger_transfer.hpp.
 #pragma once
@@ -25,67 +25,69 @@
 
 namespace palpa::setup {
 
-/// What to drive, by names and files, as the command line gives it.
+/// The input as names and files, as on the command line.
 struct DriveTask {
   std::string layout;                 ///< a built-in name or a file; empty with `touch`: the rig's
-  std::vector<std::string> foci;      ///< texts of schedule_of; none with `touch`
-  std::string touch;                  ///< what palpa touch --json wrote
-  std::optional<std::uint32_t> slot;  ///< of that touch's order, normally 0
-  std::string rig;  ///< where the array stands for that touch; empty: where the layout stands by default
+  std::vector<std::string> foci;      ///< texts for schedule_of; empty with `touch`
+  std::string touch;                  ///< output file of `palpa touch --json`
+  std::optional<std::uint32_t> slot;  ///< in that touch's order, default 0
+  std::string rig;                    ///< gives the array's pose for that touch; empty: the layout's default pose
   DriveOptionsGroup drive;
-  std::string mesh;    ///< the finger of a finger's transfer: a closed mesh in the layout's frame
-  bool force = false;  ///< also with a finger that is too coarse for the wavelength
+  std::string mesh;    ///< finger for a finger's transfer: a closed mesh in the layout's frame
+  bool force = false;  ///< allow a finger that is too coarse for the wavelength
 };
-/// Throws bad_usage, which names the command's options, where some are missing or exclude each other.
+/// Throws bad_usage, naming the command's options, if some are missing or exclude each other.
 void check(const DriveTask& task);
 
 struct DriveResult {
   array::Layout layout;
   array::Medium medium;
   std::vector<array::SlotFocus> foci;
-  std::vector<Vec3> aimed;  ///< with a finger where each focus sounds: on the skin; else none
+  std::vector<Vec3> aimed;  ///< with a finger: where each focus sounds, on the skin; otherwise empty
   array::Drive drive;       ///< in layout order
   acoustics::FociPressure pressure;
-  /// With a finger: the pressure at each focus over that of the drive for the same foci in free air. None where a
-  /// pressure is asked for.
+  /// With a finger: the pressure at each focus divided by that of the drive for the same foci in free air. Empty if a
+  /// pressure is requested.
   std::vector<double> over_free_field;
-  std::vector<array::FocusPair> unresolved;  ///< foci that are closer than the array resolves
-  bool pressure_asked = false;               ///< some focus asks for a pressure
+  std::vector<array::FocusPair> unresolved;  ///< foci that are closer together than the array resolves
+  bool pressure_asked = false;               ///< some focus requests a pressure
 
-  /// A focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
+  /// Whether a focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
-/// What `palpa drive --json` writes (docs/files.md).
+/// The output of `palpa drive --json` (docs/files.md).
 std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.
 struct FingerInSound {
-  /// `body` as body_of (setup/body.hpp) makes it for this air, clear of the array (acoustics::check_clear_of), in the
-  /// layout's frame. `layout` outlives it. The air is that of `drive`, without absorption, as in the solvers.
+  /// `body` must come from body_of (setup/body.hpp) for this air, be clear of the array (acoustics::check_clear_of),
+  /// and be in the layout's frame. `layout` must outlive this object. The air is that of `drive`, without absorption,
+  /// as in the solvers.
   FingerInSound(geometry::Mesh body, const array::Layout& layout, const DriveOptionsGroup& drive);
 
   acoustics::RigidBody body;
   acoustics::FingerTransfer sound;
 };
-/// The same with all checks, of a closed mesh that messages call `name`. Throws as load_body and check_clear_of do.
+/// The same with all checks, for a closed mesh that messages call `name`. Throws as load_body and check_clear_of do.
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
                                                const array::Layout& layout, const DriveOptionsGroup& drive,
                                                bool force = false);
 
-/// The drive of foci that sound together. On `device`, and where that is null on the processor; array/drive_pass.hpp
-/// says how far they agree. Throws bad_usage as drive_options and schedule_of do, where there is no focus, and for air,
-/// tone or pressure that the command line would refuse, too; warns of what is unusual.
+/// The drive of foci that sound together, computed on `device`, or on the processor if that is null;
+/// array/drive_pass.hpp says how closely they agree. Throws bad_usage as drive_options and schedule_of do, if there is
+/// no focus, and for air, tone or pressure that the command line would refuse. Warns of unusual values.
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        const gpu::Device* device = nullptr);
-/// The same on a finger, which was made for this layout and these options: `drive` need not ask for its transfer. On
-/// the processor.
+/// The same on a finger, which must be made for this layout and these options. `drive` need not request its transfer.
+/// Computed on the processor.
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        FingerInSound& finger);
 
-/// The same of files. Of `common` the backend and what chooses a device count. `finger_read` is called where there is a
-/// finger, once it is read and before its sound is computed, which takes seconds. Throws as check, load_touch,
-/// load_placed_layout, load_body and make_drive do; bad_usage where the touch has no such slot, and where a finger of
-/// it asks for a pressure beside what a pressure takes the place of; bad_input where all of its fingers are silent.
+/// The same from files. Only the backend and the choice of device in `common` are used. If there is a finger,
+/// `finger_read` is called after it is read and before its sound is computed, which takes seconds. Throws as check,
+/// load_touch, load_placed_layout, load_body and make_drive do. Throws bad_usage if the touch has no such slot, or if
+/// one of its fingers requests a pressure together with an option that a pressure replaces. Throws bad_input if all of
+/// its fingers are silent.
 DriveResult make_drive(const DriveTask& task, const CommonOptions& common,
                        const std::function<void()>& finger_read = {});
 

@@ -13,7 +13,7 @@ namespace palpa::setup {
 class ExportRun::Links final : public session::Link {
  public:
   explicit Links(std::span<session::Link* const> links) : links_(links.begin(), links.end()) {}
-  /// It outlives this; none where it is null.
+  /// `link` must outlive this object; nothing is added if it is null.
   void add(session::Link* link) {
     if (link) links_.push_back(link);
   }
@@ -25,7 +25,7 @@ class ExportRun::Links final : public session::Link {
     for (session::Link* const link : links_)
       link->send(slot, drive);
   }
-  /// All of them, whatever fails.
+  /// Finishes all of them, even if one fails.
   void finish() override {
     std::exception_ptr fault;
     for (session::Link* const link : links_) {
@@ -43,7 +43,7 @@ class ExportRun::Links final : public session::Link {
 };
 
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links) {
-  if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: what is exported is never late");
+  if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: exported frames are never late");
   check(task);
   if (task.foci.empty() && task.events.empty() && task.drives.empty() && !own_links)
     throw bad_usage("nothing to export: give --foci, --events or --drives");

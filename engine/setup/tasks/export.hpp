@@ -1,5 +1,5 @@
-// What `palpa export` computes: what a source of frames would sound like and report, on its own clock
-// (session/replay.hpp), to files and to links of the caller. Metres in the world, seconds.
+// The computation of `palpa export`: replays a source of frames on its own clock (session/replay.hpp) and sends its
+// sound and events to files and to the caller's links. Metres in the world, seconds.
 #pragma once
 
 #include <atomic>
@@ -21,22 +21,22 @@ namespace palpa::setup {
 
 struct ExportTask : FrameOptions {
   std::string foci;    ///< file, .csv or .json (session/links/foci_file.hpp); empty: none
-  std::string drives;  ///< file as the link record:FILE writes it; empty: none
+  std::string drives;  ///< file in the format of the link record:FILE; empty: none
 };
-/// Throws bad_usage, which names the command's options, where they do not fit each other, where the source would never
-/// end, and where nothing is to be written although no other link wants it: `own_links`.
+/// Throws bad_usage, naming the command's options, if they do not fit together, if the source would never end, or if
+/// there is no output. `own_links`: the caller has its own links, so no output file is needed.
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links = false);
 
-/// A focus of a frame, as a row of the foci's file has it.
+/// A focus of a frame, as in a row of the foci's file.
 struct FocusRow {
-  std::uint64_t slot = 0;  ///< the first that plays the frame
+  std::uint64_t slot = 0;  ///< the first slot that plays the frame
   double time_s = 0;       ///< when the frame was captured
   std::uint32_t finger = 0, solid = 0;
   std::uint32_t focus = 0;  ///< its number in the finger's list of foci
   glm::vec3 position{0};
   double gain = 1;
 };
-/// A link that keeps the foci of all frames.
+/// A link that collects the foci of all frames.
 class FocusRows final : public session::Link {
  public:
   void plan(const session::PlayedPlan& plan) override;
@@ -50,25 +50,26 @@ class FocusRows final : public session::Link {
 
 struct ExportResult {
   session::ReplayStats stats;
-  bool stopped = false;  ///< before the end: the foci's file is not written
+  bool stopped = false;  ///< stopped before the end; the foci's file is not written
 };
-/// What `palpa export --json` writes (docs/files.md).
+/// The output of `palpa export --json` (docs/files.md).
 std::string to_json(const ExportResult& result);
 
 class ExportRun {
  public:
-  /// Loads and opens all that the task, which has passed check(), names, files to write too. `sources` come beside
-  /// palpa's own; `links`, which outlive it, get all that the files get; `stop` ends the run. Throws as prepare and
-  /// what opens the files do.
+  /// Loads and opens everything that the task names, including output files. The task must have passed check().
+  /// `sources` are added to palpa's own. `links` must outlive this object and get the same data as the files. `stop`
+  /// ends the run. Throws as prepare and the functions that open the files do.
   ExportRun(const ExportTask& task, std::span<const session::SourceKind> sources, std::atomic<bool>& stop,
             std::span<session::Link* const> links = {});
   ~ExportRun();
   ExportRun(const ExportRun&) = delete;
   ExportRun& operator=(const ExportRun&) = delete;
 
-  /// Once, until the source or the task's number of frames ends, or `stop` becomes true. `looking` is called beside
-  /// what the task asks for, its `frames` do not count. Warns of fingers that are left out. The foci's file is put in
-  /// its place at the end, if nothing failed and nobody stopped it. Throws as session::replay and the links do.
+  /// Runs once, until the source or the task's number of frames ends, or `stop` becomes true. The functions in
+  /// `looking` are called in addition to those of the task; its `frames` is ignored. Warns of fingers that are left
+  /// out. The foci's file is moved into its place at the end, if nothing failed and nobody stopped the run. Throws as
+  /// session::replay and the links do.
   ExportResult run(const session::ReplayOptions& looking = {});
 
  private:

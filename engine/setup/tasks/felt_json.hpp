@@ -1,4 +1,4 @@
-// What skin feels in time, as JSON: --spectrum, and what --tune chose.
+// What skin feels over time, as JSON: --spectrum, and the values that --tune chose.
 #pragma once
 
 #include "acoustics/felt/spectrum.hpp"
@@ -7,7 +7,8 @@
 
 namespace palpa::setup {
 
-/// The members "tune" and "spectrum" of a finger's object, each only where it was asked for; `spectrum` may be nullptr.
+/// Adds the members "tune" and "spectrum" to a finger's object, each only if it was requested; `spectrum` may be
+/// nullptr.
 void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum);
 
 }  // namespace palpa::setup

@@ -24,7 +24,7 @@ double milliseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// That of the file, or one that is made for the foci, which `result` then has.
+/// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
   if (!task.drive_file.empty()) return load_drive(task.drive_file, layout);
   const array::DriveOptions options = drive_options(task.drive);
@@ -35,7 +35,7 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
   return drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
 }
 
-/// Of the places that `result` has, in its air.
+/// Computes the field at the places of `result`, in its air.
 void sum(const array::Layout& layout, std::span<const array::TransducerDrive> drive, array::Directivity directivity,
          const gpu::Device* device, FieldResult& result) {
   const acoustics::Strengths strengths = acoustics::strengths_of(drive);
@@ -66,7 +66,7 @@ void check(const FieldTask& task, bool picture) {
   if (!task.drive_file.empty() && (task.drive.weighting != usual.weighting || task.drive.solver ||
                                    task.drive.transfer || task.drive.constraint || task.drive.pressure_pa)) {
     throw bad_usage(
-        "--amplitude, --solver, --transfer, --constraint and --pressure make a drive of --focus: --drive has one");
+        "--amplitude, --solver, --transfer, --constraint and --pressure go with --focus: --drive is already a drive");
   }
   if (picture && task.place.given() && !task.place.plane)
     throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");
@@ -95,8 +95,8 @@ FieldResult sum_field(const array::Layout& layout, std::span<const array::Transd
                       const acoustics::Air& air, array::Directivity directivity, const gpu::Device* device) {
   const auto begin = Clock::now();
   if (drive.size() != layout.transducers.size()) {
-    throw bad_usage(fmt::format("the drive is of another layout: it has {} transducers, {} has {}", drive.size(),
-                                layout.name, layout.transducers.size()));
+    throw bad_usage(fmt::format("the drive belongs to another layout: it has {} transducers, but {} has {}",
+                                drive.size(), layout.name, layout.transducers.size()));
   }
   if (places.points.empty()) throw bad_usage("there are no points to look at");
   FieldResult result{.places = std::move(places), .pressures = {}, .air = air, .layout = layout.name, .foci = {}};

@@ -6,7 +6,7 @@
 namespace palpa::setup {
 namespace {
 
-/// `turned`: a quarter about y, so that the prism's ridge runs along x.
+/// `turned`: by a quarter turn about y, so that the prism's ridge runs along x.
 struct Object {
   const char* name;
   const char* asset;

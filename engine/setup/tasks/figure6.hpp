@@ -1,4 +1,4 @@
-// The paper's Fig. 6: the finger in each of its objects, by every method.
+// The paper's Fig. 6: the finger in each of the paper's objects, with every method.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@ namespace palpa::setup {
 /// "cube", "semi-sphere", "pyramid", "prism", or "prism-along-x", whose ridge runs along x.
 struct Figure6Touch {
   std::string object;
-  SimulateResult result;  ///< has its bare_elongation
+  SimulateResult result;  ///< includes bare_elongation
 };
 
-/// Method by method, object by object, each as simulate() has it; the objects are palpa's own assets. Of `options` the
-/// method, and whether the bare elongation is asked for, do not matter.
+/// The results of simulate(), method by method and object by object; the objects are palpa's own assets. In `options`,
+/// the method and the request for the bare elongation are ignored.
 std::vector<Figure6Touch> figure6(const SimulateOptions& options, FingerBody& finger);
 
-/// As `palpa simulate --figure6 --json` writes it: an array of objects.
+/// The output of `palpa simulate --figure6 --json`: an array of objects.
 std::string to_json(std::span<const Figure6Touch> touches);
 
 }  // namespace palpa::setup

@@ -19,10 +19,10 @@
 namespace palpa::setup {
 namespace {
 
-/// Nearer than this a focus stands on a transducer, and the direction of its sound means nothing.
+/// Below this distance, a focus is on a transducer, and the direction of its sound is meaningless.
 constexpr double on_transducer_m = 1e-6;
 
-/// "x,y,z,a" as "x,y,z" and a; without a fourth part a is 1.
+/// Splits "x,y,z,a" into "x,y,z" and a; without a fourth part, a is 1.
 std::pair<std::string, float> split_gain(const std::string& text) {
   if (std::ranges::count(text, ',') != 3) return {text, 1.0F};
   const std::size_t comma = text.rfind(',');
@@ -93,7 +93,7 @@ std::vector<std::complex<double>> factors_for(const array::Layout& layout, array
     if (session::is_reached(asked, reached)) continue;
     const std::string who =
         touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", touch, voice.id);
-    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: more the array does not give", who,
+    log::warning(fmt::format("{} has {:.0f} Pa of the {:.0f} Pa that are asked for: the array cannot give more", who,
                              reached, asked));
   }
   const auto factors = loudness.factors(0);

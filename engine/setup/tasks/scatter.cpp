@@ -26,10 +26,10 @@ namespace {
 /// An absorbing medium has no plane wave of 1 Pa everywhere.
 void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
   if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
-    throw bad_usage("--absorption goes with --drive: plane wave and point source are those of a lossless air");
+    throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
 }
 
-/// The task's wave, checked beside the body.
+/// Loads the task's wave and checks it against the body.
 IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
   IncidentSound sound;
   if (!task.plane_wave.empty()) {
@@ -54,7 +54,7 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
                  const geometry::Mesh& body, bool force) {
   if (const auto* const plane = std::get_if<PlaneWave>(&sound)) {
     const double length = glm::length(plane->direction);
-    if (!(length > 0 && std::isfinite(length))) throw bad_usage("a plane wave travels along a direction with a length");
+    if (!(length > 0 && std::isfinite(length))) throw bad_usage("a plane wave needs a direction whose length is not 0");
   } else if (const auto* const point = std::get_if<PointSource>(&sound)) {
     const Vec3& p = point->position;
     if (!(std::abs(p.x) <= farthest_point_m && std::abs(p.y) <= farthest_point_m && std::abs(p.z) <= farthest_point_m))
@@ -64,17 +64,17 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
     warn_of_frequency(array->layout, air.medium);
     acoustics::check_clear_of(name, body, array->layout);
     if (array->drive.size() != array->layout.transducers.size()) {
-      throw bad_usage(fmt::format("the drive is of another layout: it has {} transducers, {} has {}",
+      throw bad_usage(fmt::format("the drive belongs to another layout: it has {} transducers, but {} has {}",
                                   array->drive.size(), array->layout.name, array->layout.transducers.size()));
     }
   }
   check_absorption(sound, air);
 }
 
-/// The incident wave, whichever it is.
+/// The incident wave, of any kind.
 class Wave {
  public:
-  /// `sound` outlives it.
+  /// `sound` must outlive it.
   Wave(const IncidentSound& sound, const acoustics::Air& air) : sound_(sound), air_(air) {
     if (const auto* const array = std::get_if<ArraySound>(&sound)) strengths_ = acoustics::strengths_of(array->drive);
   }
@@ -127,7 +127,7 @@ Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<c
   return total;
 }
 
-/// Of a body and a sound that are checked.
+/// Computes the result for a checked body and a checked sound.
 ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acoustics::Air& air,
                     std::vector<Vec3> points) {
   ScatterResult result;
@@ -166,7 +166,7 @@ void check(const ScatterTask& task) {
   }
   if (task.drive_file.empty() != task.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
   if (task.directivity && task.drive_file.empty())
-    throw bad_usage("--directivity goes with --drive: it is of an array's transducers");
+    throw bad_usage("--directivity goes with --drive: it belongs to an array's transducers");
   refuse_without_place(task.place);
 }
 

@@ -71,9 +71,9 @@ TouchInput skin_of(const geometry::Mesh& finger, double dy) {
   return input;
 }
 
-/// What the rig's cameras see of the mesh, the array's boards in their way.
+/// The points of the mesh that the rig's cameras see; the array's boards hide parts of it.
 TouchInput seen_skin(const SimulateOptions& o, const PosedRig& rig, const FingerBody& finger, double dy) {
-  if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras is what they see");
+  if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras needs one");
   sensing::FrameSet seen;
   const sensing::Posed posed{&finger.as_given(), glm::translate(Transform(1.0), Vec3(0, dy, 0)), finger.name()};
   sensing::SyntheticRig(rig.rig.cameras, array::board_mesh(rig.layout),
@@ -112,13 +112,13 @@ double top_of(std::span<const geometry::Solid> solids) {
   throw bad_input(scene, line + "; give another --penetration");
 }
 
-/// What the sound on a finger is asked for, once it is known where it stands.
+/// The sound on a finger, once its place is known.
 struct OnFinger {
   std::shared_ptr<const acoustics::RigidBody> body;
   std::optional<acoustics::FingerTransfer> transfer;  ///< with --transfer finger
-  std::optional<acoustics::FingerField> field;        ///< of spectra and tuning, unless spots are asked for
+  std::optional<acoustics::FingerField> field;        ///< for spectra and tuning, unless spots are requested
 
-  /// All in the world; the layout outlives it.
+  /// All in the world; the layout must outlive it.
   OnFinger(const SimulateOptions& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
            const acoustics::Air& air, const array::DriveOptions& drive)
       : body(std::move(standing)) {
@@ -130,7 +130,7 @@ struct OnFinger {
   }
 };
 
-/// The plan with drives for what its foci are on that finger.
+/// The plan with drives for its foci on that finger.
 session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, const array::Layout& layout,
                          const array::DriveOptions& options, SimulateResult& result) {
   std::vector<Vec3> foci;

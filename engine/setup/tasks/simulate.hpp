@@ -1,6 +1,6 @@
-// What `palpa simulate` computes: a rigid finger is pressed into a scene, the array focuses on its skin as it does
-// live, and linear sound, scattered by the finger, presses on it (acoustics/bodies/radiation.hpp has the equations).
-// What it finds is simulate_result.hpp's.
+// The computation of `palpa simulate`: a rigid finger is pressed into a scene, and the array focuses on its skin as in
+// a live run. The result is the radiation pressure of linear sound, scattered by the finger, on the finger
+// (acoustics/bodies/radiation.hpp has the equations). simulate_result.hpp defines the result.
 //
 //   setup::SimulateOptions options{.penetration_m = 2e-3};
 //   setup::check(options);
@@ -23,40 +23,40 @@
 
 namespace palpa::setup {
 
-/// What the skin points of the touch are: the finger's vertices, or what the rig's cameras see of it.
+/// The skin points of the touch: the finger's vertices, or the points that the rig's cameras see.
 enum class Skin { vertices, cameras };
 
-/// Of SimulateOptions::penetration_m, either way.
+/// Limit of SimulateOptions::penetration_m, in both directions.
 inline constexpr double most_penetration_m = 10;
 
 /// The defaults are the command line's.
 struct SimulateOptions {
-  ComputeOptions compute;       ///< its seed is that of the cameras' noise
-  double penetration_m = 3e-3;  ///< how far below the solids' top the finger's lowest point is
+  ComputeOptions compute;       ///< its seed is used for the cameras' noise
+  double penetration_m = 3e-3;  ///< depth of the finger's lowest point below the solids' top
   Skin skin = Skin::vertices;
   bool noise_free = false;       ///< cameras without the sensor's noise
-  bool bare_elongation = false;  ///< asks for SimulateResult::bare_elongation
+  bool bare_elongation = false;  ///< requests SimulateResult::bare_elongation
   TouchOptions touch;
   FeltOptions in_time;
-  RigOptions rig;  ///< its array sounds
+  RigOptions rig;  ///< gives the array
   DriveOptionsGroup drive;
   AirOptions air;
 };
-/// Throws bad_usage where the options do not go together, and warns of what is unusual.
+/// Throws bad_usage if the options do not fit together; warns of unusual values.
 void check(const SimulateOptions& options);
 
-/// A finger's mesh, and what it does to sound where it stands. For one thread at a time.
+/// A finger's mesh, and its scattering at its current place. For one thread at a time.
 class FingerBody {
  public:
   /// The triangles of `file`, tip at the origin, body along +y, metres. Throws as load_body does.
   FingerBody(const std::string& file, const acoustics::Air& air, bool force = false);
-  /// The same of a mesh; `name` stands for its file in messages. `force`: it may be too coarse for the wavelength.
+  /// The same for a mesh; messages call it `name`. `force`: it may be too coarse for the wavelength.
   FingerBody(std::string name, geometry::Mesh mesh, const acoustics::Air& air, bool force = false);
 
   const std::string& name() const { return name_; }
   const geometry::Mesh& as_given() const { return given_; }
   const geometry::Mesh& body() const { return body_; }  ///< as_given() welded
-  /// The body, moved along y by that. Kept until another place is asked for.
+  /// The body, moved along y by `dy`. Kept until another place is requested.
   std::shared_ptr<const acoustics::RigidBody> standing(double dy);
 
  private:
@@ -66,10 +66,10 @@ class FingerBody {
   acoustics::BodyCache standing_;
 };
 
-/// The finger, moved along y until it is `penetration_m` into these solids, of which `scene` is the file. `options`
-/// have passed check(), and the finger was made for their air. A finger that stays where it was costs its equations
-/// only once. Throws bad_input, naming `scene`, where nothing is touched, and where the finger stands in the array;
-/// else as load_posed_rig, drive_options and touch_once do. Warns of what is unusual.
+/// Simulates the finger, moved along y until it is `penetration_m` deep in these solids, whose file is `scene`.
+/// `options` must have passed check(), and the finger must be made for their air. The equations are reused while the
+/// finger stays in the same place. Throws bad_input, naming `scene`, if nothing is touched and if the finger intersects
+/// the array; otherwise as load_posed_rig, drive_options and touch_once do. Warns of unusual values.
 SimulateResult simulate(const SimulateOptions& options, FingerBody& finger, const std::string& scene,
                         std::vector<geometry::Solid> solids);
 

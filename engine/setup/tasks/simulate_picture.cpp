@@ -15,10 +15,10 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t side = 240;  // samples along each axis
-constexpr double half_m = 11e-3;   // what is shown on either side of the tip
+constexpr double half_m = 11e-3;   // visible range on either side of the tip
 constexpr double step_m = 2 * half_m / side;
 
-/// What is seen of a body from below, x to the right and z upwards: by sample the face, and the height of the skin.
+/// A body seen from below, x to the right and z upwards. For each sample: the face, and the height of the skin.
 struct SeenFromBelow {
   std::vector<std::int64_t> face = std::vector<std::int64_t>(side * side, -1);
   std::vector<double> y = std::vector<double>(side * side, 0);
@@ -80,7 +80,7 @@ drawing::Pixels draw(const std::vector<double>& values, const std::string& title
   return drawing::draw(picture);
 }
 
-/// Samples of a cross around a focus.
+/// Marks the samples of a cross around a focus.
 void cross_out(std::vector<double>& values, const Vec3& from_tip) {
   constexpr int arm = 4;
   const int column = static_cast<int>(std::lround((from_tip.x + half_m) / step_m - 0.5));

@@ -1,4 +1,4 @@
-// A simulated touch as two pictures, seen from below: where the foci are, and the pressure on the skin.
+// A simulated touch as two pictures, seen from below: the foci, and the pressure on the skin.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace palpa::setup {
 
-/// How deep the skin lies below y = `top_y`, crosses where the foci are, as the paper's Fig. 6 (1a) to (4a).
+/// The depth of the skin below y = `top_y`, with crosses at the foci, as in the paper's Fig. 6 (1a) to (4a).
 drawing::Pixels foci_picture(const SimulateResult& result, double top_y, const std::string& title);
-/// The time-averaged radiation pressure beside its largest value, as (1b) to (4b).
+/// The time-averaged radiation pressure relative to its largest value, as in (1b) to (4b).
 drawing::Pixels pressure_picture(const SimulateResult& result, const std::string& title);
 
 }  // namespace palpa::setup

@@ -30,7 +30,7 @@ void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
       .end_object();
 }
 
-/// As the foci: null for an empty sector.
+/// Like the foci, with null for an empty sector.
 void add_aimed(JsonWriter& json, const SimulateResult& result) {
   json.key("aimed_m").begin_array();
   std::size_t next = 0;
@@ -44,7 +44,7 @@ void add_aimed(JsonWriter& json, const SimulateResult& result) {
   json.end_array();
 }
 
-/// As a touch has them: an object for each finger.
+/// As for a touch: one object for each finger.
 void add_in_time(JsonWriter& json, const SimulateResult& result) {
   json.key("fingers").begin_array(JsonWriter::Style::block);
   for (std::size_t f = 0; f < result.fingers.size(); ++f) {

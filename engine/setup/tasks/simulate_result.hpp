@@ -1,4 +1,4 @@
-// What `palpa simulate` finds: the radiation pressure on a finger that touches a scene, and how it is written.
+// The result of `palpa simulate`: the radiation pressure on a finger that touches a scene, and its output.
 #pragma once
 
 #include <optional>
@@ -21,31 +21,31 @@ struct SimulateResult {
   touch::Method method{};
   double penetration_m = 0;
   double top_m = 0;                       ///< y of the solids' highest point
-  geometry::Mesh body;                    ///< the finger where it stands
-  Vec3 tip{0};                            ///< where the origin of its file is then
-  std::vector<std::optional<Vec3>> foci;  ///< nothing for an empty sector
-  std::vector<Vec3> aimed;                ///< with --transfer finger: where those that are there sound, on the skin
+  geometry::Mesh body;                    ///< the finger in its place
+  Vec3 tip{0};                            ///< the origin of its file in that place
+  std::vector<std::optional<Vec3>> foci;  ///< empty for an empty sector
+  std::vector<Vec3> aimed;                ///< with --transfer finger: where the non-empty foci sound, on the skin
   acoustics::SkinPressure pressure;       ///< by face of the body
-  acoustics::Spot langevin, squared;      ///< of either
-  acoustics::Load load;                   ///< of the radiation pressure, about the tip
-  /// Where it was asked for: the elongation of the same sound's spot without the finger in it.
+  acoustics::Spot langevin, squared;      ///< spots of both pressures
+  acoustics::Load load;                   ///< load of the radiation pressure, about the tip
+  /// If requested: the elongation of the same sound's spot without the finger.
   std::optional<double> bare_elongation;
-  /// With --spectrum or --tune: one for each patch of skin that touches.
+  /// With --spectrum or --tune: one for each touching patch of skin.
   std::vector<session::ScheduledFinger> fingers;
-  std::vector<std::string> touched;          ///< the solid of each of these
-  std::vector<acoustics::Spectrum> spectra;  ///< with --spectrum: of each
-  std::optional<std::string> unreached;      ///< a sentence about a pressure that was asked for and is not reached
+  std::vector<std::string> touched;          ///< the solid of each of `fingers`
+  std::vector<acoustics::Spectrum> spectra;  ///< with --spectrum: one for each of `fingers`
+  std::optional<std::string> unreached;      ///< a sentence about a requested pressure that is not reached
   StepTimes times;
 
-  /// Whether linear acoustics overstates what is felt and heard: array::linear_pressure_pa.
+  /// Whether linear acoustics overstates the result (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
 
-/// As `palpa simulate --json` writes it (docs/files.md). Only `timing_ms` differs between runs.
+/// The output of `palpa simulate --json` (docs/files.md). Only `timing_ms` differs between runs.
 std::string to_json(const SimulateResult& result);
-/// The members of that object alone.
+/// Adds only the members of that object.
 void add_members(JsonWriter& json, const SimulateResult& result);
-/// face,x,y,z,area,langevin,squared of every face of the body: its centroid, m2, Pa.
+/// face,x,y,z,area,langevin,squared for every face of the body: its index, centroid in m, area in m2, pressures in Pa.
 std::string to_csv(const SimulateResult& result);
 /// The body and both pressures for ParaView. Throws failure() naming the file.
 void write_vtu(const std::string& file, const SimulateResult& result);

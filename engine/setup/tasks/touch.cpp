@@ -82,7 +82,8 @@ void add_schedule(JsonWriter& json, const array::Voice& voice) {
   json.member("dwell_s", voice.dwell_s).end_object();
 }
 
-/// The voice of a finger with its order counted in sectors: foci that sound together are those of its filled ones.
+/// The voice of a finger with its order counted in sectors. The foci that sound together are those of the filled
+/// sectors.
 array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
   if (!placement.together) return voice;
   std::vector<std::uint32_t> filled;
@@ -94,7 +95,7 @@ array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
   return voice;
 }
 
-/// What sounds at the foci of a finger, null where a sector has none of its own.
+/// The pressures at the foci of a finger; null for a sector without its own focus.
 void add_pressures(JsonWriter& json, const std::vector<double>& pressures, const touch::Placement& placement) {
   json.member("pressure_pa", *std::ranges::min_element(pressures));
   json.key("pressures_pa").begin_array();
@@ -178,7 +179,7 @@ std::string to_json(const TouchResult& result) {
 
 namespace {
 
-/// A name as a CSV cell: quoted where it would be taken apart.
+/// A name as a CSV cell, quoted if it would otherwise be split.
 std::string cell(const std::string& name) {
   if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
   std::string quoted = "\"";

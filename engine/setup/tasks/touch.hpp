@@ -1,5 +1,5 @@
-// What `palpa touch` computes: one touch of a scene by skin points or depth images, from contacts to the schedule of
-// the foci, and what pressure an array gives at them. touch/stage.hpp names the paper's equations.
+// The computation of `palpa touch`: one touch of a scene by skin points or depth images, from contacts to the schedule
+// of the foci, and an array's pressures at the foci. touch/stage.hpp names the paper's equations.
 //
 //   setup::TouchSceneOptions options{.array = {.layout = "paper"}};
 //   setup::check(options, false);
@@ -23,46 +23,46 @@
 
 namespace palpa::setup {
 
-/// How a touch is found and what is asked about it. The defaults are the command line's.
+/// The options for finding a touch and for its results. The defaults are the command line's.
 struct TouchSceneOptions {
   ComputeOptions compute;
   TouchOptions touch;
   FeltOptions felt;
-  ArrayOptions array;  ///< without a layout nothing sounds
+  ArrayOptions array;  ///< without a layout, nothing sounds
 };
-/// Throws bad_usage where the options do not go together, and warns of what is unusual; `depth_images`: the skin comes
-/// from these, which alone heed a finger's width.
+/// Throws bad_usage if the options do not fit together; warns of unusual values. `depth_images`: the skin comes from
+/// depth images; a finger's width has an effect only with them.
 void check(const TouchSceneOptions& options, bool depth_images);
 
-/// A touch and what was asked about it. Lengths in metres, coordinates in the world.
+/// A touch and the requested results. Lengths in metres, coordinates in the world.
 struct TouchResult {
   OneTouch one;
-  std::uint64_t points = 0;                    ///< skin points that were looked at, of depth images the valid pixels
-  std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum one for each finger, else none
+  std::uint64_t points = 0;                    ///< number of skin points; with depth images, of valid pixels
+  std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum, one for each finger; otherwise empty
   std::vector<std::vector<double>> pressures;  ///< Pa, with a layout: for each finger, for each focus of its voice
-  std::optional<std::string> unreached;        ///< a sentence about a pressure that was asked for and is not reached
+  std::optional<std::string> unreached;        ///< a sentence about a requested pressure that is not reached
   double total_ms = 0;
   StepTimes times;
 
   const touch::Touch& touch() const { return one.touch; }  ///< contacts and fingers
   /// Foci and schedule (a voice for each finger), solids and setting.
   const session::Session& session() const { return one.session; }
-  /// Whether --tune or its solid gave this finger a schedule of its own.
+  /// Whether --tune or its solid gave this finger its own schedule.
   bool has_own_schedule(std::uint32_t finger) const;
-  /// Whether some focus has more than linear acoustics knows of: array::linear_pressure_pa.
+  /// Whether any focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
 
-/// Skin touches the solids, of which `scene` is the file. Where nothing is touched there are no contacts and no
-/// fingers, which is no error. `options` have passed check(). Times count from `since`, so that they include what was
-/// loaded before. Warns of more fingers than are played. Throws bad_input for a layout, bad_usage for options that do
-/// not fit the scene, else as touch_once does.
+/// The touch of the skin and the solids, whose file is `scene`. If nothing is touched, there are no contacts and no
+/// fingers; that is not an error. `options` must have passed check(). Times are measured from `since`, so that they can
+/// include earlier loading. Warns if there are more fingers than are played. Throws bad_input for an invalid layout,
+/// bad_usage for options that do not fit the scene, otherwise as touch_once does.
 TouchResult touch_scene(const TouchSceneOptions& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since = {});
 
-/// As `palpa touch --json` writes it (docs/files.md). Only `timing_ms` differs between runs.
+/// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.
 std::string to_json(const TouchResult& result);
-/// The contacts, a line each: index,x,y,z,depth,finger,solid; finger -1 where their cluster was too small.
+/// The contacts, a line each: index,x,y,z,depth,finger,solid; finger is -1 if the cluster was too small.
 std::string to_csv(const TouchResult& result);
 
 }  // namespace palpa::setup

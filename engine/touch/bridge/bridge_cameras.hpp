@@ -1,4 +1,4 @@
-// The cameras as bridging looks through them, in pass and twin.
+// The cameras in the form that the bridge pass and its twin read.
 #pragma once
 
 #include <span>

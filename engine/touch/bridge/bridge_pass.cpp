@@ -18,7 +18,7 @@ static_assert(shader::bridge_samples == 1U << (32 - shader::bridge_sample_shift)
 static_assert(shader::bridge_hash * shader::bridge_unhash == 1U);
 
 namespace {
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : BridgeBindings {
   gpu::BufferRef samples = {}, patches = {}, pairs = {};
 };

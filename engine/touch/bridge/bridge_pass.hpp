@@ -1,5 +1,5 @@
-// Hidden skin on the device: patches of contacts on two sides of one fingertip, its underside seen by no camera, are
-// one finger. The rules stand in bridge_twin.hpp.
+// Hidden skin on the device: if no camera sees the underside of a fingertip, the patches of contacts on its two sides
+// are joined to one finger. The rules are in bridge_twin.hpp.
 #pragma once
 
 #include <vector>
@@ -18,21 +18,22 @@ struct BridgeBindings {
   gpu::BufferRef cameras;   ///< in: bridge_cameras(), one shader::BridgeCamera each
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
-  gpu::BufferRef parents;   ///< in, out: as FingersPass leaves it; contacts of joined patches get one number
+  gpu::BufferRef parents;   ///< in, out: as FingersPass leaves it; joined patches get the same number
   gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
 };
 
-/// Pipelines only; four dispatches: sample, pairs, join, relabel. With less than two fingers none has a group.
+/// Pipelines only; four dispatches: sample, pairs, join, relabel. With fewer than two fingers, no dispatch runs a
+/// group.
 class BridgePass {
  public:
   explicit BridgePass(const gpu::Device& device);
 
   static std::vector<gpu::ScratchBuffer> scratch();
 
-  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
-  /// adds compute_to_compute afterwards.
+  /// Barriers: all inputs must be visible to compute and as indirect arguments. Adds the inner barriers itself; the
+  /// caller adds compute_to_compute afterwards.
   void record(VkCommandBuffer commands, const BridgeBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const Parameters& parameters) const;
 

@@ -43,7 +43,7 @@ bool is_seen_empty(const Sight& sight, const Float3& place) {
   return false;
 }
 
-/// The way from a sample to the nearest one of the other patch.
+/// The line from a sample to the nearest one of the other patch.
 struct Way {
   float apart, own, other;  ///< length, and the cosines at its ends
 };
@@ -61,7 +61,7 @@ Way way_across(const SkinSample& sample, const Patch& other) {
           leaving(there->position, there->normal, sample.position)};
 }
 
-/// Along the line from mean to mean, both patches together are wider than a finger.
+/// Whether both patches together are wider than a finger along the line from mean to mean.
 bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finger_width) {
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
@@ -74,7 +74,7 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
   return shader::too_wide(low, high, dot3(line, line), finger_width);
 }
 
-/// Whether the ways between contacts that face each other go through a finger.
+/// Whether the lines between contacts that face each other go through a finger.
 BridgePair face(const Patch& a, const Patch& b) {
   shader::Evidence e = shader::no_evidence();
   std::vector<Way> from_a, from_b;
@@ -115,7 +115,7 @@ BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float fin
   return pair.kind != shader::bridge_two && is_empty_between(sight, a, b) ? two : pair;
 }
 
-/// Who is one finger with whom.
+/// Which patches belong to one finger.
 class Joining {
  public:
   explicit Joining(std::uint32_t count) : count_(count), pairs_(std::size_t{count} * count), head_(count) {
@@ -148,7 +148,7 @@ class Joining {
     std::replace(head_.begin(), head_.end(), goes, keeps);
     return surest != nullptr;
   }
-  /// Whether a member of the one and a member of the other are two fingers.
+  /// Whether any member of `one` and any member of `other` cannot be one finger.
   bool strangers(std::uint32_t one, std::uint32_t other) {
     for (std::uint32_t a = 0; a < count_; ++a) {
       for (std::uint32_t b = 0; b < count_; ++b) {

@@ -1,11 +1,13 @@
-// Hidden skin: patches of contacts on two sides of one fingertip, its underside seen by no camera, are one finger.
+// Hidden skin: if no camera sees the underside of a fingertip, the patches of contacts on its two sides are joined to
+// one finger.
 //
-// Euclidean clusters of one solid are joined where three things hold (docs/touch.md tells why):
-// - together they are no wider than a finger, along the line between their means;
-// - between the contacts that face each other the way enters the skin at either end, as it does between any two places
-//   of a convex body: the skin's outward normals are those of the depth pictures;
-// - no camera saw the space between them empty: that is, something clearly farther than it, in its direction.
-// The surest pair is joined first; two patches that cannot be one finger are never joined through a third.
+// Euclidean clusters of one solid are joined under three conditions (docs/touch.md gives the reasons):
+// - Together, they are no wider than a finger along the line between their means.
+// - Between the contacts that face each other, the line enters the skin at both ends, as it does between any two places
+//   of a convex body. The skin's outward normals come from the depth pictures.
+// - No camera saw that the space between them is empty, that is, no camera saw something clearly farther away in that
+//   direction.
+// The most certain pair is joined first. Two patches that cannot be one finger are never joined through a third one.
 #pragma once
 
 #include "touch/bridge/sight.hpp"
@@ -13,8 +15,8 @@
 
 namespace palpa::touch {
 
-/// C++ twin of BridgePass: joins fingers of `out`, whose contacts' points are pixels of the pictures. The arithmetic is
-/// the same; where a device divides and takes roots exactly, so are the decisions.
+/// C++ twin of BridgePass: joins fingers of `out`. The points of their contacts are pixels of the pictures. The
+/// arithmetic is the same. On a device with exact division and square roots, the decisions are also the same.
 void bridge_fingers(const Sight& sight, const Parameters& parameters, Touch& out);
 
 }  // namespace palpa::touch

@@ -1,4 +1,4 @@
-// What the cameras saw of the skin around contacts: for the twins of the passes that look at depth frames again.
+// The cameras' view of the skin around contacts, for the twins of the passes that look at the depth frames again.
 #pragma once
 
 #include <cstdint>
@@ -22,25 +22,25 @@ struct Sight {
 
 std::uint32_t raw_at(const Sight& sight, std::size_t camera, std::uint32_t u, std::uint32_t v);
 
-/// Where a camera sees a skin point.
+/// The pixel at which a camera sees a skin point.
 struct SeenPixel {
   std::size_t camera;
   std::uint32_t u, v;
 };
 SeenPixel pixel_of(const Sight& sight, std::uint32_t point);
 
-/// The skin's outward normal at a contact's pixel; zero where its neighbours do not tell.
+/// The skin's outward normal at a contact's pixel; zero if its neighbours do not determine one.
 shader::Float3 normal_at(const Sight& sight, std::uint32_t point);
 
-/// A contact that stands for others, and the skin's outward normal there.
+/// A contact that represents others, and the skin's outward normal at that contact.
 struct SkinSample {
   shader::Float3 position, normal;
 };
 
-/// At most bridge_samples of a finger's contacts, in the order of a hash of their numbers, so that the same contacts
+/// At most bridge_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
 /// give the same samples.
 std::vector<std::uint32_t> sample_contacts(const Finger& finger);
-/// The same with normals, those without one left out.
+/// The same samples with their normals; contacts without a normal are left out.
 std::vector<SkinSample> sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
 
 }  // namespace palpa::touch

@@ -1,4 +1,4 @@
-// What looking one point up costs the device at most.
+// The maximum cost of one point's lookup on the device.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace palpa::touch {
 
-/// A bound of the iterations that the loops of contacts_walk.glsl take for one point with these parameters, whichever
-/// points its neighbours in the group look up: some for every solid, and the longest lists of the sixteen solids whose
-/// lists are the longest, since the boxes of more than that hardly meet in one place. Looks at every cell of every
-/// solid.
+/// An upper bound of the iterations that the loops of contacts_walk.glsl take for one point with these parameters,
+/// whichever points its neighbours in the group look up. It counts some iterations for every solid, plus the longest
+/// lists of the sixteen solids with the longest lists, because the boxes of more than sixteen solids hardly ever meet
+/// in one place. Looks at every cell of every solid.
 std::uint32_t contact_iterations(const PreparedSolids& solids, const Parameters& parameters);
 
 }  // namespace palpa::touch

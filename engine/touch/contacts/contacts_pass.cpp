@@ -17,14 +17,15 @@
 namespace palpa::touch {
 namespace {
 
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : ContactsBindings {
   gpu::BufferRef hits = {}, masks = {}, counts = {}, deep_masks = {}, deep_counts = {};
   gpu::BufferRef surface_cells = {}, surface_runs = {}, surface_triangles = {}, surface_signs = {},
                  surface_corners = {}, parts_words = {};
 };
 
-/// Words of 32 points that chunks can cover, of however many rounds: the last one may begin just before the last point.
+/// The maximum number of words of 32 points that chunks can cover, for any number of rounds: the last chunk may begin
+/// just before the last point.
 std::uint64_t mask_words(std::uint32_t points) {
   constexpr std::uint32_t longest_round = shader::contacts_chunks * shader::contacts_group;
   return (std::uint64_t{gpu::groups_for(points, longest_round)} * (longest_round + shader::contacts_group)) / 32;
@@ -34,7 +35,7 @@ std::uint32_t whole_fours(std::uint32_t chunks) {
   return (chunks + 3) / 4 * 4;
 }
 
-/// However few rounds chunks have.
+/// The maximum for any number of rounds per chunk.
 std::uint32_t most_chunks(std::uint32_t points) {
   return std::max(shader::contacts_chunks, whole_fours(gpu::groups_for(points, shader::contacts_group)));
 }
@@ -54,7 +55,7 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
 void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
   if (device_->description().ends_long_loops && solids.iterations > shader::contacts_most_iterations) {
     const std::string fault = fmt::format(
-        "the scene's {} solids can take {} looks at one skin point, and {} takes {}: give fewer or simpler ones, or "
+        "the scene's {} solids can take {} looks at one skin point, but {} allows {}: give fewer or simpler solids, or "
         "compute on the CPU (--backend cpu)",
         solids.records.size(), solids.iterations, device_->description().name, shader::contacts_most_iterations);
     throw solids.file.empty() ? bad_usage(fault) : bad_input(solids.file, fault);

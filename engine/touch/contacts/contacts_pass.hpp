@@ -14,7 +14,7 @@
 
 namespace palpa::touch {
 
-/// The scene's surfaces on the device: with views of texels, see surface_memory.hpp.
+/// The scene's surfaces on the device, with texel views (surface_memory.hpp).
 struct SurfaceBindings {
   gpu::BufferRef cells;      ///< shader::SurfaceCell[], R32G32_UINT
   gpu::BufferRef runs;       ///< uint[], R32_UINT
@@ -25,46 +25,47 @@ struct SurfaceBindings {
 
 struct ContactsBindings {
   gpu::BufferRef points;  ///< in: vec4 per skin point: x, y, z, the bits of its index
-  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, cut up as groups() says
+  gpu::BufferRef length;  ///< in: shader::ScanTotal of the points, divided as groups() says
   gpu::BufferRef solids;  ///< in: shader::SolidRecord[]
   gpu::BufferRef cells;   ///< in: shader::PlaneCell[]
   gpu::BufferRef planes;  ///< in: vec4[]
-  /// out: shader::ScanTotal: contacts found, also those for which there was no room; its groups are those of the passes
-  /// over contacts, shader::contact_group each, at least one and at most shader::contacts_most_groups
+  /// out: shader::ScanTotal: the contacts found, including those for which there was no room. Its groups are those of
+  /// the passes over contacts: shader::contact_group each, at least one and at most shader::contacts_most_groups
   gpu::BufferRef total;
   gpu::BufferRef contacts;  ///< out: shader::ContactRecord[room.contacts], in input order, `finger` unset
-  // Only where a solid is asked by its surface or by its parts; all of them then, be they empty.
+  // Needed only if a solid is looked up by its surface or its parts; then all of them are bound, even empty ones.
   SurfaceBindings surface = {};  ///< in
   gpu::BufferRef parts = {};     ///< in: PreparedSolids::parts, uvec4[], with a view of R32G32B32A32_UINT texels
-  // Only where deep points are asked for.
+  // Needed only if deep points are requested.
   gpu::BufferRef deep_total = {};  ///< out: shader::ScanTotal
   gpu::BufferRef deep = {};        ///< out: shader::ContactRecord[room.deep]
 };
 
 /// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `room.points` and contacts beyond
-/// `room.contacts` are left out; `length` and `total` tell.
+/// `room.contacts` are left out; `length` and `total` report how many there were.
 class ContactsPass {
  public:
   explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
 
-  /// Makes the pipelines that record() takes for these; those that are there stay. `solids` may move afterwards. Throws
-  /// bad_input with the solids' file (bad_usage without one) where a device that counts a kernel's iterations could not
-  /// look one point up among so many solids.
+  /// Makes the pipelines that record() uses for these arguments; existing pipelines are kept. `solids` may move
+  /// afterwards. On a device that counts a kernel's iterations, throws bad_input with the solids' file (bad_usage if
+  /// there is no file) if the device could not look one point up among so many solids.
   void prepare(const PreparedSolids& solids, const Parameters& parameters);
 
   static std::vector<gpu::ScratchBuffer> scratch(const Room& room);
 
-  /// How the points are to be cut up: so that no thread takes more iterations than a device has that counts them.
+  /// How to divide the points so that no thread exceeds the limit of a device that counts iterations.
   static shader::ScanGroups groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids);
 
-  /// Barriers: expects points and length to be visible to compute, and length as indirect arguments; adds its own
-  /// inside; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts pack".
+  /// Barriers: points and length must be visible to compute, and length also as indirect arguments. Adds the inner
+  /// barriers itself; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts
+  /// pack".
   void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
   enum ScratchIndex : std::size_t { hits, masks, counts, deep_masks, deep_counts, scratch_count };
-  /// The kernels that look points up: by planes alone, by planes or surfaces, by any.
+  /// The kernels that look points up: by planes only, by planes or surfaces, by any form.
   enum Kernel : std::size_t { by_planes, by_surface, by_parts, kernels };
   static Kernel kernel_for(const PreparedSolids& solids);
 

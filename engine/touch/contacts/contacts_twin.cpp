@@ -12,7 +12,7 @@ bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) 
   return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 
-/// Eq. (1)'s depth below the nearest plane, 0 outside.
+/// The depth of Eq. (1) below the nearest plane; 0 outside.
 float plane_depth(const PreparedSolids& solids, std::uint32_t solid, const Float3& p) {
   float depth = 3.0e38F;
   for (std::uint32_t m = solids.first_plane[solid]; m < solids.first_plane[solid + 1] && depth > 0; ++m) {

@@ -9,12 +9,12 @@
 
 namespace palpa::touch {
 
-/// C++ twin of ContactsPass, in the same single-precision arithmetic, so the same contacts with the same depths: fills
-/// `out.contacts` and, where asked for, `out.deep`. A contact lies strictly inside a solid and nearer than its delta to
-/// its surface; it belongs to the first solid for which that is so. A point that is no contact is a deep point of the
-/// first solid that it lies inside of. Points with a coordinate that is not finite are neither. Of convex solids the
-/// twin asks every plane; the pass asks those of a cell. Agrees with double precision except within 1 micrometre of a
-/// boundary (solids up to 3 m).
+/// C++ twin of ContactsPass, in the same single-precision arithmetic, so it finds the same contacts with the same
+/// depths. Fills `out.contacts` and, if requested, `out.deep`. A contact lies strictly inside a solid and nearer to its
+/// surface than the solid's delta; it belongs to the first solid for which this holds. A point that is not a contact is
+/// a deep point of the first solid that contains it. Points with a coordinate that is not finite are neither. For
+/// convex solids, the twin tests every plane; the pass tests those of a cell. The result agrees with double precision
+/// except within 1 micrometre of a boundary (solids up to 3 m).
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
                    const Parameters& parameters, Touch& out);
 

@@ -19,9 +19,9 @@ namespace {
 
 using geometry::InternalFaces;
 
-/// Below this, cells are not refined further: no sensible delta reaches there.
+/// Cells deeper than this are not refined further, because no sensible delta reaches there.
 constexpr double refined_depth = 5e-3;
-/// A list this short is not worth more thought.
+/// Lists up to this length are not refined further.
 constexpr std::size_t few_triangles = 3;
 
 std::uint32_t cells_per_axis(std::size_t planes) {
@@ -42,7 +42,7 @@ struct LocalTriangle {
   Box box;
 };
 
-/// A part that reaches into a cell, with those of its planes that can be the nearest there.
+/// A part that reaches into a cell, with those of its planes that can be the nearest in the cell.
 struct Candidate {
   std::uint32_t part;
   std::vector<std::uint32_t> planes;
@@ -73,7 +73,7 @@ void add_triangle(std::vector<shader::uvec4>& words, const LocalTriangle& t) {
     const glm::vec3 from(t.corners[k]), to(t.corners[(k + 1) % 3]);
     const Vec3 side = Vec3(to) - Vec3(from);
     const double square = glm::dot(side, side);
-    // Below this the side is a point to single precision.
+    // Below this limit, the side is a point in single precision.
     const float scale = square > 1e-30 ? static_cast<float>(1 / square) : 0.0F;
     words.push_back({bits(from.x), bits(from.y), bits(from.z), std::bit_cast<std::uint32_t>(scale)});
   }
@@ -83,7 +83,7 @@ void add_triangle(std::vector<shader::uvec4>& words, const LocalTriangle& t) {
 /// Refines a solid's box as an octree whose leaves fill ranges of a flat grid.
 class Grid {
  public:
-  /// `parts` and `triangles` outlive it; the latter are empty where each part's planes alone are asked.
+  /// `parts` and `triangles` must outlive it. `triangles` are empty if only each part's planes are used.
   Grid(const std::vector<LocalPart>& parts, const std::vector<LocalTriangle>& triangles, const PartsGrid& grid,
        InternalFaces faces, double tolerance, std::vector<shader::uvec4>& words)
       : parts_(parts),
@@ -95,7 +95,7 @@ class Grid {
         first_cell_(grid.base + shader::parts_header_words),
         tolerance_(tolerance),
         words_(words) {
-    // What float arithmetic can be wrong by: a few roundings at the size of the box.
+    // The error bound of float arithmetic: a few roundings at the size of the box.
     const Vec3 extent = size_ * static_cast<double>(per_axis_);
     margin_ = 1e-6 * (extent.x + extent.y + extent.z);
     std::size_t planes = 0;
@@ -130,11 +130,11 @@ class Grid {
     looked_at_ += surface.size();
     if (looked_at_ > most_) {
       throw failure(
-          fmt::format("its {} convex parts overlap so much that telling which are near takes more than {} "
-                      "looks at their planes and faces; leave out those that lie within others",
+          fmt::format("its {} convex parts overlap so much that finding the near ones takes more than {} looks at "
+                      "their planes and faces; leave out those that lie within others",
                       parts_.size(), most_));
     }
-    // A hundredth of a cell covers how far rounding can move a point across a cell's side.
+    // The margin of a hundredth of a cell covers points that rounding moves across a cell's side.
     const Cell cell{low_ + size_ * (Vec3(first) + Vec3(0.5 * width)), size_ * (0.5 * width + 0.01)};
     std::vector<Candidate> here;
     bool inside = false;
@@ -156,8 +156,8 @@ class Grid {
     write(first, width, here, near, std::max(0.0, least));
   }
 
-  /// Adds the part with the planes that matter, if the cell reaches into it; `least` falls to what depth below its
-  /// planes a point of the cell inside it can have (keep only).
+  /// Adds the part with its relevant planes, if the cell reaches into it. Lowers `least` to the least depth below its
+  /// planes that a point of the cell inside the part can have (keep only).
   void add_candidate(const Cell& cell, const Candidate& candidate, std::vector<Candidate>& here, bool& inside,
                      double& least) const {
     const std::vector<LocalPlane>& planes = parts_[candidate.part].planes;
@@ -173,7 +173,8 @@ class Grid {
         nearest = m;
       }
     }
-    // A whole cell inside keeps that for all cells within it: no planes, or all that follow would be lost.
+    // No planes: the whole cell is inside the part, and so are all cells within it. Otherwise, all that follow would be
+    // lost.
     if (candidate.planes.empty()) shallowest = deepest = std::numeric_limits<double>::infinity();
     if (deepest + margin_ <= -tolerance_) return;
     Candidate kept{candidate.part, {}};
@@ -186,7 +187,8 @@ class Grid {
     if (keep_) least = std::min(least, shallowest - margin_);
   }
 
-  /// The triangles that can be the nearest to some point of the cell; `least` becomes what depth it has at least.
+  /// The triangles that can be the nearest to some point of the cell. Sets `least` to a lower bound of the depth in the
+  /// cell.
   std::vector<std::uint32_t> nearest_triangles(const Cell& cell, const std::vector<std::uint32_t>& surface,
                                                double& least) {
     if (surface.empty()) return {};
@@ -198,7 +200,7 @@ class Grid {
       const LocalTriangle& triangle = triangles_[t];
       const Vec3 out = glm::max(glm::max(triangle.box.low - cell.centre, cell.centre - triangle.box.high), Vec3(0));
       const double above = std::abs(triangle.plane.offset - glm::dot(triangle.plane.normal, cell.centre));
-      // A lower bound will do for triangles that are not the nearest.
+      // A lower bound is sufficient for triangles that are not the nearest.
       distance_.push_back(std::max(glm::length(out), above));
       if (distance_.back() >= nearest) continue;
       distance_.back() = glm::distance(closest(t, cell.centre), cell.centre);
@@ -207,7 +209,7 @@ class Grid {
         nearest_triangle = t;
       }
     }
-    // The distance to a triangle is convex: over a cell it is largest at a corner.
+    // The distance to a triangle is convex, so its maximum over a cell is at a corner.
     std::array<Vec3, 8> corners{};
     double farthest = 0;
     for (std::uint32_t c = 0; c < 8; ++c) {
@@ -229,8 +231,9 @@ class Grid {
     return near;
   }
 
-  /// Leaves out triangles that are farther than one point q of the surface throughout the cell: the squared distance to
-  /// a triangle less that to q is the least of linear functions, so it is least at one of the cell's corners.
+  /// Leaves out triangles that are farther than a point q of the surface everywhere in the cell. The squared distance
+  /// to a triangle minus the squared distance to q is a minimum of linear functions, so its minimum is at one of the
+  /// cell's corners.
   void drop_outdone(const std::array<Vec3, 8>& corners, const Vec3& below_centre, double farthest,
                     std::vector<std::uint32_t>& near) {
     squares_.resize(near.size());
@@ -300,7 +303,8 @@ class Grid {
   Vec3 low_, size_;
   std::uint32_t per_axis_;
   std::uint32_t first_cell_;
-  double tolerance_;  // how far outside of two parts at once a point still counts as inside their union
+  // distance by which a point may be outside two parts at once and still count as inside their union
+  double tolerance_;
   std::vector<shader::uvec4>& words_;
   double margin_ = 0;
   std::uint64_t looked_at_ = 0, most_ = 0;
@@ -328,7 +332,7 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   if (!usable) throw bad_usage("a solid's convex part has no planes or no finite box");
 
   PartsGrid grid;
-  grid.centre = glm::vec3(box.centre());  // as the shader will have it
+  grid.centre = glm::vec3(box.centre());  // rounded as in the shader
   const Vec3 centre(grid.centre), extent = box.high - box.low;
   const double margin = 1e-6 * (extent.x + extent.y + extent.z) + 1e-9;
   for (int axis = 0; axis < 3; ++axis) {
@@ -359,7 +363,7 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   const std::size_t cells = std::size_t{grid.cells_per_axis} * grid.cells_per_axis * grid.cells_per_axis;
   words.resize(words.size() + shader::parts_header_words + shader::parts_cell_words * cells);
   words[grid.base] = {bits(tolerance), faces == InternalFaces::keep ? 1U : 0U, 0, 0};
-  const Activity work("fills the grid of its parts");
+  const Activity work("filling the grid of its parts");
   Grid(local, triangles, grid, faces, tolerance, words).build();
   return grid;
 }

@@ -1,5 +1,5 @@
-// What the contacts pass and its twin read for solids made of convex parts: cell by cell of a solid's box, which parts
-// a point may be in and which pieces of their union's surface can be the nearest.
+// The table that the contacts pass and its twin read for solids made of convex parts. For each cell of a solid's box,
+// it lists the parts that may contain a point and the pieces of their union's surface that can be the nearest.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct PartsGrid {
   std::uint32_t base = 0;  ///< of its header, in words
 };
 
-/// The most looks at planes and triangles that filling the cells of one solid may take: some ten times what
+/// The maximum number of looks at planes and triangles for filling the cells of one solid: about ten times as many as
 /// decompositions need.
 constexpr std::uint64_t most_looks(std::uint64_t planes_and_triangles) {
   return 30'000'000 + 3000 * planes_and_triangles;
@@ -27,13 +27,13 @@ constexpr std::uint64_t most_looks(std::uint64_t planes_and_triangles) {
 
 /// Appends one solid to `words`, which shaders/touch/contacts/parts_depth.h describes. Single precision relative to the
 /// solid's centre: the depth agrees with double precision within 1 micrometre (solids up to 3 m). With
-/// `InternalFaces::drop` it is the distance to the surface of the union, with `keep` Eq. (1) of each part alone.
-/// Throws bad_usage for parts without planes or a box that is not finite, failure() where parts overlap so much that
-/// most_looks() at planes and triangles are not enough.
+/// `InternalFaces::drop`, the depth is the distance to the surface of the union; with `keep`, it is Eq. (1) of each
+/// part alone. Throws bad_usage for parts without planes or a box that is not finite, and failure() if parts overlap so
+/// much that most_looks() is exceeded.
 PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& parts, geometry::InternalFaces faces);
 
-/// The twin of the shader's lookup: depth of a world point below the surface, in metres; 0 where it is in no part, or
-/// where its cell is nowhere less than `limit` deep.
+/// The twin of the shader's lookup: depth of a world point below the surface, in metres; 0 if the point is in no part,
+/// or if its cell is nowhere less than `limit` deep.
 float parts_depth(const std::vector<shader::uvec4>& words, const PartsGrid& grid, const glm::vec3& point, float limit);
 
 }  // namespace palpa::touch

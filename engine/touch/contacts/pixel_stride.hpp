@@ -1,4 +1,4 @@
-// Where only every n-th pixel of every n-th row of depth frames is looked at: what that changes, and how far it may go.
+// The pixel stride: only every n-th pixel of every n-th row of depth frames is looked at. Its effect and its limit.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace palpa::touch {
 
-/// A finger has stride^2 times fewer contacts, so that fewer make one: min_points divided by as much, and no fewer than
-/// 3 (min_points where that is fewer), which a cross-section needs. Nothing else changes: the gap between clusters is a
-/// distance, and what splits, joins or drops clusters looks at all pixels of the frames.
+/// A finger has stride^2 times fewer contacts, so min_points is divided by stride^2. The result is at least 3, which a
+/// cross-section needs, or min_points if that is less. Nothing else changes: the gap between clusters is a distance,
+/// and the passes that split, join or drop clusters look at all pixels of the frames.
 Parameters at_stride(Parameters parameters, std::uint32_t stride);
 
-/// The largest stride, up to 4, at which pixels that are looked at still lie within the finger gap on skin that is
-/// turned 45 degrees from the camera, where it is farthest in `box` (world). 1: not even the next one.
+/// The largest stride, up to 4, at which neighbouring sampled pixels still lie within the finger gap. This is computed
+/// for skin that is turned 45 degrees from the camera, at its farthest place in `box` (world). 1: not even a stride of
+/// 2 is possible.
 std::uint32_t most_pixel_stride(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables,
                                 const Box& box, const Parameters& parameters);
 

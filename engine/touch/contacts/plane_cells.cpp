@@ -9,7 +9,7 @@
 namespace palpa::touch {
 namespace {
 
-/// Below this, cells are not refined further: no sensible delta reaches there.
+/// Cells deeper than this are not refined further, because no sensible delta reaches there.
 constexpr double refined_depth = 5e-3;
 /// A list this short is not worth splitting.
 constexpr std::size_t short_list = 1;
@@ -28,13 +28,13 @@ class Grid {
  public:
   Grid(const std::vector<LocalPlane>& planes, const Vec3& low, const Vec3& high, std::uint32_t per_axis)
       : planes_(&planes), low_(low), size_((high - low) / static_cast<double>(per_axis)), per_axis_(per_axis) {
-    // What float arithmetic can be wrong by: a few roundings at the size of the box.
+    // The error bound of float arithmetic: a few roundings at the size of the box.
     const Vec3 extent = high - low;
     margin_ = 1e-6 * (extent.x + extent.y + extent.z);
     cells.resize(std::size_t{per_axis} * per_axis * per_axis);
   }
 
-  /// False when the lists would grow beyond `most` planes.
+  /// Returns false if the lists would exceed `most` planes.
   bool build(std::size_t most) {
     most_ = most;
     std::vector<std::uint32_t> all(planes_->size());
@@ -48,7 +48,7 @@ class Grid {
 
  private:
   bool refine(const glm::uvec3& first, std::uint32_t width, const std::vector<std::uint32_t>& inherited) {
-    // A hundredth of a cell covers how far rounding can move a point across a cell's side.
+    // The margin of a hundredth of a cell covers points that rounding moves across a cell's side.
     const std::vector<LocalPlane>& planes = *planes_;
     const Vec3 half = size_ * (0.5 * width + 0.01);
     const Vec3 centre = low_ + size_ * (Vec3(first) + Vec3(0.5 * width));

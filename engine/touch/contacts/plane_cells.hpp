@@ -1,5 +1,5 @@
-// Which of a convex solid's planes can be the nearest one, cell by cell of its box: makes Eq. (1) cost a handful of
-// planes per skin point, however many faces the solid has, without changing its result.
+// For each cell of a convex solid's box, the planes that can be the nearest one. With these lists, Eq. (1) costs only a
+// few planes per skin point, however many faces the solid has. The result does not change.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +23,14 @@ struct PlaneCells {
 };
 
 /// The box reaches from `low` to `high`. A cell lists every plane that is the nearest at some point of the cell (and as
-/// few others as a bound on the cell allows). A plane is left out only where another is nearer by more than rounding,
-/// so that the least float depth over the list is bit for bit the least over all planes. Cells deeper than a few
-/// millimetres are coarser: no less right, only slower. Where lists would take more than `most_listed` entries, one
-/// cell lists all planes.
+/// few others as a bound on the cell allows). A plane is left out only if another one is nearer by more than the
+/// rounding error, so the least float depth over the list is bit for bit the least over all planes. Cells deeper than a
+/// few millimetres are coarser; they are slower but equally correct. If the lists would take more than `most_listed`
+/// entries, a single cell lists all planes.
 PlaneCells make_plane_cells(const std::vector<LocalPlane>& planes, const Vec3& low, const Vec3& high,
                             std::size_t most_listed);
 
-/// The nearest float that is not greater, not less.
+/// The nearest float that is not greater than `value`, and the nearest that is not less.
 float rounded_down(double value);
 float rounded_up(double value);
 

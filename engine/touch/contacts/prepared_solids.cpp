@@ -23,10 +23,10 @@
 namespace palpa::touch {
 namespace {
 
-/// A solid with more planes than that is asked by its surface, where it has a mesh.
+/// A solid with more planes than this is looked up by its surface, if it has a mesh.
 constexpr std::size_t most_planes = 4096;
-/// All lists of planes of a scene together, at 16 bytes each; a solid that would go beyond keeps one list of all its
-/// planes.
+/// Limit of all lists of planes of a scene together, at 16 bytes per entry. A solid that would exceed it keeps one list
+/// of all its planes.
 constexpr std::size_t most_listed = std::size_t{3} << 20;
 
 shader::vec4 to_float(const LocalPlane& p) {
@@ -44,7 +44,7 @@ void add_convex(PreparedSolids& table, std::size_t& listed, const geometry::Soli
                 const std::vector<LocalPlane>& planes, std::uint32_t first_plane) {
   const Vec3 extent = solid.bounds.high - solid.bounds.low;
   const double margin = 1e-6 * (extent.x + extent.y + extent.z) + 1e-9;
-  const Vec3 centre(glm::vec3(solid.bounds.centre()));  // as the shader will have it
+  const Vec3 centre(glm::vec3(solid.bounds.centre()));  // rounded as in the shader
   const Vec3 low = solid.bounds.low - centre - margin, high = solid.bounds.high - centre + margin;
 
   shader::SolidRecord record = at_rest();
@@ -78,10 +78,10 @@ bool asked_by_surface(const geometry::Solid& solid) {
   return !solid.mesh.triangles.empty() && (solid.planes.empty() || solid.planes.size() > most_planes);
 }
 
-/// What goes wrong for a solid that a file brought is that file's fault.
+/// An error with a solid from a file is reported with that file.
 template <typename Make>
 auto made_of(const geometry::Solid& solid, const Make& make) {
-  const Activity work(fmt::format("prepares mesh \"{}\"", printable(solid.name, 60)));
+  const Activity work(fmt::format("preparing mesh \"{}\"", printable(solid.name, 60)));
   try {
     return make();
   } catch (const Error& e) {
@@ -90,7 +90,7 @@ auto made_of(const geometry::Solid& solid, const Make& make) {
   }
 }
 
-/// A file's solid that the finger gap does not fit; check_parameters() speaks of any other.
+/// Refuses a file's solid that does not fit the finger gap; check_parameters() handles all others.
 void check_size(const geometry::Solid& solid, const shader::SolidRecord& record, const Parameters& parameters) {
   const double least = least_finger_gap(record), gap = parameters.finger_gap_m;
   if (solid.file.empty() || !(gap > 0) || gap >= least) return;
@@ -101,7 +101,7 @@ void check_size(const geometry::Solid& solid, const shader::SolidRecord& record,
                               2 * half_size(record) * gap / least, least * 1.01));
 }
 
-/// All grids of surfaces together, in cells that no triangle asks for.
+/// Limit of all surface grids together, in cells that no triangle requires.
 constexpr std::uint32_t most_least_cells = 1U << 18U, fewest_cells = 64;
 
 geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
@@ -112,10 +112,10 @@ geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& sol
   return options;
 }
 
-/// Where surfaces are that copies may share: by shape and delta.
+/// The surfaces that copies may share, by shape and delta.
 using SharedSurfaces = std::map<std::pair<const void*, double>, std::uint32_t>;
 
-/// A solid that shares the surface of the one at `first`.
+/// Adds a solid that shares the surface of the one at `first`.
 void add_copy(PreparedSolids& table, const std::vector<geometry::Solid>& solids, const geometry::Solid& solid,
               std::uint32_t first) {
   const auto s = static_cast<std::uint32_t>(table.records.size());
@@ -272,7 +272,7 @@ void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_wo
   if (!(off < 1e-6) || !(glm::determinant(R) > 0) || !finite(centre)) {
     throw bad_usage(fmt::format("pose of solid {}: not a rigid motion (a rotation and a shift)", solid));
   }
-  // The shader turns the world's axes into the solid's.
+  // The rotation from the world's axes to the solid's, for the shader.
   const glm::dquat q =
       R == glm::dmat3(1.0) ? glm::dquat(1, 0, 0, 0) : glm::conjugate(glm::normalize(glm::quat_cast(R)));
   shader::SolidRecord& record = solids.records[solid];

@@ -1,5 +1,5 @@
-// The solids of a scene in the form in which contacts are asked for: planes of convex ones, surfaces
-// (geometry/surface/surface.hpp) or tables of convex parts of any others, and where they are.
+// The solids of a scene in the form in which contacts are looked up: planes for convex solids, surfaces
+// (geometry/surface/surface.hpp) or tables of convex parts for all others, and their poses.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,13 @@
 
 namespace palpa::touch {
 
-/// Where a solid's surface begins in the scene's buffers.
+/// The offsets of a solid's surface in the scene's buffers.
 struct SurfaceBase {
   std::uint32_t cells = 0, runs = 0, triangles = 0, corners = 0;
 };
 
-/// What solids were prepared for: contacts up to how deep, where a solid has no delta of its own; and deep points.
+/// What the solids were prepared for: the maximum depth of contacts in a solid without its own delta, and whether deep
+/// points are found.
 struct MadeFor {
   double delta_m = 0;
   bool deep = false;
@@ -30,49 +31,50 @@ struct PreparedSolids {
   std::vector<shader::PlaneCell> cells;      ///< solid after solid, x fastest
   std::vector<shader::vec4> planes;          ///< first every plane of every solid, then the cells' lists
   std::vector<std::uint32_t> first_plane;    ///< per solid, plus one past the last: the range of all its planes
-  std::vector<geometry::Surface> surfaces;   ///< per solid; empty where it is asked by its planes
+  std::vector<geometry::Surface> surfaces;   ///< per solid; empty if the solid is looked up by its planes
   std::vector<SurfaceBase> surface_base;     ///< per solid
-  std::vector<Vec3> centres;                 ///< per solid, where it was made
-  /// Per solid, what takes it from where it was made to its place in the scene: nothing but for rigid copies, which
-  /// share the surface of the first.
+  std::vector<Vec3> centres;                 ///< per solid, in the place where it was made
+  /// Per solid, the transform from the place where it was made to its place in the scene. It is the identity except for
+  /// rigid copies, which share the surface of the first copy.
   std::vector<Transform> T_rest_made;
   std::vector<std::uint32_t> foci_of;  ///< foci_of_solids()
   std::vector<shader::uvec4> parts;    ///< see parts_table.hpp; empty without solids of convex parts
   MadeFor made_for;
-  std::string file;              ///< where the solids are from, for messages; empty where they are not from a file
+  std::string file;              ///< the file the solids come from, for messages; empty if there is none
   std::uint32_t iterations = 0;  ///< contact_iterations()
 
-  /// The solid's delta: its own where it has one.
+  /// The solid's own delta if it has one, otherwise that of the parameters.
   double delta_m(std::uint32_t solid, const Parameters& parameters) const {
     return records[solid].delta > 0 ? static_cast<double>(records[solid].delta) : parameters.delta_m;
   }
 };
 
-/// N of each solid's fingers where its model says one (1 to max_foci), else 0: the parameters' N. Throws bad_usage
-/// naming the solid for another number.
+/// The N of each solid's fingers if its model gives one (1 to max_foci), otherwise 0, which means the parameters' N.
+/// Throws bad_usage naming the solid if the number is out of range.
 std::vector<std::uint32_t> foci_of_solids(const std::vector<geometry::Solid>& solids);
 
 /// Half the longest side of the solid's box, metres.
 double half_size(const shader::SolidRecord& solid);
 
-/// The least finger gap with which a cluster's cells can be numbered wherever in the solid it is, however that is
-/// turned, metres.
+/// The least finger gap in metres with which a cluster's cells can be numbered anywhere in the solid, however the solid
+/// is turned.
 double least_finger_gap(const shader::SolidRecord& solid);
 
-/// A convex solid gets its planes and their cells (plane_cells.hpp). A solid without planes, or with so many that its
-/// surface is quicker, gets its surface, made for the delta of `parameters` (or its own) and for deep points where they
-/// are asked for; check_parameters() refuses others. Rigid copies share one; where there are many surfaces each has
-/// fewer cells. A solid of convex parts gets a table of those. Throws bad_input naming a solid's file where it would
-/// cost too much (docs/limits.md) or is too large for the finger gap; bad_usage naming the solid where planes or box
-/// are not finite, and where all solids together have more triangles than shader::surface_most_triangles.
+/// A convex solid gets its planes and their cells (plane_cells.hpp). A solid without planes, or with so many planes
+/// that its surface is quicker, gets its surface. The surface is made for the delta of `parameters` (or the solid's
+/// own) and for deep points if they are requested; check_parameters() refuses other parameters. Rigid copies share one
+/// surface. If there are many surfaces, each has fewer cells. A solid of convex parts gets a table of its parts. Throws
+/// bad_input naming a solid's file if the solid would cost too much (docs/limits.md) or is too large for the finger
+/// gap. Throws bad_usage naming the solid if its planes or box are not finite, and bad_usage if all solids together
+/// have more triangles than shader::surface_most_triangles.
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
-/// Moves a solid: from now on it is where T_world_rest takes it from its place in the scene. Nothing is rebuilt. Throws
-/// bad_usage for a solid that there is not, and for what is no rigid motion.
+/// Moves a solid: from now on, T_world_rest takes it from its place in the scene to its new place. Nothing is rebuilt.
+/// Throws bad_usage if there is no such solid or if the transform is not a rigid motion.
 void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest);
 
-/// The world's box around all solids where they are now, grown by a hair against rounding: skin outside of it needs no
-/// look.
+/// The box in world coordinates around all solids in their current poses, slightly enlarged against rounding. Skin
+/// outside this box can be ignored.
 Box touchable_box(const PreparedSolids& solids);
 
 }  // namespace palpa::touch

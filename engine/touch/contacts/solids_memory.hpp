@@ -7,10 +7,10 @@
 
 namespace palpa::touch {
 
-/// Written once, read by every frame. Where the solids are goes with each frame.
+/// Written once, read by every frame. The poses of the solids are uploaded with each frame.
 class SolidsMemory {
  public:
-  /// Uploads and waits. Throws failure where a buffer would be larger than the device takes.
+  /// Uploads and waits. Throws failure if a buffer would be larger than the device allows.
   SolidsMemory(const gpu::Device& device, const PreparedSolids& solids);
 
   const SurfaceMemory& surfaces() const { return surfaces_; }

@@ -6,7 +6,7 @@
 namespace palpa::touch {
 namespace {
 
-/// What all surfaces together take.
+/// The sizes of all surfaces together.
 SurfaceBase total(const PreparedSolids& solids) {
   SurfaceBase all;
   for (std::size_t s = 0; s < solids.records.size(); ++s) {

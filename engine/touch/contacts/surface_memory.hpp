@@ -1,4 +1,5 @@
-// What ContactsPass looks up of solids that are not convex, on the device: scattered and often, so as texels.
+// The device tables in which ContactsPass looks up solids that are not convex. They are read as texels because the
+// reads are frequent and scattered.
 #pragma once
 
 #include "gpu/buffer.hpp"
@@ -12,7 +13,7 @@ namespace palpa::touch {
 class SurfaceMemory {
  public:
   SurfaceMemory() = default;
-  /// Fills host memory; record() brings it to the device. Throws failure where a table is larger than the device can
+  /// Fills host memory; record() copies it to the device. Throws failure if a table is larger than the device can
   /// address.
   SurfaceMemory(const gpu::Device& device, const PreparedSolids& solids);
 

@@ -8,13 +8,13 @@
 
 namespace palpa::touch {
 
-/// Density of the cells for a gap; contacts of one cell are within the gap, whatever rounding does.
+/// Density of the cells for a gap. Contacts of one cell are within the gap despite rounding.
 inline float cells_per_metre(float gap) {
   return 1.0F / (static_cast<float>(shader::fingers_cell_thousandths) * 1e-3F * gap);
 }
 
-/// The gap as single precision has it. Beyond every solid it means one cluster per solid; its square must stay a
-/// number.
+/// The gap in single precision. A gap larger than every solid means one cluster per solid. It is limited so that its
+/// square stays finite.
 inline float float_gap(const Parameters& parameters) {
   return std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
 }

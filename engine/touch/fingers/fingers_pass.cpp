@@ -28,7 +28,7 @@ static_assert(offsetof(shader::SolidRecord, centre) == std::size_t{16} * shader:
 
 namespace {
 
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : FingersBindings {
   gpu::BufferRef nodes = {}, tiles = {}, bases = {}, places = {}, list = {}, links = {}, groups_of_block = {},
                  crowded = {}, undecided = {}, left = {}, work = {}, forest = {}, seen = {}, large = {},
@@ -103,7 +103,7 @@ void FingersPass::record(VkCommandBuffer commands, const FingersBindings& b, con
   given.links = s[links];
   given.groups_of_block = s[groups];
   given.crowded = s[crowded];
-  given.undecided = s[links];  // the blocks that touch have been looked at by then
+  given.undecided = s[links];  // touching blocks have been processed by then
   given.left = s[crowded];
   given.work = s[work];
   given.forest = s[forest];

@@ -1,4 +1,4 @@
-// Contacts sorted by cell, cells joined pair by pair; which cells there are is looked up tile by tile.
+// Contacts are sorted by cell, and cells are joined pair by pair. Existing cells are looked up tile by tile.
 #include "touch/fingers/fingers_twin.hpp"
 
 #include <algorithm>
@@ -39,8 +39,8 @@ struct KeyHash {
 /// 4x4x4 cells; `key` counts tiles.
 struct Tile {
   Key key;
-  std::uint64_t cells = 0;       ///< those that hold contacts, as bits
-  std::uint32_t first_cell = 0;  ///< their numbers follow each other in the order of the bits
+  std::uint64_t cells = 0;       ///< the cells that hold contacts, as bits
+  std::uint32_t first_cell = 0;  ///< the cells are numbered consecutively in the order of the bits
 };
 
 struct Cell {
@@ -49,10 +49,12 @@ struct Cell {
 
 constexpr int tile_side = 4;
 constexpr std::size_t tile_cells = 64;
-/// Tiles that touch a tile are so many; `centre` is the tile itself, and of two that lie opposite one comes after it.
+/// The number of tiles that touch a tile, including the tile itself, which is `centre`. One tile of each opposite pair
+/// comes after it.
 constexpr std::size_t tiles_around = 27, centre = 13;
 
-/// Per tile around, cell of the tile, and distance in cells in the widest direction, less one: the cells there.
+/// For each surrounding tile, each cell of the tile, and each distance (in cells, along the widest direction, minus
+/// one): the cells in the surrounding tile.
 using Reach = std::array<std::array<std::array<std::uint64_t, 2>, tile_cells>, tiles_around>;
 
 constexpr Reach make_reach() {
@@ -63,7 +65,7 @@ constexpr Reach make_reach() {
       const int dx = place % 5 - 2, dy = place / 5 % 5 - 2, dz = place / 25 - 2;
       const int distance = std::max({dx < 0 ? -dx : dx, dy < 0 ? -dy : dy, dz < 0 ? -dz : dz});
       if (distance == 0) continue;
-      // From the tile before the tile, so that nothing is negative.
+      // Counted from the preceding tile, so that nothing is negative.
       const int x = from % 4 + dx + tile_side, y = from / 4 % 4 + dy + tile_side, z = from / 16 + dz + tile_side;
       const int tile = x / tile_side + 3 * (y / tile_side) + 9 * (z / tile_side);
       const int there = x % tile_side + 4 * (y % tile_side) + 16 * (z % tile_side);
@@ -109,7 +111,7 @@ class Clustering {
       : contacts_(contacts), limit_(gap * gap), smallest_(contacts.size()) {
     sort_into_cells(solids, cells_per_metre(gap));
     std::iota(smallest_.begin(), smallest_.end(), 0U);
-    // Cells that touch first: most of the others are then in one cluster already.
+    // Touching cells come first: most other pairs are then already in one cluster.
     for (const std::size_t distance : {0U, 1U}) {
       for (const Tile& tile : tiles_)
         link(tile, distance);
@@ -126,7 +128,7 @@ class Clustering {
  private:
   void sort_into_cells(const PreparedSolids& solids, float density) {
     struct Place {
-      std::uint32_t tile, cell;  // the cell first as a bit of its tile, then by its number
+      std::uint32_t tile, cell;  // the cell, first as a bit of its tile, later as its number
     };
     std::vector<Place> places;
     places.reserve(contacts_.size());
@@ -212,7 +214,8 @@ class Clustering {
   std::vector<std::uint32_t> smallest_;  ///< union-find over the cells' first contacts; at the end complete
 };
 
-/// Which clusters are fingers: those of enough contacts, of too many the largest, of equally large ones the first.
+/// Decides which clusters are fingers: those with enough contacts. If there are too many, the largest are taken, and
+/// among equally large ones the first.
 class Taken {
  public:
   Taken(const std::vector<std::uint32_t>& sizes, std::uint32_t least) : over_(least - 1) {
@@ -227,7 +230,7 @@ class Taken {
   }
 
   std::uint32_t clusters() const { return clusters_; }
-  /// Asked in the order of the clusters.
+  /// Must be called in the order of the clusters.
   bool take(std::uint32_t size) {
     if (size != over_ || equal_ == 0) return size > over_;
     --equal_;
@@ -235,22 +238,22 @@ class Taken {
   }
 
  private:
-  std::uint32_t over_;       ///< larger ones are taken,
-  std::uint32_t equal_ = 0;  ///< and so many of just that size
+  std::uint32_t over_;       ///< larger clusters are taken,
+  std::uint32_t equal_ = 0;  ///< and this many of exactly that size
   std::uint32_t clusters_ = 0;
 };
 
 }  // namespace
 
 void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
-  std::vector<Contact> inside;  // contacts before deep points: a cluster's smallest point is a contact if it has any
+  std::vector<Contact> inside;  // contacts before deep points, so a cluster's smallest point is a contact if it has any
   if (parameters.cluster == Cluster::inside) {
     inside = out.contacts;
     inside.insert(inside.end(), out.deep.begin(), out.deep.end());
   }
   const std::vector<Contact>& clustered = parameters.cluster == Cluster::inside ? inside : out.contacts;
   std::vector<std::uint32_t> smallest = Clustering(clustered, solids, float_gap(parameters)).smallest();
-  smallest.resize(out.contacts.size());  // from here on contacts alone count
+  smallest.resize(out.contacts.size());  // from here on, only contacts count
 
   std::vector<std::uint32_t> sizes(smallest.size());
   for (const std::uint32_t root : smallest)

@@ -7,8 +7,8 @@
 namespace palpa::touch {
 
 /// C++ twin of FingersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
-/// `out.contacts`, with Cluster::inside from `out.deep` as well. The distance test is the same single-precision
-/// arithmetic, so the partition is the same. Expects what check_parameters() accepts.
+/// `out.contacts`, and with Cluster::inside also from `out.deep`. The distance test uses the same single-precision
+/// arithmetic, so the partition is the same. The parameters must pass check_parameters().
 void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out);
 
 }  // namespace palpa::touch

@@ -37,7 +37,7 @@ double trace(const Matrix& a) {
   return a[0][0] + a[1][1] + a[2][2];
 }
 
-/// Inverse of the lower triangular L with L L^T = `a`; nothing where `a` is not positive definite.
+/// Inverse of the lower triangular L with L L^T = `a`; empty if `a` is not positive definite.
 std::optional<Matrix> inverse_cholesky(const Matrix& a) {
   Matrix lower{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -67,7 +67,7 @@ std::optional<Matrix> inverse_cholesky(const Matrix& a) {
 }
 
 /// Eigenvector of the largest eigenvalue of a symmetric matrix: cyclic Jacobi. geometry::eigen_of multiplies in another
-/// order and stops earlier, so that most vectors would differ in their last bits, and with them the foci.
+/// order and stops earlier. With it, most vectors, and so the foci, would differ in their last bits.
 Column largest_eigenvector(Matrix a) {
   Matrix v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (int turn_number = 0; turn_number < 60; ++turn_number) {
@@ -137,7 +137,7 @@ Vec2 Ellipse::at(double t) const {
 
 double Ellipse::parameter_of(const Vec2& p) const {
   const Vec2 d = p - centre;
-  const double x = yy * d.x - xy * d.y, y = xx * d.y - xy * d.x;  // the inverse but for its positive determinant
+  const double x = yy * d.x - xy * d.y, y = xx * d.y - xy * d.x;  // the inverse up to its positive determinant
   if (x == 0 && y == 0) return 0;
   const double t = std::atan2(y, x);
   return t < 0 ? std::max(0.0, t + turn) : t;
@@ -169,16 +169,17 @@ std::optional<Ellipse> fit_ellipse(const PlaneMoments& moments) {
   const Matrix linear{{{m[2][0], m[1][1], m[1][0]}, {m[1][1], m[0][2], m[0][1]}, {m[1][0], m[0][1], m[0][0]}}};
   const std::optional<Matrix> root = inverse_cholesky(linear);
   if (!root) return std::nullopt;
-  // (d, e, f) = eliminate (a, b, c) is best for given a, b, c; what then remains of the sum of squares is a quadratic
-  // form in a, b, c.
+  // (d, e, f) = eliminate (a, b, c) is optimal for given a, b, c. The remaining sum of squares is a quadratic form in
+  // a, b, c.
   const Matrix eliminate = transposed(*root) * (*root * transposed(mixed));
   Matrix rest = mixed * eliminate;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j)
       rest[i][j] = quadratic[i][j] - rest[i][j];
   }
-  // The least of it with 4 a c - b^2 = 1 is the generalized eigenvector of the one positive eigenvalue. Points exactly
-  // on an ellipse leave no rest in one direction; a trace of it on the diagonal keeps the matrix definite.
+  // Its minimum with 4 a c - b^2 = 1 is the generalized eigenvector of the only positive eigenvalue. For points exactly
+  // on an ellipse, the form is zero in one direction; a tiny multiple of the trace on the diagonal keeps the matrix
+  // definite.
   const double hair = 1e-13 * trace(quadratic);
   for (std::size_t i = 0; i < 3; ++i)
     rest[i][i] += hair;

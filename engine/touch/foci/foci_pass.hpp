@@ -21,7 +21,7 @@ class FociPass {
  public:
   explicit FociPass(const gpu::Device& device);
 
-  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; the caller adds its own
+  /// Barriers: all inputs must be visible to compute and as indirect arguments. The caller adds the barriers
   /// afterwards.
   void record(VkCommandBuffer commands, const FociBindings& bindings, const Parameters& parameters) const;
 

@@ -15,7 +15,7 @@ using shader::Float3;
 
 constexpr std::uint32_t bins = shader::outline_bins;
 
-/// The last of ascending borders that p has reached.
+/// The last of the ascending borders that p has passed.
 std::uint32_t sector_of(const Float2& p, std::span<const Border> borders) {
   if (p.x == 0 && p.y == 0) return 0;
   auto beyond = static_cast<std::uint32_t>(borders.size());
@@ -47,7 +47,7 @@ struct Plane {
   Float2 projected(const Float3& d) const { return on_plane(axes, d, scaling); }
 };
 
-/// The outline's mean radius in each of the bins; an empty one's lies between its neighbours'.
+/// The outline's mean radius in each bin; for an empty bin, it is interpolated between its neighbours.
 std::array<float, bins> radii(const Plane& plane, std::span<const Border> directions) {
   std::array<std::int32_t, bins> sums{};
   std::array<std::uint32_t, bins> counts{};
@@ -82,7 +82,7 @@ std::array<Border, max_foci> equal_arcs(const Plane& plane, std::span<const Bord
                                    radius[(m + 1) % bins], {directions[m].x, directions[m].y});
   }
   corners[bins] = corners[0];
-  std::array<float, bins + 1> way{};  // along the outline, to each corner and all the way round
+  std::array<float, bins + 1> way{};  // length along the outline to each corner, and of the complete outline
   for (std::uint32_t m = 0; m < bins; ++m)
     way[m + 1] = shader::plus(way[m], metres_between(corners[m], corners[m + 1], plane.scaling));
   std::array<Border, max_foci> borders{};

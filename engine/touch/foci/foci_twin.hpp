@@ -9,8 +9,8 @@
 namespace palpa::touch {
 
 /// C++ twin of FociPass: fills the foci of the first `finger_count` fingers from contacts and sections. `of_solid` is
-/// foci_of_solids(); a solid beyond it has the parameters' N. The same single-precision arithmetic as in the pass and
-/// sums in integers: where a device divides and takes roots exactly, results are the same bit for bit; elsewhere
+/// foci_of_solids(); a solid beyond its end has the parameters' N. Uses the pass's single-precision arithmetic and sums
+/// in integers. On a device with exact division and square roots, the results are the same bit for bit. On others,
 /// contacts within 1e-5 rad of a sector's border may change sides.
 void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out);
 

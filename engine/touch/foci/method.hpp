@@ -1,8 +1,9 @@
-// Methods: how a finger's cross-section becomes foci, and which of them sound together. docs/methods.md compares them.
+// A method turns a finger's cross-section into foci and decides which foci sound together. docs/methods.md compares the
+// methods.
 //
-// A method is one function in a file of its own, method_NAME.cpp; place_foci picks by name. All of them run on the host
-// between the foci of FociPass and the schedule, on either backend, and allocate nothing once their output has
-// grown. What order the foci play in, for how long and how loud is the schedule's business (array/schedule.hpp).
+// Each method is one function in its own file, method_NAME.cpp; place_foci() selects it by name. On either backend, all
+// methods run on the host, between the foci of FociPass and the schedule. They allocate nothing once their output has
+// grown. The schedule decides the order of the foci, their dwell and their intensity (array/schedule.hpp).
 #pragma once
 
 #include <cstdint>
@@ -28,15 +29,16 @@ struct MethodOptions {
   Method method = Method::cross_section;
   /// `ellipse`: foci at equal steps of arc length instead of the ellipse's parameter.
   bool equal_arc = false;
-  /// N in place of the finger's own number of sectors; 0: that number. Sectors are then cut anew. At most max_foci.
+  /// N instead of the finger's own number of sectors; the sectors are then recomputed. 0: the finger's own number. At
+  /// most max_foci.
   std::uint32_t foci = 0;
 };
 
-/// What a method makes of a finger. Reused from frame to frame.
+/// The result of a method for one finger. Reused from frame to frame.
 struct Placement {
-  /// In the order of their angle. `points`: `cross-section`, `multi-focus`: contacts of the sector, 0 meaning that it
-  /// is empty (`held`: only now); `ellipse`: contacts nearer to this focus than to others, by their angle;
-  /// `single-focus`: all contacts.
+  /// In the order of their angle. The meaning of `points` depends on the method. `cross-section` and `multi-focus`: the
+  /// contacts of the sector; 0 means that it is empty (if `held`: that it became empty shortly before). `ellipse`: the
+  /// contacts that are nearer to this focus than to others by angle. `single-focus`: all contacts.
   std::vector<Focus> foci;
   /// Every focus has a position, whether or not contacts lie near it.
   bool complete = false;
@@ -44,26 +46,27 @@ struct Placement {
 
   /// Whether focus `i` has a position.
   bool has(std::size_t i) const { return complete || foci[i].points != 0 || foci[i].held; }
-  /// Nothing moves on the skin: without a modulation it would feel nothing.
+  /// Nothing moves on the skin, so the skin would feel nothing without modulation.
   bool still() const { return together || foci.size() == 1; }
 };
 
-/// Whether a method looks at the contacts themselves (touch::Detail::contacts), beyond what their finger says of them.
+/// Whether a method needs the contacts themselves (touch::Detail::contacts), not only the finger's data.
 bool needs_contacts(const MethodOptions& options);
 
-/// Places the foci of `finger`, one of `touch`. A point-like finger has one focus at its centroid under every method.
-/// Deterministic. `out.foci` has one entry for a point-like finger and for `single-focus`, else N, of which at least
-/// one has a position.
+/// Places the foci of `finger`, which belongs to `touch`. A point-like finger has one focus at its centroid under every
+/// method. Deterministic. `out.foci` has one entry for a point-like finger and for `single-focus`, otherwise N entries,
+/// at least one with a position.
 void place_foci(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
 
-// The methods; their finger is not point-like.
+// The methods. The finger must not be point-like.
 void place_cross_section(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
 void place_single_focus(const Finger& finger, Placement& out);
 void place_ellipse(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
 void place_multi_focus(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
 
-/// Length in metres of the closed path that foci run on: of the circle whose inscribed polygon of as many corners is as
-/// long as the polygon through the foci, so exact for foci spread evenly on a circle. 0 for fewer than 3 positions.
+/// Length in metres of the closed path through the foci. It is the length of the circle whose inscribed polygon has the
+/// same number of corners and the same length as the polygon through the foci. It is exact for foci spread evenly on a
+/// circle. 0 for fewer than 3 positions.
 double perimeter_of(const Placement& placement);
 
 }  // namespace palpa::touch

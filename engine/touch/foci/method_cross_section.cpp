@@ -1,5 +1,5 @@
-// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). FociPass and its twin have found
-// them already; only for another number of foci are the sectors cut anew here.
+// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). FociPass and its twin have already
+// found them. The sectors are recomputed here only for another number of foci.
 #include <array>
 #include <numbers>
 #include <optional>

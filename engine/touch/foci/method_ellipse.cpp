@@ -1,6 +1,6 @@
 // The method of the paper's reference [7]: foci on an ellipse that is fitted to the contacts, projected on the plane of
-// the cross-section. It needs no contact in every direction, and so bridges skin that no camera sees; a cross-section
-// that is no ellipse it cannot show.
+// the cross-section. It does not need contacts in every direction, so it bridges skin that no camera sees. It cannot
+// represent a cross-section that is not an ellipse.
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -12,8 +12,8 @@
 namespace palpa::touch {
 namespace {
 
-/// The regression, unless it says more than the contacts do: an arc too short to tell how the ellipse goes on may give
-/// one of any size. Then, and for fewer than 6 contacts, the ellipse of the same mean and covariance.
+/// The regression, unless the contacts do not determine it: a short arc may give an ellipse of any size. In that case,
+/// and for fewer than 6 contacts, the ellipse of the same mean and covariance.
 std::optional<Ellipse> ellipse_through(const Touch& touch, const Finger& finger, const SectionPlane& plane) {
   PlaneMoments moments;
   double farthest = 0;

@@ -1,5 +1,5 @@
-// The paper's baseline (Sec. IV-C): a single focus at the centroid of the contacts. It stands still on the skin, so
-// that the schedule modulates it.
+// The paper's baseline (Sec. IV-C): a single focus at the centroid of the contacts. It does not move on the skin, so
+// the schedule modulates it.
 #include "touch/foci/method.hpp"
 
 namespace palpa::touch {

@@ -1,4 +1,4 @@
-// Fingers keep their identity, and their axes, from frame to frame: on the device. The rules are in docs/touch.md.
+// Fingers keep their identity and their axes from frame to frame, on the device. The rules are in docs/touch.md.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace palpa::touch {
 
-/// The fingers of the frames before: one for all frames in flight, which the queue works through in order.
+/// The fingers of earlier frames. One object serves all frames in flight, because the queue processes them in order.
 class TracksMemory {
  public:
   explicit TracksMemory(const gpu::Device& device) : tracks_(device, sizeof(shader::TrackTable), "tracks") {}
@@ -20,7 +20,7 @@ class TracksMemory {
   FrameClock clock;
 
  private:
-  gpu::Buffer tracks_;  // needs no first value: the first frame does not look at it
+  gpu::Buffer tracks_;  // needs no initial value: the first frame does not read it
 };
 
 struct FollowBindings {
@@ -34,10 +34,10 @@ class FollowPass {
  public:
   explicit FollowPass(const gpu::Device& device);
 
-  /// `elapsed_us` from the TracksMemory's clock, for the frame that is being recorded; frames are submitted to one
-  /// queue in the order of these calls. Barriers: expects header and fingers to be visible to compute; since pipeline
-  /// barriers reach back over earlier submits to the queue, the same compute_to_compute orders the frames' use of
-  /// `tracks`. The caller adds its own afterwards.
+  /// `elapsed_us` comes from the TracksMemory's clock, for the frame that is being recorded. Frames are submitted to
+  /// one queue in the order of these calls. Barriers: header and fingers must be visible to compute. Pipeline barriers
+  /// also cover earlier submits to the queue, so the same compute_to_compute orders the frames' use of `tracks`. The
+  /// caller adds the barriers afterwards.
   void record(VkCommandBuffer commands, const FollowBindings& bindings, std::uint32_t elapsed_us,
               const StageSetting& setting) const;
 

@@ -38,17 +38,17 @@ Sym3 spread_of(const Track& t) {
   return {t.spread_a.x, t.spread_a.y, t.spread_a.z, t.spread_a.w, t.spread_b.x, t.spread_b.y};
 }
 
-/// A track as it was, and moved on to this frame.
+/// A track as it was, and extrapolated to this frame.
 struct Candidate {
   Track old{};
   bool alive = false;
   std::uint32_t unseen_us = 0;
   Float3 place{}, velocity{};
   float reach = 0, penalty = 0, stray = 0;
-  std::uint32_t row = none;    ///< the finger that it becomes
-  std::uint32_t owner = none;  ///< that, or the one whose cluster it is in
+  std::uint32_t row = none;    ///< the finger that continues it
+  std::uint32_t owner = none;  ///< that finger, or the one whose cluster it is in
   bool merged = false, seen = false;
-  bool stays = false;  ///< remembered, without a finger of its own
+  bool stays = false;  ///< remembered, but without its own finger
 };
 
 /// One frame's work.
@@ -101,7 +101,7 @@ float Follow::cost_of(std::uint32_t finger, std::uint32_t column) const {
   return follow_cost(float3(fingers[finger].section.centroid), c.place, c.reach, scale, c.penalty);
 }
 
-/// Where a remembered finger would do, a birth costs more than that.
+/// If a remembered finger fits, a birth costs more than that finger.
 void Follow::find_birth_costs() {
   for (std::uint32_t f = 0; f < fingers.size(); ++f) {
     birth_cost[f] = shader::new_finger;
@@ -113,8 +113,8 @@ void Follow::find_birth_costs() {
   }
 }
 
-/// Least sum of costs: Hungarian method by shortest augmenting paths, rows being fingers and columns tracks and births.
-/// Equal costs go to the column that comes first: track 0, birth 0, track 1, ...
+/// Finds the least sum of costs with the Hungarian method by shortest augmenting paths. Rows are fingers; columns are
+/// tracks and births. If costs are equal, the first column wins: track 0, birth 0, track 1, ...
 void Follow::assign() {
   const auto count = static_cast<std::uint32_t>(fingers.size());
   constexpr std::uint32_t columns = most + max_fingers;
@@ -173,7 +173,7 @@ void Follow::assign() {
   }
 }
 
-/// Tracks without a finger: into whose cluster have they merged?
+/// For tracks without a finger: finds the cluster into which they have merged.
 void Follow::merge() {
   for (Candidate& c : tracks()) {
     if (c.row != none || !c.alive) continue;
@@ -325,7 +325,7 @@ void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, 
   follow.merge();
   follow.choose_who_stays();
   tracks.count = 0;
-  std::uint32_t home = 0;  // the first that may be free
+  std::uint32_t home = 0;  // the first home that may be free
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const bool born = follow.track_of[f] == none;
     while (born && follow.home_taken[home])

@@ -1,4 +1,4 @@
-// Fingers keep their identity, and their axes, from frame to frame. The rules are in docs/touch.md.
+// Fingers keep their identity and their axes from frame to frame. The rules are in docs/touch.md.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace palpa::touch {
 
-/// The fingers of the frames before. One for each stream of frames.
+/// The fingers of earlier frames. One object for each stream of frames.
 struct Tracks {
   FrameClock clock;
   std::uint32_t count = 0;
@@ -19,10 +19,10 @@ struct Tracks {
   std::array<shader::Track, shader::follow_most_tracks> tracks{};
 };
 
-/// C++ twin of FollowPass. Gives the first `finger_count` fingers of a frame, whose sections are those of
-/// find_sections, their ids, and where the setting has steady axes turns them the least they can from those of the
-/// frame before. Ids count up from 0 in the order of the fingers and are never used twice. In the first frame ids are
-/// the fingers' order. The first tracks are then those of the fingers. Same single-precision arithmetic as in the pass.
+/// C++ twin of FollowPass. Gives ids to the first `finger_count` fingers of a frame, whose sections come from
+/// find_sections(). If the setting has steady axes, turns their axes as little as possible from those of the previous
+/// frame. Ids count up from 0 in the order of the fingers and are never reused. In the first frame, the ids are the
+/// fingers' order. Afterwards, the first tracks are those of the fingers. Uses the pass's single-precision arithmetic.
 /// Allocates nothing.
 void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch);
 

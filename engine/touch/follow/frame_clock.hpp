@@ -1,4 +1,4 @@
-// The time from frame to frame, as following wants it.
+// The time from frame to frame, in the form that following needs.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@ namespace palpa::touch {
 
 class FrameClock {
  public:
-  /// Microseconds from the frame of the call before to this one's capture time; shader::follow_anew for the first. A
-  /// time before the one before is a new beginning: longer than any finger is remembered.
+  /// Microseconds from the capture time of the previous call's frame to `time_s`; shader::follow_anew for the first
+  /// call. If the time goes backwards, following restarts: the result is then longer than any finger is remembered.
   std::uint32_t elapsed_us(double time_s);
 
  private:

@@ -1,4 +1,4 @@
-// Foci that do not jump from frame to frame, on the device. The rules are in docs/touch.md.
+// On the device: foci are smoothed so that they do not jump from frame to frame. The rules are in docs/touch.md.
 #pragma once
 
 #include "gpu/buffer.hpp"
@@ -7,7 +7,8 @@
 
 namespace palpa::touch {
 
-/// What is kept of fingers' foci, each at its track's home: one for all frames in flight, as TracksMemory.
+/// The data kept of fingers' foci, each at its track's home. One object serves all frames in flight, as with
+/// TracksMemory.
 class HomesMemory {
  public:
   explicit HomesMemory(const gpu::Device& device)
@@ -15,7 +16,7 @@ class HomesMemory {
   gpu::BufferRef ref() const { return homes_.ref(); }
 
  private:
-  gpu::Buffer homes_;  // needs no first value: a new finger does not look at it
+  gpu::Buffer homes_;  // needs no initial value: a new finger does not read it
 };
 
 struct GlideBindings {
@@ -31,8 +32,8 @@ class GlidePass {
  public:
   explicit GlidePass(const gpu::Device& device);
 
-  /// Frames as in FollowPass. Barriers: expects all inputs to be visible to compute and as indirect arguments; the
-  /// caller adds its own afterwards.
+  /// The order of frames is as in FollowPass. Barriers: all inputs must be visible to compute and as indirect
+  /// arguments. The caller adds the barriers afterwards.
   void record(VkCommandBuffer commands, const GlideBindings& bindings) const;
 
  private:

@@ -1,4 +1,4 @@
-// Foci that do not jump from frame to frame. The rules are in docs/touch.md.
+// Foci are smoothed so that they do not jump from frame to frame. The rules are in docs/touch.md.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace palpa::touch {
 
-/// What is kept of fingers' foci, each at its track's home. One for each stream of frames.
+/// The data kept of fingers' foci, each at its track's home. One object for each stream of frames.
 struct Homes {
   std::vector<shader::Home> homes{shader::follow_most_tracks};
 };
 
-/// C++ twin of GlidePass. `tracks` are those that follow_fingers has left for this frame, whose foci are those of
-/// find_foci; each gets the place that it is played at. Same single-precision arithmetic as in the pass. Allocates
+/// C++ twin of GlidePass. `tracks` are the result of follow_fingers() for this frame, and the foci are the result of
+/// find_foci(). Each focus gets the place where it is played. Uses the pass's single-precision arithmetic. Allocates
 /// nothing.
 void glide_foci(const Tracks& tracks, Homes& homes, Touch& touch);
 

@@ -1,4 +1,4 @@
-// Sectors without contacts take the place of one that has some.
+// Finds the sector that takes the place of a sector without contacts.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace palpa::touch {
 
-/// Of a circle's `count` sectors for which `filled(index)` holds, the nearest to `sector` by angle; of two equally near
-/// the one with the lower index; `count` where it holds for none. Twin: nearest_filled() of glide.comp.
+/// Among a circle's `count` sectors for which `filled(index)` holds, the nearest to `sector` by angle. If two are
+/// equally near, the one with the lower index. `count` if it holds for none. Twin: nearest_filled() of glide.comp.
 template <typename Filled>
 std::uint32_t nearest_filled(std::uint32_t sector, std::uint32_t count, Filled filled) {
   for (std::uint32_t apart = 0; apart <= count / 2; ++apart) {

@@ -15,7 +15,7 @@ static_assert(shader::sections_most_chunks * shader::sections_groups_per_chunk >
 static_assert(shader::sections_table >= 2 * shader::fingers_most);
 
 namespace {
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : SectionsBindings {
   gpu::BufferRef counts = {};
 };

@@ -14,23 +14,23 @@ namespace palpa::touch {
 struct SectionsBindings {
   // `contacts` and `grouped` have a view of R32G32B32A32_UINT texels.
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
-  gpu::BufferRef parents;   ///< in: per contact a number that its finger alone has
+  gpu::BufferRef parents;   ///< in: per contact, a number that is unique to its finger
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]; out: their `finger`
   gpu::BufferRef header;    ///< in: shader::TouchHeader, one group per finger
-  gpu::BufferRef grouped;   ///< out: uvec4 per contact: bits of x, y, z and depth; finger after finger, in order
+  gpu::BufferRef grouped;   ///< out: uvec4 per contact: bits of x, y, z and depth; in order, finger after finger
   gpu::BufferRef fingers;   ///< in: shader::FingerRecord[max_fingers] as FingersPass leaves it; out: cross-sections
 };
 
-/// Pipelines only; three dispatches: count and group put the contacts in order of their fingers, whatever the number of
-/// these at the same cost; axes looks at each finger's own.
+/// Pipelines only; three dispatches: count, group and axes. count and group sort the contacts by finger; their cost
+/// does not depend on the number of fingers. axes processes the contacts of each finger.
 class SectionsPass {
  public:
   explicit SectionsPass(const gpu::Device& device);
 
   static std::vector<gpu::ScratchBuffer> scratch();
 
-  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
-  /// adds compute_to_compute afterwards. With `times`, marks "count", "group" and "sections".
+  /// Barriers: all inputs must be visible to compute and as indirect arguments. Adds the inner barriers itself; the
+  /// caller adds compute_to_compute afterwards. With `times`, marks "count", "group" and "sections".
   void record(VkCommandBuffer commands, const SectionsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               gpu::Timestamps* times = nullptr) const;
 

@@ -16,7 +16,7 @@ glm::vec3 to_vec(const Float3& v) {
   return {v.x, v.y, v.z};
 }
 
-/// The threads' sums added in thread order.
+/// Adds the threads' sums in thread order.
 float total(const std::array<Sum, lanes>& partial) {
   Sum sum{0, 0};
   for (const Sum& lane : partial)
@@ -28,7 +28,7 @@ float share_of(const Finger& finger) {
   return 1.0F / static_cast<float>(finger.contacts.size());
 }
 
-/// Covariance of the contacts' places, and of their depth with them.
+/// Covariance of the contacts' places, and of their depth with their places.
 struct Moments {
   shader::Sym3 covariance;
   Float3 lean;

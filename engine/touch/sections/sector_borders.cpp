@@ -10,7 +10,7 @@ namespace {
 
 using shader::Border;
 
-/// The direction of angle 2 pi n / N, exact where it lies on an axis.
+/// The direction of angle 2 pi n / N, exact if it lies on an axis.
 Border border(std::uint32_t n, std::uint32_t foci) {
   const double angle = 2 * std::numbers::pi * n / foci;
   double x = std::cos(angle), y = std::sin(angle);

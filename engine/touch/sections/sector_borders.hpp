@@ -1,4 +1,4 @@
-// Directions of equally wide sectors' borders, for the pass and its twin.
+// The directions of the borders between sectors of equal angle, for the pass and its twin.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace palpa::touch {
 /// The borders of N sectors for every N up to max_foci, one N after the other.
 std::vector<shader::Border> sector_borders();
 
-/// Where those of `foci` sectors begin.
+/// The index of the first border of a circle with `foci` sectors.
 constexpr std::size_t first_border(std::size_t foci) {
   return foci * (foci - 1) / 2;
 }

@@ -17,7 +17,7 @@ static_assert(shader::split_group == shader::bridge_samples && shader::split_gro
 static_assert(shader::split_numbers >= shader::bridge_samples);
 
 namespace {
-/// What the kernels bind, by the names of their buffers: what the caller lends, and the scratch.
+/// The buffers that the kernels bind, by name: those of the caller and the scratch.
 struct Buffers : SplitBindings {
   gpu::BufferRef samples = {}, states = {}, shown = {}, labels = {};
 };

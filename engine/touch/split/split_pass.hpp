@@ -1,5 +1,5 @@
-// Fingers side by side that are one cluster, and clusters that are none, on the device. The rules stand in
-// split_twin.hpp.
+// On the device: splits clusters that are several fingers side by side, and drops clusters that are no finger. The
+// rules are in split_twin.hpp.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace palpa::touch {
 
-/// Records of parts' clusters, beyond those of the clusters.
+/// The number of cluster records for parts, in addition to the records of the clusters.
 inline constexpr std::uint32_t split_clusters = max_fingers * shader::split_numbers;
 
 struct SplitBindings {
@@ -23,22 +23,22 @@ struct SplitBindings {
   gpu::BufferRef cameras;   ///< in: bridge_cameras(), one shader::BridgeCamera each
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[]
-  gpu::BufferRef parents;   ///< in, out: as FingersPass leaves it; contacts of a part get a number beyond room.contacts
-  gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it, and split_clusters more beyond room.contacts
+  gpu::BufferRef parents;   ///< in, out: as FingersPass leaves it; contacts of a part get a number above room.contacts
+  gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it, plus split_clusters more above room.contacts
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
-  gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers], first, solid and contacts
+  gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]: first, solid and contacts
 };
 
-/// Pipelines only; five dispatches: sample, look, parts, assign, list. The last four have
-/// no group where every finger stays.
+/// Pipelines only; five dispatches: sample, look, parts, assign, list. If every finger stays as it is, the last four
+/// run no group.
 class SplitPass {
  public:
   explicit SplitPass(const gpu::Device& device);
 
   static std::vector<gpu::ScratchBuffer> scratch();
 
-  /// Barriers: expects all inputs to be visible to compute and as indirect arguments; adds its own inside; the caller
-  /// adds compute_to_compute afterwards.
+  /// Barriers: all inputs must be visible to compute and as indirect arguments. Adds the inner barriers itself; the
+  /// caller adds compute_to_compute afterwards.
   void record(VkCommandBuffer commands, const SplitBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const Parameters& parameters) const;
 

@@ -41,7 +41,7 @@ bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, co
   return walk.state == shader::split_valley;
 }
 
-/// Which samples of a wide cluster are of which finger.
+/// Assigns the samples of a wide cluster to fingers.
 class Parts {
  public:
   Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width)
@@ -90,7 +90,7 @@ class Parts {
     }
   }
 
-  /// What the samples' normals add to what was seen between them.
+  /// Adds the evidence of the samples' normals to that of the skin seen between them.
   void compare() {
     for (std::size_t s = 0; s < count_; ++s)
       insides_[s] = shader::inside_of(samples_[s].position, samples_[s].normal, width_);
@@ -124,7 +124,7 @@ class Parts {
     members_[b] = 0;
   }
 
-  /// Groups of samples, the surest pair first.
+  /// Grows groups of samples, the most certain pair first.
   void grow() {
     for (;;) {
       std::optional<SplitLink> surest;
@@ -144,7 +144,7 @@ class Parts {
     }
   }
 
-  /// Each sample goes where most of those with the same inside are.
+  /// Moves each sample to the group that has most of the samples with the same inside.
   void vote() {
     Sets chosen{};
     for (std::size_t s = 0; s < count_; ++s) {
@@ -164,7 +164,7 @@ class Parts {
     }
   }
 
-  /// Joins parts between which no valley is seen, or whose insides are one: the nearest first.
+  /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
   void settle() {
     for (;;) {
       std::array<Float3, most> means{};
@@ -198,10 +198,11 @@ class Parts {
   std::size_t count_;
   float width_;
   std::array<Float3, most> insides_{};
-  /// Per sample: the others of which a camera that sees both says anything, and between which one sees a valley; after
-  /// all evidence what tells anything, and what says two fingers; those with the same inside.
+  /// Sets of other samples, per sample. looked_: a camera that sees both gives evidence. valley_: a camera sees a
+  /// valley between both. After all evidence, known_: there is any evidence; two_: the evidence says two fingers.
+  /// same_: both have the same inside.
   Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
-  Sets members_{};  ///< of the group that begins with that sample
+  Sets members_{};  ///< members of the group that begins with that sample
 };
 
 bool is_firm(const Sight& sight, std::uint32_t point) {
@@ -212,7 +213,7 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
   constexpr std::uint32_t reach = shader::split_reach;
   std::uint32_t near = 0;
   for (std::uint32_t v = p.v; v < p.v + shader::split_window; ++v) {
-    for (std::uint32_t u = p.u; u < p.u + shader::split_window; ++u) {  // both by `reach` too much
+    for (std::uint32_t u = p.u; u < p.u + shader::split_window; ++u) {  // both too large by `reach`
       if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
       const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
       if (raw >= camera.first_depth && shader::is_near(at, depth_of(raw))) ++near;

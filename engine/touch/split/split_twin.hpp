@@ -1,9 +1,10 @@
-// Fingers side by side that are one cluster, and clusters that are none: what the depth pictures say of a cluster's own
-// skin, before patches are joined across hidden skin (bridge_twin.hpp).
+// Splits clusters that are several fingers side by side, and drops clusters that are no finger. The depth pictures of
+// the cluster's own skin decide. This happens before patches are joined across hidden skin (bridge_twin.hpp).
 //
-// - A cluster is a ghost where the pictures show a surface at less than half of its contacts: flying pixels.
-// - A cluster that is wider than a finger is several fingers where a valley is seen between them (docs/touch.md tells
-//   how): along the way from contact to contact in a picture the skin falls off and rises again.
+// - A cluster is a ghost if the pictures show a surface at less than half of its contacts. Such contacts are flying
+//   pixels.
+// - A cluster that is wider than a finger is several fingers if a valley is seen between them (docs/touch.md explains
+//   how): along the way from contact to contact in a picture, the skin falls off and rises again.
 #pragma once
 
 #include "touch/bridge/sight.hpp"
@@ -12,11 +13,12 @@
 namespace palpa::touch {
 
 /// C++ twin of SplitPass, for fingers of `out` whose contacts' points are pixels of the pictures. Fingers stay in the
-/// order of their smallest contacts; parts of fewer than min_points contacts are none. With Cluster::inside nothing is
-/// split. The arithmetic is the pass's; where a device divides and takes roots exactly, so are the decisions.
+/// order of their smallest contacts. Parts of fewer than min_points contacts are not fingers. With Cluster::inside,
+/// nothing is split. The arithmetic is the pass's. On a device with exact division and square roots, the decisions are
+/// also the same.
 void split_fingers(const Sight& sight, const Parameters& parameters, Touch& out);
 
-/// As SplitPass and its twin take it: metres, 0 where nothing is to be split.
+/// The finger width for SplitPass and its twin, in metres. 0 if nothing is to be split.
 float splitting_width(const Parameters& parameters);
 
 }  // namespace palpa::touch

@@ -6,7 +6,7 @@ PALPA_SHADER_BEGIN
 
 PALPA_CONST bridge_group = 64u;
 PALPA_CONST bridge_fingers = 64u;  // as fingers_most
-// Number of values of the hash of contact numbers. Of each value, one of a finger's contacts is a sample for all.
+// Number of values of the hash of contact numbers. For each value, one contact of a finger is a sample for all others.
 PALPA_CONST bridge_samples = 64u;
 PALPA_CONST bridge_sample_shift = 26u;
 // An invertible hash: contact = hash * inverse, modulo 2^32.

@@ -65,7 +65,7 @@ uint units_of(uint blocks) {
   return links_ran_out() ? 0u : work.links;
 }
 
-// Of all possible links: a block and one of its neighbours, if it sees that neighbour and the neighbour exists.
+// One of all possible links: a block and one of its neighbours, if it sees that neighbour and the neighbour exists.
 bool found_link(uint unit, uint slots, out uvec2 link) {
   link = uvec2(0u);
   const uint entry = texelFetch(list, int(unit >> 6u)).x;

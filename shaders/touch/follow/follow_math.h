@@ -245,7 +245,7 @@ PALPA_FN Principal2 principal_in_plane(Sym3 m, Float3 w1, Float3 w2) {
   r.cosine = 1.0f;
   r.sine = 0.0f;
   if (!(radius > 0.0f)) return r;
-  // Of twice the angle.
+  // Cosine and sine of twice the angle.
   PALPA_EXACT float cosine2 = apart / radius;
   PALPA_EXACT float sine2 = xy / radius;
   if (cosine2 >= 0.0f) {

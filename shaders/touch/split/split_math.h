@@ -177,7 +177,7 @@ PALPA_FN bool face_each_other(Float3 a, Float3 normal_a, Float3 b, Float3 normal
 
 // ---- groups of samples ----
 
-// Of the pairs between two groups: how many give evidence, and how many show two fingers.
+// How many of the pairs between two groups give evidence, and how many show two fingers.
 struct SplitLink {
   uint known, two;
 };

@@ -58,7 +58,7 @@ TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
     rig.board.reset();
     EXPECT_EQ(rig.server.violation_count(), 0u) << rig.server.violations()[0].what;
     ASSERT_EQ(rig.notes.infos.size(), 1u);
-    EXPECT_CONTAINS(rig.notes.infos[0], "1 of 1 plans brought over");
+    EXPECT_CONTAINS(rig.notes.infos[0], "1 of 1 plans transferred");
     EXPECT_TRUE(rig.notes.warnings.empty());
   }
 }
@@ -133,7 +133,7 @@ TEST(Autd3Board, DrivesWithoutAPlanComeOneByOne) {
   EXPECT_TRUE(rig.board->close());
   EXPECT_EQ(rig.server.violation_count(), 0u);
   ASSERT_EQ(rig.notes.infos.size(), 1u);
-  EXPECT_CONTAINS(rig.notes.infos[0], "of 29 drives brought over");
+  EXPECT_CONTAINS(rig.notes.infos[0], "of 29 drives transferred");
 }
 
 TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
@@ -233,12 +233,14 @@ TEST(Autd3Board, RefusesWhatItCannotPlay) {
   rig.argument = "nowhere";
   EXPECT_CONTAINS(test::error_of([&] { rig.make(); }, Exit::usage), "HOST:PORT");
   rig.argument = "127.0.0.1:1";
-  EXPECT_CONTAINS(test::error_of([&] { rig.make(); }, Exit::failed), "127.0.0.1:1 is not there: Connection refused");
+  EXPECT_CONTAINS(test::error_of([&] { rig.make(); }, Exit::failed),
+                  "127.0.0.1:1 cannot be reached: Connection refused");
   Rig two("paper");
   two.argument = Rig().argument;
   Rig small;
   two.argument = small.argument;
-  EXPECT_CONTAINS(test::error_of([&] { two.make(); }, Exit::failed), "refuses: a geometry of 16 devices, there are 1");
+  EXPECT_CONTAINS(test::error_of([&] { two.make(); }, Exit::failed),
+                  "refuses: a geometry of 16 devices, but there are 1");
   Rig other("openmpd");
   EXPECT_CONTAINS(test::error_of([&] { other.make(); }), "AUTD3 units only");
   Rig old;
@@ -265,7 +267,7 @@ TEST(Autd3Board, AllAddressesOfANameAreTried) {
   for (int i = 0; i < 1000 && !none.closed(); ++i, std::this_thread::sleep_for(1ms))
     none.pump(monotonic_s());
   EXPECT_TRUE(none.closed());
-  EXPECT_CONTAINS(none.fault(), "is not there: Connection refused");
+  EXPECT_CONTAINS(none.fault(), "cannot be reached: Connection refused");
 }
 
 TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
@@ -284,7 +286,7 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
   ASSERT_EQ(rig.notes.warnings.size(), 1u) << "told once";
   rig.serving = std::make_unique<Serving>(rig.server, port);
   ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() == 2; }));
-  EXPECT_CONTAINS(rig.notes.warnings[1], "is there again");
+  EXPECT_CONTAINS(rig.notes.warnings[1], "the server is back");
   EXPECT_TRUE(rig.tend_until([&] { return part_heard(rig, 0) >= 0; }));
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());
@@ -358,9 +360,9 @@ TEST(Autd3Board, AServerThatLiesOrIsSilentIsGivenUp) {
   };
   EXPECT_CONTAINS(line_for("HTTP/1.1 400", true), "does not speak AUTD3's Remote protocol");
   EXPECT_CONTAINS(line_for("", true), "does not answer");
-  EXPECT_CONTAINS(line_for("", false), "has ended the connection");
+  EXPECT_CONTAINS(line_for("", false), "closed the connection");
   EXPECT_CONTAINS(line_for(std::string("\xff\xff\xff\xff\xff", 5) + std::string(1000, 'x'), true), "refuses: xxx");
-  EXPECT_CONTAINS(line_for(std::string("\xff\x10\0\0\0too short", 14), false), "has ended the connection");
+  EXPECT_CONTAINS(line_for(std::string("\xff\x10\0\0\0too short", 14), false), "closed the connection");
 }
 
 TEST(Autd3Board, AShortRefusalWithMoreBehindItIsARefusal) {

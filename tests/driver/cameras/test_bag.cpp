@@ -139,7 +139,7 @@ TEST(Bag, WhatItLacksIsSaid) {
   const sensing::Camera camera = posed();
   MadeUpBag bag;
   bag.unit = false;
-  EXPECT_CONTAINS(stderr_of([&] { EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u); }), "1 mm is taken");
+  EXPECT_CONTAINS(stderr_of([&] { EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u); }), "palpa assumes 1 mm");
   bag.another = true;
   EXPECT_CONTAINS(stderr_of([&] { EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u); }), "several depth cameras");
   bag.lens = bag.another = false;
@@ -162,7 +162,7 @@ TEST(Bag, TheDepthUnitUnderEitherNameAndNoOtherLater) {
   bag.last_unit_m = bag.unit_m;
   EXPECT_EQ(play(bag.bytes(), &camera).size(), 4u) << "said again";
   bag.last_unit_m = 0.001f;
-  EXPECT_CONTAINS(error_of([&] { play(bag.bytes(), &camera); }), "becomes 0.001 m after an image of 0.0001 m");
+  EXPECT_CONTAINS(error_of([&] { play(bag.bytes(), &camera); }), "changes to 0.001 m after an image with 0.0001 m");
 }
 
 TEST(Bag, ItsRecorderDied) {
@@ -178,7 +178,7 @@ TEST(Bag, ItsRecorderDied) {
 TEST(Bag, WhatTheRigLeavesOutIsLeftOutOrRefused) {
   MadeUpBag bag;
   bag.width = 20;
-  EXPECT_CONTAINS(refusal(bag), "the rig's roi and mask are for 16x8: they cannot be applied");
+  EXPECT_CONTAINS(refusal(bag), "the rig's roi and mask are for 16x8: leave them out of the rig");
 }
 
 TEST(Bag, WhatItCannotReadIsRefused) {
@@ -189,26 +189,26 @@ TEST(Bag, WhatItCannotReadIsRefused) {
     EXPECT_CONTAINS(line, "take.bag: byte ");
     return line;
   };
-  EXPECT_CONTAINS(with([](auto& b) { b.compression = "bz2"; }), "compressed with bz2; palpa reads lz4 and none");
+  EXPECT_CONTAINS(with([](auto& b) { b.compression = "bz2"; }), "compressed with bz2; palpa reads only lz4 and none");
   EXPECT_CONTAINS(with([](auto& b) { b.encoding = "rgb8"; }), "topic /device_0/sensor_0/Depth_0/image/data: depth as");
-  EXPECT_CONTAINS(with([](auto& b) { b.width = 5000; }), "an image of 5000x8 pixels");
+  EXPECT_CONTAINS(with([](auto& b) { b.width = 5000; }), "an image has 5000x8 pixels");
   EXPECT_CONTAINS(with([](auto& b) { b.fx = -1; }), "focal length is -1");
   EXPECT_CONTAINS(with([](auto& b) { b.fx = std::nan(""); }), "focal length is nan");
-  EXPECT_CONTAINS(with([](auto& b) { b.unit_m = 0; }), "a depth unit of 0 m");
+  EXPECT_CONTAINS(with([](auto& b) { b.unit_m = 0; }), "the depth unit is 0 m");
   EXPECT_CONTAINS(with([](auto& b) { b.rate_hz = 5000; }), "5000 frames per second");
   EXPECT_CONTAINS(with([](auto& b) {
                     b.lens_model = "Kannala Brandt4";
                     b.distortion[0] = 0.1;
                   }),
-                  "lens model 'Kannala Brandt4'");
+                  "lens model is 'Kannala Brandt4'");
   EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(300, 'x'); }), "a topic has a name of 300 bytes");
-  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header of 70");
+  EXPECT_CONTAINS(with([](auto& b) { b.more_topic = std::string(70'000, 'x'); }), "a record's header has 70");
   EXPECT_CONTAINS(with([](auto& b) { b.distortion = {-50, 0, 0, 0, 0}; }), "cannot be undone");
   const sensing::Camera camera = posed();
   EXPECT_CONTAINS(error_of([&] { open_bag("/nonexistent.bag", &camera, false); }), "/nonexistent.bag: no such file");
   EXPECT_CONTAINS(error_of([&] { open_bag("/dev/zero", &camera, false); }), "/dev/zero: is not a regular file");
   EXPECT_CONTAINS(error_of([&] { open_bag("/dev", &camera, false); }), "/dev: is a folder, a file is needed");
-  EXPECT_CONTAINS(error_of([&] { play({'#', 'R', 'O', 'S'}, &camera); }), "is no bag of format 2.0");
+  EXPECT_CONTAINS(error_of([&] { play({'#', 'R', 'O', 'S'}, &camera); }), "is not a bag of format 2.0");
 }
 
 TEST(Bag, ASizeThatItDoesNotHaveCostsNoMemory) {

@@ -182,7 +182,7 @@ TEST_F(D400, AUnitThatItKeepsIsRefused) {
 
 TEST_F(D400, WhereItDoesNotAnswerTheRigIsTrustedAndThatIsSaid) {
   camera->extension = nullptr;
-  EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "that a step is 0.1 mm, as rig.toml says, is taken on trust");
+  EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
 }
 
 TEST_F(D400, WhoAnsweredOnceIsNotTrustedAfterwards) {
@@ -236,9 +236,9 @@ TEST_F(D400, ItsOwnCalibrationTakesThePlaceOfTheFiles) {
 
 TEST_F(D400, OnlyWholeMicrometresAreADepthUnit) {
   sensing::Camera wanted = described();
-  for (const auto& [unit_m, told] : {std::pair(62.5e-6, "is 62.5 of them; set depth_unit_m = 6.3e-05"),
-                                     {100.4e-6, "is 100.4 of them; set depth_unit_m = 0.0001"},
-                                     {0.3e-6, "is 0.3 of them; set depth_unit_m = 1e-06"}}) {
+  for (const auto& [unit_m, told] : {std::pair(62.5e-6, "is 62.5 micrometres; set depth_unit_m = 6.3e-05"),
+                                     {100.4e-6, "is 100.4 micrometres; set depth_unit_m = 0.0001"},
+                                     {0.3e-6, "is 0.3 micrometres; set depth_unit_m = 1e-06"}}) {
     wanted.depth_unit_m = unit_m;
     EXPECT_CONTAINS(refusal(wanted), told);
     EXPECT_EQ(held.unit_um, 1000u) << "nothing is written";
@@ -267,8 +267,9 @@ TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
     machine.plug("/dev/video0", camera);
     EXPECT_FALSE(comes(4));
   });
-  EXPECT_CONTAINS(said, "camera 'left' cannot be opened again: /dev/video0: this is another camera");
-  EXPECT_EQ(said.find("another camera"), said.rfind("another camera"));
+  EXPECT_CONTAINS(said,
+                  "camera 'left' cannot be opened again: /dev/video0: its lens has changed: this is not the camera");
+  EXPECT_EQ(said.find("not the camera"), said.rfind("not the camera"));
   held.fx = 390.5f;
   EXPECT_CONTAINS(stderr_of([&] { EXPECT_TRUE(comes(2)); }), "is back");
 }
@@ -288,7 +289,7 @@ TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {
   open(wanted);
   EXPECT_EQ(held.automatic, 1);
   camera->node.vendor = 0x1234;
-  EXPECT_CONTAINS(refusal(wanted), "is no RealSense on USB, which calibration");
+  EXPECT_CONTAINS(refusal(wanted), "is not a RealSense on USB: calibration");
 }
 
 TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
@@ -308,7 +309,7 @@ TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
   const std::vector<cli::DoctorItem> items = describe_nodes(*kernel);
   ASSERT_EQ(items.size(), 5u);
   EXPECT_CONTAINS(items[0].advice, "depth: --source v4l2:/dev/video0");
-  EXPECT_CONTAINS(items[0].advice, "its depth unit is 1 mm, coarse against a shell of 1.5 mm");
+  EXPECT_CONTAINS(items[0].advice, "its depth unit is 1 mm, which is coarse for a shell of 1.5 mm");
   EXPECT_CONTAINS(items[0].advice, "shares the USB controller 0000:00:14.0 with /dev/video2, 73 MB/s each");
   EXPECT_EQ(items[1].advice, "");
   EXPECT_EQ(items[2].advice.find("depth unit"), std::string::npos);

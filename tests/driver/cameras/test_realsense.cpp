@@ -138,17 +138,17 @@ TEST(RealSense, RefusesWithOneLineThatSaysWhatWouldBeRight) {
   sensing::Camera wanted = described("one");
   wanted.width = 640;
   EXPECT_CONTAINS(refused(wanted),
-                  "realsense:A: gives no Z16 of 640x48; it has 64x48, 128x72: set width and height of "
-                  "rig.toml so");
+                  "realsense:A: does not offer Z16 of 640x48; it has 64x48, 128x72: set width and height of rig.toml "
+                  "to one of these");
   wanted = described("one");
   wanted.rate_hz = 60;
-  EXPECT_CONTAINS(refused(wanted),
-                  "realsense:A: does not give Z16 64x48 at 60 Hz; it has 90, 30 Hz: set rate_hz of "
-                  "rig.toml so");
+  EXPECT_CONTAINS(
+      refused(wanted),
+      "realsense:A: does not offer Z16 64x48 at 60 Hz; it has 90, 30 Hz: set rate_hz of rig.toml to one of these");
   wanted = described("one");
   EXPECT_CONTAINS(refused(wanted, "B"), "realsense:B: is not plugged in; librealsense2 finds A");
   EXPECT_CONTAINS(refused(wanted, "A,A", Exit::usage), "source realsense names A twice");
-  EXPECT_CONTAINS(refused(wanted, "A,B", Exit::usage), "source realsense names 2 cameras and rig.toml describes 1");
+  EXPECT_CONTAINS(refused(wanted, "A,B", Exit::usage), "source realsense names 2 cameras, but rig.toml describes 1");
   EXPECT_CONTAINS(refused(wanted, "", Exit::usage),
                   "source realsense needs cameras: realsense:SERIAL or realsense:any");
   camera.keeps_unit = true;
@@ -158,14 +158,14 @@ TEST(RealSense, RefusesWithOneLineThatSaysWhatWouldBeRight) {
   camera.keeps_unit = false;
   camera.options.erase(Option::hardware_preset);
   wanted.device.preset = 3;
-  EXPECT_CONTAINS(refused(wanted), "realsense:A: has no hardware preset, which hardware_preset of rig.toml is for");
+  EXPECT_CONTAINS(refused(wanted), "realsense:A: has no hardware preset, which hardware_preset of rig.toml would set");
   wanted = described("one");
   const auto other = open(bench, "A");
-  EXPECT_CONTAINS(refused(wanted), "realsense:A: the camera does not begin to stream: librealsense2: failed to set");
+  EXPECT_CONTAINS(refused(wanted), "realsense:A: the camera does not start to stream: librealsense2: failed to set");
   bench.plug("B");
-  EXPECT_CONTAINS(refused(wanted, "any", Exit::usage),
-                  "source realsense: 2 cameras are plugged in; name those of the rig, in its "
-                  "order: realsense:A,B");
+  EXPECT_CONTAINS(
+      refused(wanted, "any", Exit::usage),
+      "source realsense: 2 cameras are plugged in; name the rig's cameras, in the rig's order: realsense:A,B");
   bench.unplug("A");
   bench.unplug("B");
   EXPECT_CONTAINS(refused(wanted, "any"), "realsense:any: librealsense2 finds no camera");
@@ -213,10 +213,10 @@ TEST(RealSense, UnpluggedItIsSaidOnceAndFoundAgainByItsSerialNumber) {
     EXPECT_GT(alone, 430u);
     EXPECT_LT(alone, 480u);
     EXPECT_GT(set.frames[1].depth[0], 0) << "it is back";
-    EXPECT_CONTAINS(said, noticed ? "camera 'a' (realsense:A): unplugged; palpa goes on without it"
-                                  : "camera 'a' (realsense:A): gives no frames; palpa goes on without it");
+    EXPECT_CONTAINS(said, noticed ? "camera 'a' (realsense:A): unplugged; palpa continues without it"
+                                  : "camera 'a' (realsense:A): gives no frames; palpa continues without it");
     EXPECT_CONTAINS(said, "camera 'a' (realsense:A): is back");
-    EXPECT_EQ(said.find("goes on without"), said.rfind("goes on without"));
+    EXPECT_EQ(said.find("continues without"), said.rfind("continues without"));
     EXPECT_LE(camera.given, 3);
   }
 }
@@ -238,7 +238,8 @@ TEST(RealSense, ALensThatHasChangedIsNotTakenBack) {
     while (bench.now_s < begin_s + 4)
       source->next(set, 0.1);
   });
-  EXPECT_CONTAINS(said, "camera 'one' cannot be opened again: realsense:A: it was calibrated anew");
+  EXPECT_CONTAINS(
+      said, "camera 'one' cannot be opened again: realsense:A: its lens has changed: the camera was recalibrated");
   EXPECT_EQ(camera.starts, 1u);
 }
 
@@ -278,7 +279,7 @@ TEST(RealSense, WithoutTheSdkTheLineSaysWhatToDo) {
   EXPECT_CONTAINS(
       error_of([&] { source_kind().open("any", {.cameras = cameras, .occluders = none, .default_skin = {}}); },
                Exit::usage),
-      "built without librealsense2; take v4l2:/dev/videoN, which needs no SDK, or install librealsense2");
+      "built without librealsense2; use v4l2:/dev/videoN, which needs no SDK, or install librealsense2");
 #endif
 }
 

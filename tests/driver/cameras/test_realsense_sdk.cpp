@@ -143,7 +143,7 @@ TEST(RealSenseSdk, ADeviceWithinTheSdkIsSetUpAndStreams) {
   sensing::Camera other = described();
   other.width = 640;
   EXPECT_CONTAINS(error_of([&] { open_cameras(std::make_unique<cameras::Host>(), sdk, {other}, "SOFT1", "rig.toml"); }),
-                  "realsense:SOFT1: gives no Z16 of 640x480; it has 848x480");
+                  "realsense:SOFT1: does not offer Z16 of 640x480; it has 848x480");
 }
 
 TEST(RealSenseSdk, TheOnesThatAreNotThereAreNotFound) {

@@ -123,8 +123,8 @@ TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
       last_s = set.time_s;
     }
   });
-  EXPECT_CONTAINS(said, "camera 'camera 1' (/dev/video0): 5 frames came short, damaged or twice");
-  EXPECT_EQ(said.find("frames came"), said.rfind("frames came"));
+  EXPECT_CONTAINS(said, "camera 'camera 1' (/dev/video0): 5 frames arrived incomplete, damaged or twice");
+  EXPECT_EQ(said.find("frames arrived"), said.rfind("frames arrived"));
 }
 
 TEST(V4l2, ALonelyCameraThatStopsKeepsNobodyLongerThanAsked) {
@@ -155,7 +155,7 @@ TEST(V4l2, NothingStaysOpenOrMapped) {
   EXPECT_EQ(machine.open_descriptors, 0);
   EXPECT_EQ(machine.mapped, 0);
   machine.plugged["/dev/video0"]->refuses_to_start = EIO;
-  EXPECT_CONTAINS(error_of([&] { open(machine, {"/dev/video0"}); }), "/dev/video0: the camera does not begin");
+  EXPECT_CONTAINS(error_of([&] { open(machine, {"/dev/video0"}); }), "/dev/video0: the camera does not start");
   EXPECT_EQ(machine.open_descriptors, 0);
   EXPECT_EQ(machine.mapped, 0);
 }
@@ -205,30 +205,32 @@ TEST(V4l2, RefusalsNameTheDeviceTheFormatAndWhatWouldBeRight) {
     EXPECT_EQ(machine.open_descriptors, 0);
     return line;
   };
-  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }),
-                  "gives no Z16 of 65x48; it has 64x48, 128x72: set width and height of rig.toml so");
-  EXPECT_CONTAINS(refusal([](auto& c) { c.rate_hz = 75; }),
-                  "does not give Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml so");
-  for (const auto& [fault, told] : {std::pair(EBUSY, "another program has this camera"),
+  EXPECT_CONTAINS(
+      refusal([](auto& c) { c.width = 65; }),
+      "does not offer Z16 of 65x48; it has 64x48, 128x72: set width and height of rig.toml to one of these");
+  EXPECT_CONTAINS(
+      refusal([](auto& c) { c.rate_hz = 75; }),
+      "does not offer Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml to one of these");
+  for (const auto& [fault, told] : {std::pair(EBUSY, "another program uses this camera"),
                                     {EACCES, "no permission: add yourself to the group video"},
                                     {EPERM, "no permission: add yourself to the group video"},
                                     {ENODEV, "there is no such camera"},
-                                    {EIO, "the camera takes no format: Input/output error"}}) {
+                                    {EIO, "the camera accepts no format: Input/output error"}}) {
     camera->refuses_format = fault;
     EXPECT_CONTAINS(refusal([](auto&) {}), told);
   }
   camera->refuses_format = EINVAL;
-  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }), "gives no Z16 of 65x48; it has 64x48, 128x72");
+  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }), "does not offer Z16 of 65x48; it has 64x48, 128x72");
   camera->refuses_format = 0;
   camera->metadata = true;
-  EXPECT_CONTAINS(refusal([](auto&) {}), "metadata, no images");
+  EXPECT_CONTAINS(refusal([](auto&) {}), "metadata, not its images");
   camera->metadata = false;
   camera->offers = {{V4L2_PIX_FMT_YUYV, 64, 48, 30}, {V4L2_PIX_FMT_GREY, 64, 48, 30}};
-  EXPECT_CONTAINS(refusal([](auto&) {}), "gives no depth, which is the format Z16, but YUYV, GREY");
+  EXPECT_CONTAINS(refusal([](auto&) {}), "does not give depth, which is the format Z16, but YUYV, GREY");
   camera->refuses_to_open = EACCES;
   EXPECT_CONTAINS(refusal([](auto&) {}), "no permission: add yourself to the group video");
   camera->refuses_to_open = EBUSY;
-  EXPECT_CONTAINS(refusal([](auto&) {}), "another program has this camera");
+  EXPECT_CONTAINS(refusal([](auto&) {}), "another program uses this camera");
   machine.unplug("/dev/video0");
   EXPECT_CONTAINS(refusal([](auto&) {}), "there is no such camera; palpa doctor lists what is plugged in");
 }
@@ -241,7 +243,7 @@ TEST(V4l2, TheArgumentNamesOneNodePerCamera) {
   Machine machine;
   machine.plug("/dev/video0", "A");
   const auto two = [&] { open(machine, {"/dev/video0"}, {described("left"), described("right")}); };
-  EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera and rig.toml describes 2");
+  EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera, but rig.toml describes 2");
   machine.links["/dev/v4l/by-id/usb-A"] = "/dev/video0";
   EXPECT_CONTAINS(error_of(
                       [&] {

@@ -113,9 +113,9 @@ TEST(V4l2Sets, BackUnderAnotherNumberAfterItWasUnplugged) {
     EXPECT_GT(alone, 85u);
     EXPECT_LT(alone, 125u);
     EXPECT_GT(frame_of(set.frames[1]), 0u);
-    EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): unplugged; palpa goes on without it");
+    EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video2): unplugged; palpa continues without it");
     EXPECT_CONTAINS(said, "camera 'camera 2' (/dev/video7): is back");
-    EXPECT_EQ(machine.open_descriptors, 2) << "whoever unplugs it again finds nothing left open";
+    EXPECT_EQ(machine.open_descriptors, 2) << "nothing is left open when it is unplugged again";
   }
 }
 
@@ -203,7 +203,7 @@ TEST(V4l2Sets, FramesThatNeverFitTogetherAreSaidOnce) {
   EXPECT_EQ(stderr_of([&] { look(0.9); }), "");
   const std::string said = stderr_of([&] { look(3); });
   EXPECT_CONTAINS(said,
-                  "the cameras' frames do not fit together: for 1 s none were captured within 6.1 ms of each other");
+                  "the cameras' frames do not fit together: for 1 s, none were captured within 6.1 ms of each other");
   EXPECT_EQ(said.find("do not fit"), said.rfind("do not fit"));
 }
 

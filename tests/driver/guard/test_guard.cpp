@@ -181,7 +181,7 @@ TEST(Guard, AGuardThatIsKilledIsFollowedByOneThatSilences) {
   rig.send_for(10ms, slot);
   kill(guard_of_ours(), SIGKILL);
   const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
-  EXPECT_EQ(line, "trace: signal 9 has ended palpa-guard; another has silenced the board");
+  EXPECT_EQ(line, "trace: signal 9 ended palpa-guard; a second palpa-guard has silenced the board");
   EXPECT_EQ(rig.count("open"), 2u);
   rig.expect_silent_end();
   EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards has no effect
@@ -194,7 +194,8 @@ TEST(Guard, AGuardThatIsStoppedIsFollowedToo) {
   std::uint64_t slot = 0;
   rig.send_for(10ms, slot);
   kill(guard_of_ours(), SIGSTOP);
-  EXPECT_CONTAINS(test::error_of([&] { rig.send_for(10s, slot); }, Exit::failed), "another has silenced the board");
+  EXPECT_CONTAINS(test::error_of([&] { rig.send_for(10s, slot); }, Exit::failed),
+                  "a second palpa-guard has silenced the board");
   rig.expect_silent_end();
 }
 
@@ -228,14 +229,14 @@ TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
 TEST(Guard, SlotsLongerThanItsPatienceAreRefused) {
   Rig rig;
   rig.setting.slot_s = 0.2;
-  EXPECT_CONTAINS(test::error_of([&] { rig.open(); }, Exit::usage), "200 ms is too long for it: at most 50 ms");
+  EXPECT_CONTAINS(test::error_of([&] { rig.open(); }, Exit::usage), "200 ms is too long: give at most 50 ms");
 }
 
 TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
   const Rig rig;
   const std::string line =
       test::error_of([&] { static_cast<void>(rig.open("die-once:" + rig.file.string())); }, Exit::failed);
-  EXPECT_EQ(line, "trace: signal 9 has ended palpa-guard; another has silenced the board");
+  EXPECT_EQ(line, "trace: signal 9 ended palpa-guard; a second palpa-guard has silenced the board");
   rig.expect_silent_end();
 }
 
@@ -268,7 +269,8 @@ TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
   rig.open();
   rig.send(0);
   kill(guard_of_ours(), SIGKILL);
-  EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed), "another has silenced the board");
+  EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed),
+                  "a second palpa-guard has silenced the board");
   rig.expect_silent_end();
 }
 
@@ -293,7 +295,7 @@ TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
     rig.send_for(10ms, slot);
     kill(guard_of_ours(), SIGTERM);
     const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
-    EXPECT_CONTAINS(line, "was told to leave");
+    EXPECT_CONTAINS(line, "was asked to end");
     EXPECT_EQ(rig.count("open"), 1u);
     rig.expect_silent_end();
   }
@@ -318,7 +320,7 @@ TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {
   const Rig rig;
   const auto link = rig.open("unsure:" + rig.file.string());
   link->send(0, rig.drive);
-  EXPECT_CONTAINS(test::error_of([&] { link->finish(); }, Exit::failed), "nobody knows");
+  EXPECT_CONTAINS(test::error_of([&] { link->finish(); }, Exit::failed), "it is not known");
   rig.expect_silent_end();
 }
 

@@ -75,7 +75,7 @@ class TraceBoard final : public driver::Board {
 }  // namespace
 
 driver::BoardKind trace_board() {
-  return {"trace", "trace:FILE: what a board is told, into a file",
+  return {"trace", "trace:FILE: every order to a board, into a file",
           [](const driver::BoardSpec& spec, driver::BoardNotes& notes) -> std::unique_ptr<driver::Board> {
             if (spec.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
             if (spec.argument == "told")

@@ -310,12 +310,12 @@ TEST(OpenMpdBoard, RefusesWhatCannotBePlayed) {
     EXPECT_NE(line.find(part), std::string::npos) << line;
   };
   has(refusal([](auto& rig) { rig.argument = "NONE"; }, Exit::failed),
-      "no OpenMPD board has the serial number NONE: there are: EMU1");
+      "no OpenMPD board has the serial number NONE: these are plugged in: EMU1");
   has(refusal([](auto& rig) { rig.argument = ""; }, Exit::usage), "SERIAL");
   has(refusal([](auto& rig) { rig.argument = "A,,B"; }, Exit::usage), "SERIAL");
   has(refusal([](auto& rig) { rig.argument = "EMU1,EMU1"; }, Exit::usage), "twice");
   has(refusal([](auto& rig) { rig.argument = "EMU1,EMU2"; }, Exit::usage),
-      "has 1 OpenMPD boards, and 2 serial numbers");
+      "has 1 OpenMPD boards, but 2 serial numbers");
   has(refusal([](auto& rig) { rig.layout = array::load_layout("sonicsurface"); }, Exit::usage), "--layout openmpd");
   has(refusal([](auto& rig) { rig.slot_s = 40e-6; }, Exit::usage), "0.05 ms");
   has(refusal([](auto& rig) { rig.slot_s = 60e-6; }, Exit::usage), "8.5 MB/s");

@@ -172,8 +172,8 @@ TEST(OpenMpdFpga, ReportsWhatABoardWouldBear) {
   for (const auto& [at, what] : {std::pair<std::size_t, const char*>{1, "a frame sets a light"},
                                  {24, "a frame sets a light"},
                                  {25, "a frame switches lights"},
-                                 {26, "a frame has bits of the divider and does not set it"},
-                                 {33, "a frame has bits of the divider and does not set it"},
+                                 {26, "a frame has bits of the divider but does not set it"},
+                                 {33, "a frame has bits of the divider but does not set it"},
                                  {35, "a phase of more than 127"},
                                  {255, "a phase of more than 127"},
                                  {256, "an amplitude with bit 7"}}) {
@@ -218,7 +218,7 @@ TEST(OpenMpdChip, WantsItsRequestsInOrderAndDropsBytesBeforeThePurge) {
   board.closed(3.002);
   board.advance(3.2);
   ASSERT_EQ(board.violations().count(), 4u);
-  EXPECT_EQ(board.violations().kept()[3].what, "left sounding by whoever had it open");
+  EXPECT_EQ(board.violations().kept()[3].what, "left sounding by the program that had it open");
 }
 
 TEST(OpenMpdChip, TakesAKibibyteMoreThanTheBoardDoes) {

@@ -273,7 +273,7 @@ TEST(OpenMpdFaults, TheDividerIsSetWhenABoardIsOpenedAndNeverElse) {
   *rig.faults[0] = {};
   rig.play(drive, 3);
   EXPECT_TRUE(rig.board->in_step());
-  EXPECT_EQ(set(), 2u) << "opened anew: it may have lost its power";
+  EXPECT_EQ(set(), 2u) << "opened again: it may have lost its power";
 }
 
 TEST(OpenMpdFaults, TimeInWhichNobodyLookedIsNotTheBoards) {

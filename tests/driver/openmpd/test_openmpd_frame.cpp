@@ -178,11 +178,11 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   };
   EXPECT_EQ(fault_of(good), "");
   expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
-  expect(fault_of(good + "1.0"), "goes on");
+  expect(fault_of(good + "1.0"), "continues after the 256 amplitude factors");
   // Files that are no board's are not shown.
-  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should stand");
-  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should stand");
-  expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 stands at");
+  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should be");
+  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should be");
+  expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 is at");
   expect(fault_of(board_file_text("S1", {}, 0, 1)), "wired to pin");
   std::string word = good;
   word.replace(word.rfind("1.0"), 3, "x.0");
@@ -197,7 +197,7 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   write_text(folder / "board_9.pat", good);
   write_text(folder / "board_8.pat", board_file_text("S1", made_up_calibration(5)));
   const auto files = openmpd::read_board_files(folder);
-  expect(error_of([&] { openmpd::calibration_of(files, "S1"); }), "has the serial number S1");
+  expect(error_of([&] { openmpd::calibration_of(files, "S1"); }), "has the same serial number S1");
   const auto empty = scratch_folder("openmpd-no-files");
   EXPECT_NE(error_of([&] { openmpd::read_board_files(empty); }).find("no board files"), std::string::npos);
   EXPECT_NE(error_of([&] { openmpd::read_board_files(empty / "none"); }).find("cannot be read"), std::string::npos);

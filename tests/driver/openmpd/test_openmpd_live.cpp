@@ -268,10 +268,10 @@ TEST(OpenMpdLocal, TheRuntimeFolderMustBeOnesOwn) {
   EXPECT_EQ(usb::runtime_folder(), folder / "palpa");
   std::filesystem::permissions(folder / "palpa", std::filesystem::perms(0755));
   EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("0700"), std::string::npos);
-  EXPECT_NE(usb::system_transport()->list(any).problem.find("0700"), std::string::npos) << "what is missing is said";
+  EXPECT_NE(usb::system_transport()->list(any).problem.find("0700"), std::string::npos) << "the missing part is named";
   const auto missing = folder / "not" / "there";
   setenv("XDG_RUNTIME_DIR", missing.c_str(), 1);
-  EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("cannot be made"), std::string::npos);
+  EXPECT_NE(error_of([] { usb::runtime_folder(); }, Exit::failed).find("cannot be created"), std::string::npos);
 }
 
 }  // namespace

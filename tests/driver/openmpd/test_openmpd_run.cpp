@@ -113,7 +113,8 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   };
   const Result one = run("openmpd:EMU1", {});
   EXPECT_EQ(one.exit_code, 0) << one.err;
-  EXPECT_NE(one.err.find("--link openmpd:EMU1: the array is its own, --layout openmpd,"), std::string::npos) << one.err;
+  EXPECT_NE(one.err.find("--link openmpd:EMU1: palpa uses the link's own array, --layout openmpd,"), std::string::npos)
+      << one.err;
   const Result two = run("openmpd:EMU1,EMU2", {});
   EXPECT_EQ(two.exit_code, 0) << two.err;
   EXPECT_NE(two.err.find("--layout openmpd-pair,"), std::string::npos) << two.err;
@@ -127,7 +128,7 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   // An option that names an array has precedence.
   const Result named = run("openmpd:EMU1", {"--rig", source_file("assets/rigs/paper.toml").string()});
   EXPECT_EQ(named.exit_code, 2) << named.err;
-  EXPECT_EQ(named.err.find("the array is its own"), std::string::npos) << named.err;
+  EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
   const Result nudged = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU1", "--keys",
                                "right enter", "--out", (emulation.folder() / "nudged.toml").string()},
                               options);
@@ -191,7 +192,7 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
     unsigned long long then_lost = 0, then_loop = 0, normal = 0;
     const std::string line = result.err.substr(result.err.rfind("warning: ", warned));
     ASSERT_EQ(std::sscanf(line.c_str(),
-                          "warning: %llu of %llu drives were lost between loop and device, where at most %llu are normal",
+                          "warning: %llu of %llu drives were lost between loop and device; at most %llu are normal",
                           &then_lost, &then_loop, &normal),
               3)
         << line;
@@ -284,8 +285,8 @@ TEST(PalpaLink, RefusesWhatItCannotTry) {
 }
 
 TEST(OpenMpdEmulate, RefusesWhatItCannotBe) {
-  expect_failure(palpa({"emulate", "matd"}), 2, "no board is called matd");
-  expect_failure(palpa({"emulate"}), 2, "which board?");
+  expect_failure(palpa({"emulate", "matd"}), 2, "unknown board matd");
+  expect_failure(palpa({"emulate"}), 2, "the board is missing");
   expect_failure(palpa({"emulate", "openmpd", "--serial", "A,B,C", "--view"}), 2, "--layout");
   expect_failure(palpa({"emulate", "openmpd", "--board-files", "/nowhere", "--view"}), 4, "/nowhere");
 }

@@ -333,7 +333,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
   const std::uint64_t at_rest = rig.machine.bytes();
   rig.tend_until([] { return false; }, 50ms);
-  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is said";
+  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is sent";
   rig.board->play(slot, rig.drive);  // and it continues with the next drive
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
   rig.board->all_off();
@@ -367,7 +367,7 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
   EXPECT_EQ(read_degrees(folder, 3), (std::vector<float>{0, 180, -90}));
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 4); }), "has 3 numbers");
   write("0 x 3");
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "number 2");
+  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "value 2 is not a number");
   write("0 400 3");
   EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "400 degrees");
 }
@@ -414,8 +414,7 @@ TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
   std::filesystem::create_symlink(rig.pty.path(), port);  // its board has sounded since it was switched on
   const bool silenced = rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); });
   EXPECT_TRUE(silenced);
-  EXPECT_EQ(rig.notes.warnings,
-            (std::vector<std::string>{"the serial port is gone", "the serial port is there again"}));
+  EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone", "the serial port is back"}));
   for (std::uint64_t s = 2000; s < 2020; ++s)
     rig.board->play(s, rig.drive);
   EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));

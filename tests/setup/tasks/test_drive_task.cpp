@@ -131,12 +131,12 @@ TEST(DriveTask, RefusesWhatCannotBeDriven) {
   EXPECT_CONTAINS(drive({openmpd.transducers[7].position}), "focus 2 is where transducer 7 stands");
   DriveOptionsGroup finger;
   finger.transfer = setup::TransferChoice::finger;
-  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, finger), "no finger's mesh is known here");
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, finger), "this command has no finger's mesh");
   DriveOptionsGroup silent, still;
   silent.pressure_pa = -1;
   still.medium.frequency = 0;
   EXPECT_CONTAINS(drive({{0, 0, 0.1}}, silent), "a pressure of -1 Pa at each focus is not above 0");
-  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, still), "a frequency of 0 Hz is not taken");
+  EXPECT_CONTAINS(drive({{0, 0, 0.1}}, still), "a frequency of 0 Hz is out of range");
   EXPECT_CONTAINS(error_of([&] { (void)setup::make_drive(openmpd, {}, {}); }, Exit::usage), "no focus is given");
   const geometry::Mesh open{{{0, 0, 0.1}, {1e-3, 0, 0.1}, {0, 1e-3, 0.1}}, {{0, 1, 2}}};
   EXPECT_CONTAINS(error_of([&] { (void)setup::finger_in_sound("the sheet", open, openmpd, {}); }), "the sheet: ");

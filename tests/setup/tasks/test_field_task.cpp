@@ -104,7 +104,7 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   const array::Drive drive(layout.transducers.size()), other(7);
   const auto refused = [](const auto& work, const char* part) { EXPECT_CONTAINS(error_of(work, Exit::usage), part); };
   refused([&] { (void)setup::sum_field(layout, other, setup::plane_places(grid), usual_air()); },
-          "the drive is of another layout: it has 7 transducers, openmpd has 256");
+          "the drive belongs to another layout: it has 7 transducers, but openmpd has 256");
   refused([&] { (void)setup::sum_field(layout, drive, {}, usual_air()); }, "there are no points to look at");
   setup::Grid bad = grid;
   bad.rows = 0;
@@ -120,7 +120,11 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   refused([] { (void)setup::line_places({0, 0, 0}, {0, 0, 101}, 2); }, "the line's end (0, 0, 101) is not within");
   refused([] { (void)setup::point_places({}); }, "there are no points to look at");
   refused([] { (void)setup::point_places({{0, 0, 0}, {0, 200, 0}}); }, "point 1, (0, 200, 0) is not within 100 m");
-  refused([] { (void)setup::point_places({{0, 0, 0}}, {{0, 0, 1}}); }, "a triangle (0, 0, 1) is not of the 1 points");
+  refused(
+      [] {
+        (void)setup::point_places({{0, 0, 0}}, {{0, 0, 1}});
+      },
+      "a triangle (0, 0, 1) uses a point that is not among the 1 given");
   refused([] { (void)setup::sum_field(FieldTask(), {}); }, "--layout is missing");
   FieldTask line = task_of("openmpd");
   line.foci = {"0,0,0.1"};

@@ -96,11 +96,11 @@ TEST_F(ScatterOf, WhatCannotSoundIsRefused) {
                            const char* part) {
     EXPECT_CONTAINS(error_of([&] { (void)setup::scatter("ball", mesh, sound, in, points); }, Exit::usage), part);
   };
-  refused(setup::PlaneWave{}, air, {}, "a plane wave travels along a direction with a length");
+  refused(setup::PlaneWave{}, air, {}, "a plane wave needs a direction whose length is not 0");
   refused(setup::PointSource{{0, 0, 1e5}}, air, {}, "the point source is not within");
-  refused(setup::PointSource{{0, 0, 0.1}}, air, {}, "lies inside of the mesh");
-  refused(setup::ArraySound{layout, array::Drive(3)}, air, {}, "it has 3 transducers, openmpd has 256");
-  refused(setup::PlaneWave{{0, 0, 1}}, setup::air({}, {}), {}, "those of a lossless air");
+  refused(setup::PointSource{{0, 0, 0.1}}, air, {}, "lies inside the mesh");
+  refused(setup::ArraySound{layout, array::Drive(3)}, air, {}, "it has 3 transducers, but openmpd has 256");
+  refused(setup::PlaneWave{{0, 0, 1}}, setup::air({}, {}), {}, "computed in lossless air");
   refused(setup::PlaneWave{{0, 0, 1}}, air, {{0, 0, 200}}, "point 0, (0, 0, 200) is not within 100 m");
   const geometry::Mesh open{{{0, 0, 0.1}, {1e-3, 0, 0.1}, {0, 1e-3, 0.1}}, {{0, 1, 2}}};
   EXPECT_CONTAINS(error_of([&] {

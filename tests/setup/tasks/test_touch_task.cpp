@@ -102,7 +102,7 @@ TEST(TouchTask, NothingTouchedIsNoError) {
 TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
   setup::TouchSceneOptions options;
   options.array.drive.weighting = array::Weighting::uniform;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "goes with --layout");
+  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "go with --layout");
   options = {};
   options.touch.stride = 5;
   EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "stride");

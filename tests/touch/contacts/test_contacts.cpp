@@ -153,7 +153,7 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
   }
 }
 
-/// As touch_on(), for what takes long: once on the device.
+/// As touch_on(), for slow cases: only once on the device.
 Touch once_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
               const Parameters& parameters) {
   if (backend == Backend::cpu) return touch_on(backend, points, solids, parameters);

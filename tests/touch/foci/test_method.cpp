@@ -36,7 +36,7 @@ struct Ring {
   double off_plane(const glm::vec3& p) const { return glm::dot(Vec3(p) - centre, glm::cross(u, v)); }
   Touch touch(double from, double to, int count, std::uint32_t foci = 10) const {
     std::mt19937 random(7);
-    std::normal_distribution<double> normal;  // of width 1, since there is none of width 0
+    std::normal_distribution<double> normal;  // of width 1, because 0 is not a valid width
     Touch out;
     out.fingers.resize(1);
     out.finger_count = 1;

@@ -305,8 +305,8 @@ TEST_P(Follow, LeavesTheFirstFramesAxesAlone) {
 }
 
 TEST_P(Follow, ARoundCrossSectionsAxesDoNotTurnInTheirPlane) {
-  // Equal eigenvalues but for noise: the principal direction is anywhere. The plane tumbles right through the
-  // horizontal; smallest rotations carry the axes along.
+  // Equal eigenvalues except for noise, so the principal direction is arbitrary. The plane tumbles right through the
+  // horizontal. Smallest rotations carry the axes along.
   std::mt19937 random(3);
   std::uniform_real_distribution<double> any(0, 2 * std::numbers::pi);
   std::uniform_real_distribution<float> less(0.85F, 1.0F);

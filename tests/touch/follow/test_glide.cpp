@@ -17,7 +17,7 @@ namespace {
 
 // ---- docs/touch.md in doubles ----
 
-/// Of one finger that is seen in every frame.
+/// The reference for one finger that is seen in every frame.
 class Reference {
  public:
   /// Takes the contacts of the finger.
@@ -315,7 +315,7 @@ TEST_P(Glide, AFingerThatComesBackSoonGoesOnAndLaterBeginsAnew) {
   const Finger later = stream.frame(at(0, 3), 20 * frame_90).fingers.at(0);
   const Finger alone = fresh.frame(at(0, 3), 0).fingers.at(0);
   ASSERT_EQ(later.id, 0u);
-  // Foci where their sectors have them: as those of a finger that is there for the first time, but for where w1 is.
+  // The foci are where their sectors are, as for a finger that is seen for the first time. Only w1 may differ.
   for (const Focus& focus : later.foci) {
     float nearest = 1;
     for (const Focus& other : alone.foci)

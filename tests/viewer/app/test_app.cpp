@@ -139,7 +139,7 @@ TEST_F(LiveApp, AllOffLastsWhateverChanges) {
   EXPECT_TRUE(stays_off());
   EXPECT_FALSE(heard_->last_sounds);
   write_anew(scene_);
-  EXPECT_TRUE(stays_off()) << "the scene was written anew";
+  EXPECT_TRUE(stays_off()) << "the scene was written again";
   drop(other_);
   EXPECT_TRUE(stays_off()) << "another scene";
   EXPECT_TRUE(opens_other()) << "is what Start begins";
@@ -391,7 +391,7 @@ TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
 TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   const std::string open = (folder_ / "open.ply").string();
   geometry::Mesh mesh = geometry::icosphere(5e-3, 4);
-  mesh.triangles.pop_back();  // a hole: cameras can see it, but for sound it has no inside
+  mesh.triangles.pop_back();  // a hole: cameras can see the mesh, but sound needs an inside
   for (Vec3& p : mesh.positions)
     p.y += 5e-3;
   geometry::write_ply(open, mesh.positions, mesh.triangles);

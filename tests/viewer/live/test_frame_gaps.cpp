@@ -52,7 +52,7 @@ TEST(FrameGaps, WorkThatWouldNotEndBeforeTheNextFrameWaitsForIt) {
 TEST(FrameGaps, FramesThatLeaveLittleTimeLeaveIt) {
   Rhythm rhythm = after(50, 11e-3);
   rhythm.planned(49, takes_s);
-  EXPECT_FALSE(rhythm.wait_until(takes_s, 50e-3)) << "there is no better time for what takes long";
+  EXPECT_FALSE(rhythm.wait_until(takes_s, 50e-3)) << "there is no better time for slow work";
   EXPECT_TRUE(rhythm.wait_until(8e-3, 50e-3));
 }
 

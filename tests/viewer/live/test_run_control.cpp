@@ -82,7 +82,7 @@ TEST_F(RunControls, EndsByItselfAndBeginsAgainWithOtherOptions) {
   ASSERT_TRUE(comes_to(RunState::ended));
   EXPECT_EQ(ends_, std::vector<std::string>{""}) << "without a fault, once";
   EXPECT_FALSE(run_->under_way());
-  EXPECT_FALSE(run_->advance()) << "that was said";
+  EXPECT_FALSE(run_->advance()) << "it was reported already";
 
   run_->change(broken());
   EXPECT_EQ(run_->state(), RunState::ready);

@@ -74,7 +74,7 @@ TEST(Stereo, AnEyeBehindTheScreenIsRefused) {
   sensing::Screen screen = leaning_screen();
   screen.eye_m = transform_point(screen.T_world_screen, {0, 0, -0.1});
   const std::string error = test::error_of([&] { (void)onto(screen, screen.eye_m); }, Exit::usage);
-  EXPECT_CONTAINS(error, "before the screen");
+  EXPECT_CONTAINS(error, "in front of the screen");
 }
 
 TEST(Stereo, ThroughEverySlitEachEyeSeesItsOwnPixels) {

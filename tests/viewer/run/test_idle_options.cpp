@@ -29,7 +29,7 @@ TEST(ViewerOptions, ThatWouldBeIgnoredAreRefused) {
   for (const Idle& idle : std::vector<Idle>{
            {touch, {"--slice-size", "5cm"}, "--slice-size goes with --slice"},
            {touch, {"--eye", "0,0,1", "--frame", "all"}, "--frame goes with --view"},
-           {touch, {"--eye", "0,0,1", "--view", "top"}, "--view and --eye both say"},
+           {touch, {"--eye", "0,0,1", "--view", "top"}, "--view and --eye both set"},
            {touch, {"--eyes-apart", "60mm"}, "--eyes-apart goes with --participant"},
            {touch, {"--barrier-gap", "1mm"}, "--barrier-gap goes with --stereo"},
            {touch, {"--no-panels"}, "--no-panels goes with a window"},
@@ -52,7 +52,7 @@ TEST(ViewerOptions, ThatWouldBeIgnoredAreRefused) {
            {live, {"--camera", "x.toml"}, "--camera goes with --depth"},
            {live, {"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "while running, --tune chooses strides"},
            {live, {"--spectrum"}, "--spectrum goes with --points or --depth"},
-           {participant, {"--ortho"}, "--ortho says where the picture is looked at from"},
+           {participant, {"--ortho"}, "--ortho sets the viewpoint"},
            {participant, {"--stereo", "anaglyph", "--barrier-pitch", "1mm"}, "--barrier-pitch goes with --stereo"},
            {participant, {"--eyes-apart", "60mm"}, "--eyes-apart goes with --stereo"},
            {{"--layout", "openmpd"}, {"--panels"}, "--panels goes with --headless"},

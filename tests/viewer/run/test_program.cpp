@@ -181,7 +181,7 @@ TEST_F(Viewer, LayersAreShownAndHidden) {
   const auto refused = [&](const std::vector<std::string>& more, const char* part) {
     test::expect_failure(viewer(cube_touch(test::with({"--headless"}, more))), 2, part);
   };
-  refused({"--hide", "grid,nonsense"}, "'nonsense' is no layer; give solids");
+  refused({"--hide", "grid,nonsense"}, "'nonsense' is not a layer; give solids");
   refused({"--show", "grid,"}, "--show");
   refused({"--opacity", "solids"}, "--opacity");
   refused({"--opacity", "solids=2"}, "solids=2");
@@ -203,7 +203,7 @@ TEST_F(Viewer, TheFieldOfTheSlotStandsInAPlane) {
   EXPECT_NE(shot("at.png", {"--slice-at", "0,-1mm,0", "--slice-size", "20mm"}), slice);
   EXPECT_NE(shot("next.png", {"--slice", "xz", "--slice-size", "20mm", "--slot", "1"}), slice);
   test::expect_failure(viewer(cube_touch({"--headless", "--slice", "xz"})), 2, "--slice goes with --layout or --rig");
-  test::expect_failure(viewer({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it is of a touch");
+  test::expect_failure(viewer({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it needs a touch");
 }
 
 TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
@@ -278,7 +278,7 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   const auto refused = [&](const std::vector<std::string>& more, int code, const char* part) {
     test::expect_failure(viewer(arguments(more)), code, part);
   };
-  refused({"--eye", "0,0,-1"}, 2, "not before the screen");
+  refused({"--eye", "0,0,-1"}, 2, "not in front of the screen");
   refused({"--stereo", "nonsense"}, 2, "--stereo");
   const std::string rig = (folder / "bare.toml").string();
   std::ofstream(rig) << sensing::to_toml(sensing::Rig{});
@@ -442,7 +442,7 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   const drawing::Pixels pixels = drawing::read_png(a);
   EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
   EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
-  test::expect_failure(run("camera:from below", {}), 2, "no camera 'from below'; give one of from above");
+  test::expect_failure(run("camera:from below", {}), 2, "unknown camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {

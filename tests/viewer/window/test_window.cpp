@@ -280,7 +280,7 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
   // The driver's compilation for the first picture is not measured here.
   for (int i = 0; i < 600 && hand.picture().colours() < 20; ++i)
     std::this_thread::sleep_for(100ms);
-  // Nor is the next work: at rest, pictures are drawn finely.
+  // The next work is not measured either: at rest, pictures are drawn finely.
   test::XHand::Picture before = hand.picture();
   for (int i = 0, same = 0; i < 40 && same < 8; ++i) {
     std::this_thread::sleep_for(100ms);
