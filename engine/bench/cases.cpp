@@ -233,6 +233,7 @@ void measure_loop(const Context& context, std::vector<Row>& rows) {
 
 void measure_array(const Context& context, std::vector<Row>& rows) {
   measure_batch(context, 10, 1, "ten foci of one frame", rows);
+  measure_batch(context, 10, 2, "ten slots of 2 foci", rows);
   measure_batch(context, 1000, 1, "batch of 1000 foci", rows);
   measure_batch(context, 200, 5, "200 slots of 5 foci", rows);
 }

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -37,13 +39,17 @@ TEST(Air, AbsorbsAsTheStandardSays) {
 }
 
 TEST(Air, RefusesWhatIsNoAir) {
-  const Weather none[]{{.celsius = -61},          {.celsius = 101},         {.humidity_percent = -1},
-                       {.humidity_percent = 101}, {.pressure_pa = 1013.25}, {.pressure_pa = 1e6},
-                       {.humidity_percent = NAN}};
-  for (const Weather& weather : none)
-    EXPECT_THROW(air_of(weather), Error);
-  EXPECT_THROW(air_of({}, 10), Error);
-  EXPECT_THROW(air_of({}, 40e3, 10), Error);
+  const std::pair<Weather, const char*> none[]{{{.celsius = -61}, "temperature -61"},
+                                               {{.celsius = 101}, "temperature 101"},
+                                               {{.humidity_percent = -1}, "humidity of -1 percent"},
+                                               {{.humidity_percent = 101}, "humidity of 101 percent"},
+                                               {{.humidity_percent = NAN}, "humidity of nan percent"},
+                                               {{.pressure_pa = 1013.25}, "pressure of 1013.25 Pa"},
+                                               {{.pressure_pa = 1e6}, "pressure of 1000000 Pa"}};
+  for (const auto& one : none)
+    EXPECT_ERROR(air_of(one.first), Exit::usage, one.second);
+  EXPECT_ERROR(air_of({}, 10), Exit::usage, "frequency of 10 Hz");
+  EXPECT_ERROR(air_of({}, 40e3, 10), Exit::usage, "sound speed of 10 m/s");
 }
 
 /// Drives of a layout in which all values differ.

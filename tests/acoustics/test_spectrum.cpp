@@ -11,6 +11,7 @@
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/felt/spectrum.hpp"
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -228,7 +229,7 @@ TEST(Spectrum, LinesAddUpToTheVariance) {
 TEST(Spectrum, RefusesWhatDoesNotRepeat) {
   Voice voice = circle(20e-3);
   voice.dwell_s = 1.2345e-3;
-  EXPECT_THROW(spectrum_of(voice, 1e-3), Error);
+  EXPECT_ERROR(spectrum_of(voice, 1e-3), Exit::usage, "slots of 1 ms does not repeat");
 }
 
 TEST(Vibration, IsBestAt200AndFallsBy12DecibelsPerOctave) {

@@ -10,6 +10,7 @@
 
 #include "backends.hpp"
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::array {
 namespace {
@@ -361,10 +362,10 @@ TEST(Medium, SoundSpeedAtATemperature) {
   EXPECT_NEAR(Medium{}.sound_speed, sound_speed_at(20), 0.005);
   EXPECT_GT(sound_speed_at(-60), 280);
   EXPECT_LT(sound_speed_at(100), 390);
-  EXPECT_THROW(sound_speed_at(-60.1), Error);
-  EXPECT_THROW(sound_speed_at(100.1), Error);
-  EXPECT_THROW(sound_speed_at(std::nan("")), Error);
-  EXPECT_THROW(sound_speed_at(INFINITY), Error);
+  EXPECT_ERROR(sound_speed_at(-60.1), Exit::usage, "temperature -60.1");
+  EXPECT_ERROR(sound_speed_at(100.1), Exit::usage, "temperature 100.1");
+  EXPECT_ERROR(sound_speed_at(std::nan("")), Exit::usage, "temperature nan");
+  EXPECT_ERROR(sound_speed_at(INFINITY), Exit::usage, "temperature inf");
 }
 
 }  // namespace

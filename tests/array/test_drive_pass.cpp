@@ -1,7 +1,6 @@
 // The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promises about sines and
 // layout.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -16,7 +15,9 @@
 #include "spirv/drive_sum_checked.comp.hpp"
 #include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
+#include "support/digest.hpp"
 #include "support/spirv.hpp"
+#include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
 
 namespace palpa::array {
@@ -156,15 +157,12 @@ TEST(DrivePass, TheSameBytesOnEveryRun) {
     const auto again = run_guarded(inputs, inputs.batch());
     ASSERT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(first[0])), 0);
   }
-  // Printed for the test matrix, which compares it between thread counts and vector widths.
-  std::uint64_t hash = 14695981039346656037ull;
+  test::Digest digest;
   for (const shader::DriveOut& out : first) {
-    std::uint32_t words[2];
-    std::memcpy(words, &out, sizeof(words));
-    for (const std::uint32_t word : words)
-      hash = (hash ^ word) * 1099511628211ull;
+    digest.add(out.amplitude);
+    digest.add(out.phase);
   }
-  std::printf("  bytes of 70 drives: %016llx\n", static_cast<unsigned long long>(hash));
+  test::tell_digest("drives", digest.value());
 }
 
 TEST(DrivePass, LayoutIsWhatTheShadersHave) {
@@ -261,7 +259,8 @@ TEST(DriveMemory, RefuseWhatTheDeviceCannotBind) {
   EXPECT_GE(fitting, 4000u);
   EXPECT_LE(std::uint64_t{fitting} * layout.transducers.size() * sizeof(TransducerDrive),
             device.limits().maxStorageBufferRange);
-  EXPECT_THROW(DriveMemory(device, layout, {}, fitting + 1, 1), Error);
+  EXPECT_ERROR(DriveMemory(device, layout, {}, fitting + 1, 1), Exit::usage,
+               std::to_string(fitting + 1) + " slots of " + std::to_string(layout.transducers.size()));
   EXPECT_EQ(DriveMemory::fitting_slots(device, 0), 65535u);
 }
 
@@ -271,32 +270,6 @@ TEST(DriveMemory, AnEmptyBatchIsFine) {
   DriveMemory buffers(device, load_layout("openmpd"), {}, 0, 0);
   test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
   EXPECT_EQ(buffers.slots(), 0u);
-}
-
-TEST(DriveMemory, SpeedIsPrintedNotJudged) {
-  gpu::Device& device = test::test_device();
-  const DrivePasses passes(device, Solver::naive);
-  const Layout layout = load_layout("paper");
-  const gpu::Recorder recorder(device, "drive speed");
-  gpu::Timeline timeline(device);
-  for (const auto& [slots, foci] : {std::pair{10U, 1U}, {1000U, 1U}, {10U, 2U}, {200U, 5U}}) {
-    DriveMemory buffers(device, layout, {}, slots, slots * foci);
-    std::vector<double> times;
-    for (int round = 0; round < 6; ++round) {
-      const auto begin = std::chrono::steady_clock::now();
-      buffers.clear();
-      auto batch = random_slots(1, 0, 1);
-      batch[0].resize(foci, {{0.01, 0.02, 0.03}});
-      for (std::uint32_t s = 0; s < slots; ++s)
-        ASSERT_TRUE(buffers.add_slot(batch[0]));
-      buffers.record(recorder.begin(), passes);
-      timeline.wait(timeline.submit(recorder.end()));
-      times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    }
-    std::ranges::sort(times);
-    std::printf("  %4u slots of %u foci x %zu transducers: %.2f ms, %.0f foci/s\n", slots, foci,
-                layout.transducers.size(), times[2] * 1e3, slots * foci / times[2]);
-  }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "support/csv.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::array {
 namespace {
@@ -65,8 +66,8 @@ TEST(Layout, AnUnknownNameListsTheKnownOnes) {
     for (const std::string& name : layout_names())
       EXPECT_NE(line.find(name), std::string::npos) << line;
   }
-  EXPECT_THROW(load_layout("no/such/file.toml"), Error);
-  EXPECT_THROW(load_layout(""), Error);
+  EXPECT_REFUSED(load_layout("no/such/file.toml"), "no/such/file.toml: no such file");
+  EXPECT_REFUSED(load_layout(""), "known layout");
 }
 
 TEST(Layout, Autd3IsTheUnitCentred) {

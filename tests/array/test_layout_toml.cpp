@@ -11,6 +11,7 @@
 #include "array/layout_toml.hpp"
 #include "base/error.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::array {
 namespace {
@@ -135,24 +136,24 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
 
 TEST(LayoutToml, FilesThatAreNone) {
   const auto folder = test::scratch_folder("layout_toml");
-  const auto refused = [](const std::filesystem::path& file) {
+  const auto refused = [](const std::filesystem::path& file, const std::string& fault) {
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_THROW(load_layout(file.string()), Error) << file;
+    EXPECT_REFUSED(load_layout(file.string()), file.string() + ": " + fault);
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1)) << file;
   };
-  refused(folder / "absent.toml");
-  refused(folder);
+  refused(folder / "absent.toml", "no such file");
+  refused(folder, "is a folder");
   ASSERT_EQ(mkfifo((folder / "pipe.toml").c_str(), 0600), 0);
-  refused(folder / "pipe.toml");
-  refused("/dev/zero");
+  refused(folder / "pipe.toml", "is not a regular file");
+  refused("/dev/zero", "is not a regular file");
   std::ofstream(folder / "zeros.toml") << "";
-  refused(folder / "zeros.toml");
+  refused(folder / "zeros.toml", "is empty");
   std::filesystem::resize_file(folder / "zeros.toml", 4096);
-  refused(folder / "zeros.toml");
+  refused(folder / "zeros.toml", "line 1: not TOML");
   std::filesystem::resize_file(folder / "zeros.toml", std::uintmax_t{10} << 30);  // sparse
-  refused(folder / "zeros.toml");
+  refused(folder / "zeros.toml", "has 10737418240 bytes");
   std::filesystem::create_symlink(folder / "loop.toml", folder / "loop.toml");
-  refused(folder / "loop.toml");
+  refused(folder / "loop.toml", "cannot be opened");
 }
 
 std::string transducers(std::size_t count) {

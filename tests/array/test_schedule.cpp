@@ -11,6 +11,7 @@
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "geometry/haptics.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::array {
 namespace {
@@ -42,7 +43,10 @@ TEST(FillOrder, EveryFocusOnceOrRefused) {
     const auto count = *rc::gen::inRange<std::uint32_t>(1, 300);
     const auto stride = *rc::gen::inRange<std::uint32_t>(0, 1000);
     if (std::gcd(count, stride) != 1) {
-      RC_ASSERT_THROWS_AS(fill_order(count, stride), Error);
+      const Error error = test::thrown_by([&] { fill_order(count, stride); });
+      RC_ASSERT(error.code() == Exit::usage);
+      const std::string both = "stride " + std::to_string(stride) + " and " + std::to_string(count) + " foci";
+      RC_ASSERT(std::string(error.what()).find(both) != std::string::npos);
       return;
     }
     const auto order = fill_order(count, stride);
@@ -75,7 +79,7 @@ TEST(FillOrder, SaysWhichStrideWouldDo) {
     EXPECT_EQ(error.code(), Exit::usage);
     EXPECT_NE(std::string(error.what()).find("such as 3"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(fill_order(0, 1), Error);
+  EXPECT_ERROR(fill_order(0, 1), Exit::usage, "0 foci");
 }
 
 TEST(Schedule, SlotsFollowTheOrder) {

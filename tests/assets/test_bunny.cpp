@@ -9,6 +9,7 @@
 #include "assets/generators/objects.hpp"
 #include "base/error.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::assets {
 namespace {
@@ -30,11 +31,15 @@ TEST(Bunny, TwoArraysOfAScript) {
 }
 
 TEST(Bunny, AnythingElseIsRefused) {
-  for (const char* script : {"exports.positions=[[0,0,0]]", "cells=[[0,0,0]]", "positions=[[0,0]];cells=[[0,0,0]]",
-                             "positions=[[0,0,0]];cells=[[0,0,1]]", "positions=[[0,0,0]];cells=[[0,0,-1]]",
-                             "positions=[[0,0,0]];cells=[[0,0,0.5]]", "positions=[[0,0,0],;cells=[[0,0,0]]",
-                             "positions=[[0,0,0]", "positions=f();cells=[[0,0,0]]", " "}) {
-    EXPECT_THROW(read(script), Error) << script;
+  for (const char* script :
+       {"cells=[[0,0,0]]", "positions=[[0,0]];cells=[[0,0,0]]", "positions=[[0,0,0],;cells=[[0,0,0]]",
+        "positions=[[0,0,0]", "positions=f();cells=[[0,0,0]]", " "}) {
+    EXPECT_REFUSED(read(script), "array positions=") << script;
+  }
+  EXPECT_REFUSED(read("exports.positions=[[0,0,0]]"), "array cells=");
+  for (const char* script : {"positions=[[0,0,0]];cells=[[0,0,1]]", "positions=[[0,0,0]];cells=[[0,0,-1]]",
+                             "positions=[[0,0,0]];cells=[[0,0,0.5]]"}) {
+    EXPECT_REFUSED(read(script), "names no position") << script;
   }
 }
 
@@ -56,7 +61,7 @@ TEST(Bunny, FingersComeFromWhereTheyAreSent) {
     EXPECT_NEAR(farthest, -0.05 + 0.003, 1e-9);
     EXPECT_NEAR(geometry::signed_volume(pressed), geometry::signed_volume(finger), 1e-12);
   }
-  EXPECT_THROW(press_finger(finger, cube, Vec3(0, 0.5, 0), Vec3(1, 0, 0), 0.003), Error);
+  EXPECT_ERROR(press_finger(finger, cube, Vec3(0, 0.5, 0), Vec3(1, 0, 0), 0.003), Exit::failed, "misses the object");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "shape_checks.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::assets {
 namespace {
@@ -183,7 +184,7 @@ TEST_F(PoseFile, RefusesWhatIsNoPose) {
             "line 1: unknown key pinky in a hand's pose; known: thumb, index, middle, ring, little");
   EXPECT_NE(fault_of("[index"), "");
   std::filesystem::remove(file_);
-  EXPECT_THROW(read_hand_pose(file_), Error);
+  EXPECT_REFUSED(read_hand_pose(file_), file_.string() + ": no such file");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa {
 namespace {
@@ -57,7 +58,7 @@ TEST(InputFile, RefusesWhatIsTooLarge) {
   EXPECT_EQ(fault_of(file, 5), "accepted");
   EXPECT_EQ(fault_of(file, 4), "has 5 bytes, at most 4 are expected");
   EXPECT_EQ(read_file(file, 5), "12345");
-  EXPECT_THROW(read_file(file, 4), Error);
+  EXPECT_REFUSED(read_file(file, 4), "has 5 bytes, at most 4");
 }
 
 TEST(InputFile, ReadsAnyPart) {
@@ -69,7 +70,7 @@ TEST(InputFile, ReadsAnyPart) {
   std::array<unsigned char, 3> part{};
   file.read_at(5, part);
   EXPECT_EQ(part, (std::array<unsigned char, 3>{'d', 'e', 'f'}));
-  EXPECT_THROW(file.read_at(6, part), Error);
+  EXPECT_REFUSED(file.read_at(6, part), "ends after 8 bytes");
 }
 
 TEST(InputFile, NoticesThatItsFileShrank) {

@@ -13,6 +13,7 @@
 #include "here.hpp"
 #include "process.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"
@@ -265,6 +266,7 @@ TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
 }
 
 TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
+  PALPA_TERMINAL_OR_SKIP();
   // Long enough to be caught in the act: many bumps, many voxels.
   geometry::Mesh mesh;
   for (int i = 0; i < 40; ++i) {

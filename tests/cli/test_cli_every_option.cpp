@@ -18,6 +18,7 @@
 #include "process.hpp"
 #include "setup/drive_file.hpp"
 #include "support/instrumented.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -170,9 +171,16 @@ TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
     }
   }
   expect_full({"emulate", "openmpd", "--serial", "FULL1"});
-  expect_full({"emulate", "sonicsurface"});
   expect_full_here(with(lines.of("run"), {"--events", "-"}));
   expect_full(with(lines.of("run"), {"--stats", "json"}));
+}
+
+TEST(EveryOption, AStdoutThatIsFullIsAFailureOfAnEmulatedSerialPort) {
+  PALPA_TERMINAL_OR_SKIP();
+  RunOptions full;
+  full.stdout_file = "/dev/full";
+  full.timeout_s = 60;
+  expect_failure(palpa({"emulate", "sonicsurface"}, full), 1, "stdout: cannot be written: No space left on device");
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "terminal.hpp"
 
 namespace palpa::test {
@@ -211,6 +212,7 @@ TEST(Field, ALargeOneIsInLargePages) {
 }
 
 TEST(Field, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  PALPA_TERMINAL_OR_SKIP();
   const std::filesystem::path out = folder() / "out-of-ctrl-c";
   for (const char* const backend : {"gpu", "cpu"}) {
     std::filesystem::remove_all(out);

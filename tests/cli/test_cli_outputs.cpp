@@ -24,6 +24,7 @@
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
@@ -257,6 +258,7 @@ geometry::SceneMesh bumpy_ball(int rings) {
 }
 
 TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
+  PALPA_TERMINAL_OR_SKIP();
   const geometry::SceneMesh ball = bumpy_ball(450);
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const auto before = contents();

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "process.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
 #include "terminal.hpp"
@@ -247,6 +248,7 @@ TEST(Receiver, PlaysSolidsOfAnyName) {
 }
 
 TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
+  PALPA_TERMINAL_OR_SKIP();
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
   const Sender sender;
   Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(sender.port())});

@@ -20,6 +20,7 @@
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"
@@ -266,6 +267,7 @@ TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
 }
 
 TEST(Scatter, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  PALPA_TERMINAL_OR_SKIP();
   const std::filesystem::path csv = folder() / "hand.csv";
   std::filesystem::remove(csv);
   const std::string mesh = ply_of("large", geometry::icosphere(15e-3, 22));

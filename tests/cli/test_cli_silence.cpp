@@ -16,6 +16,7 @@
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
 #include "support/udp_receiver.hpp"
@@ -121,6 +122,7 @@ TEST(CliSilence, NobodyReadsAnything) {
 }
 
 TEST(CliSilence, ItsTerminalIsStopped) {
+  PALPA_TERMINAL_OR_SKIP();
   Stage stage("silence-terminal");
   Unread terminal = Unread::terminal();
   LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
@@ -178,6 +180,7 @@ struct HungDisk {
 };
 
 TEST(CliSilence, TheDiskOfItsRecordingDoesNotAnswer) {
+  PALPA_TERMINAL_OR_SKIP();
   if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
   Stage stage("silence-recording");
   const HungDisk disk{fs::canonical(stage.folder)};

@@ -18,6 +18,7 @@
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "terminal.hpp"
 
@@ -278,6 +279,7 @@ TEST(Simulate, TheFigureIsThePapers) {
 }
 
 TEST(Simulate, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
+  PALPA_TERMINAL_OR_SKIP();
   const std::filesystem::path out = folder() / "out-of-ctrl-c";
   std::filesystem::remove_all(out);
   std::filesystem::create_directories(out);

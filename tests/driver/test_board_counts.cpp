@@ -8,6 +8,7 @@
 #include "driver/autd3/autd3_rig.hpp"
 #include "driver/board.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
+#include "support/pseudo_terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -58,6 +59,7 @@ TEST(Autd3Counts, CountsDrivesThatComeOneByOne) {
 }
 
 TEST(SonicSurfaceCounts, CountsWhatItPlays) {
+  PALPA_TERMINAL_OR_SKIP();
   SonicSurfaceRig rig;
   rig.board = rig.make(1.5e-3, false);
   const auto counts = [&] { return rig.board->counts(); };
@@ -79,6 +81,7 @@ TEST(SonicSurfaceCounts, CountsWhatItPlays) {
 }
 
 TEST(SonicSurfaceCounts, CountsTheDrivesThatReplaceEachOther) {
+  PALPA_TERMINAL_OR_SKIP();
   SonicSurfaceRig rig;
   rig.board = rig.make(12e-3, true);
   for (std::uint64_t s = 0; s < 20; ++s)

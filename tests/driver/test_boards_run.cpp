@@ -16,6 +16,7 @@
 #include "driver/autd3/listen.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/json.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
 
@@ -114,6 +115,7 @@ class Line {
 };
 
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
+  PALPA_TERMINAL_OR_SKIP();
   Line line, of_the_link_alone, of_long_dwells;
   const auto as_asked = [&] {
     const Result result =

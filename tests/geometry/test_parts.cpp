@@ -77,7 +77,7 @@ TEST(ConvexHull, OfAFlatCloudIsNone) {
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.2, 0}}));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>(9, Vec3(1, 2, 3))));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}}));
-  EXPECT_THROW(convex_hull(std::vector<Vec3>(9, Vec3(std::nan(""), 2, 3))), Error);
+  EXPECT_ERROR(convex_hull(std::vector<Vec3>(9, Vec3(std::nan(""), 2, 3))), Exit::failed, "not finite");
 }
 
 // ---- unions of boxes with whole corners, so that counting unit cubes is exact ----

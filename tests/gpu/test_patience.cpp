@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "gpu/software.hpp"
 #include "support/device.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -152,7 +153,7 @@ TEST(Software, RefusesWhatItsProcessMayNotHave) {
   now.rlim_cur = std::min<rlim_t>(before.rlim_max, std::uint64_t{1} << 46);
   ASSERT_EQ(setrlimit(RLIMIT_AS, &now), 0);
   EXPECT_NO_THROW(require_room_for(gpu, more_than_any));
-  EXPECT_THROW(require_room_for(software, more_than_any), Error);
+  EXPECT_ERROR(require_room_for(software, more_than_any), Exit::failed, "ulimit -v");
   EXPECT_NO_THROW(require_room_for(software, 1 << 20));
   setrlimit(RLIMIT_AS, &before);
 }

@@ -372,6 +372,12 @@ def main():
     programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
     if namespace is None:
         print("kill: no file system may be mounted here: full disks are left out")
+    try:
+        for end in os.openpty():
+            os.close(end)
+    except OSError as fault:
+        del BOARDS["sonicsurface"]
+        print(f"kill: no pseudo terminal ({fault.strerror}): SonicSurface boards are left out")
 
     def run(number):
         folder = work / str(number)

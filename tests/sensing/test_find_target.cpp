@@ -23,6 +23,7 @@
 #include "support/exhaustive.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -92,7 +93,7 @@ TEST(Target, IsClosedAndStandsOnItsPlate) {
     const double stump = 0.048 / 6 * (wide * wide + (wide + top_x) * (wide + top_y) + top_x * top_y);
     EXPECT_NEAR(geometry::signed_volume(mesh), plate + stump, 1e-10);
   }
-  EXPECT_ANY_THROW(make_target({0.04, 0.0525}));
+  EXPECT_ERROR(make_target({0.04, 0.0525}), Exit::usage, "holes");
 }
 
 TEST(FindTarget, ExactDepthsGiveTheExactPose) {

@@ -215,8 +215,13 @@ TEST(Rig, WhatARealCameraIsSetTo) {
   EXPECT_EQ(set.cameras[0].device.preset, 3);
   EXPECT_EQ(to_toml(load_text(to_toml(set))), to_toml(set));
   EXPECT_TRUE(load_text(to_toml(set)).cameras[0].device.own_lens);
-  for (const char* bad : {"calibration = \"none\"", "exposure_s = 1", "exposure_s = -1", "hardware_preset = 256"})
-    EXPECT_THROW(load_text(camera_text + bad + "\n"), Error) << bad;
+  for (const auto& [bad, fault] : {std::pair{"calibration = \"none\"", "calibration is 'none'"},
+                                   {"exposure_s = 1", "exposure_s is 1,"},
+                                   {"exposure_s = -1", "exposure_s is -1,"},
+                                   {"hardware_preset = 256", "hardware_preset is 256,"}}) {
+    const std::string text = camera_text + bad + "\n";
+    EXPECT_REFUSED(load_text(text), std::string("rig.toml: line 14: ") + fault);
+  }
   EXPECT_REFUSED(load_text(camera_text + "exposure_s = 0.012\n"),
                  "rig.toml: line 14: exposure_s of 0.012 is longer than a frame at 90 Hz: at most 0.0111");
   for (const auto& [rate, most] : {std::pair{"6", "0.1666"}, {"15", "0.0666"}, {"30", "0.0333"}, {"60", "0.0166"}}) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iterator>
 #include <set>
+#include <string>
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
@@ -16,6 +17,7 @@
 #include "spirv/skin_scatter.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -364,13 +366,14 @@ TEST(Skin, FramesThatDoNotFitAreRefused) {
   scene.frames[1].depth.pop_back();
   const RayTables tables = make_rays(scene.cameras);
   std::vector<std::uint16_t> packed(tables.padded_pixels);
-  EXPECT_THROW(pack_depth(tables, scene.frames, packed), Error);
-  EXPECT_THROW(find_skin(scene.cameras, scene.frames, Box{}), Error);
+  EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage,
+               "depth frame 1 has " + std::to_string(scene.frames[1].depth.size()) + " pixels");
+  EXPECT_ERROR(find_skin(scene.cameras, scene.frames, Box{}), Exit::usage, "2 cameras");
   scene.frames.pop_back();
-  EXPECT_THROW(pack_depth(tables, scene.frames, packed), Error);
+  EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage, "1 depth frames for 2 cameras");
   Camera huge = test::d415(Transform(1.0));
   huge.width = huge.height = 16384;
-  EXPECT_THROW(make_rays(std::span(&huge, 1)), Error);
+  EXPECT_ERROR(make_rays(std::span(&huge, 1)), Exit::usage, "268435456 pixels");
 }
 
 TEST(Skin, ShadersAgreeWithTheSharedHeader) {

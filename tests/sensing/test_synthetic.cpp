@@ -313,7 +313,7 @@ TEST(Synthetic, SourceDeliversEveryFrameUnlessPaced) {
   EXPECT_EQ(set.sequence, 0u);
   ASSERT_TRUE(slow->next(set, 0.001));  // the next one is a second away
   EXPECT_TRUE(set.frames.empty());
-  EXPECT_THROW(make_synthetic_source({}, sphere(0.01, 8, 16), {}, {}), Error);
+  EXPECT_ERROR(make_synthetic_source({}, sphere(0.01, 8, 16), {}, {}), Exit::usage, "needs a camera");
 }
 
 TEST(Synthetic, FingertipDips) {

@@ -8,6 +8,7 @@
 
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::session {
 namespace {
@@ -313,7 +314,7 @@ TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
     plans.publish();
     std::atomic<bool> stop{false};
     OutputStats stats;
-    EXPECT_THROW(play(link, plans, out.setting, Clock(), Ending{stop}, stats), Error);
+    EXPECT_ERROR(play(link, plans, out.setting, Clock(), Ending{stop}, stats), Exit::failed, "spy: the link broke");
     EXPECT_TRUE(link.ended_silent()) << "broken " << broken;
     EXPECT_TRUE(link.finished);
   }

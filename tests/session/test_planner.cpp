@@ -15,6 +15,7 @@
 #include "session/plan/planner.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
 
 namespace palpa::session {
@@ -217,7 +218,7 @@ TEST(Planner, ALostDeviceIsAnError) {
   Plan plan;
   run_frame(planning, scene.frame(0.003, 0), plan);
   device.lose();
-  EXPECT_THROW(planning->start(seen(scene.frame(0.003, 1))), Error);
+  EXPECT_ERROR(planning->start(seen(scene.frame(0.003, 1))), Exit::failed, "VK_ERROR_DEVICE_LOST");
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
-// One number for everything that the device computes. It must be the same on every run, and the test matrix compares it
-// between thread counts, vector widths, staging and sanitizers.
+// One number for everything that the device computes of single frames. It must be the same on every run, and the test
+// matrix compares it between thread counts, vector widths, staging and sanitizers. For the drives of several foci at
+// once see test_drive_pass and test_solver_pass, for what follows from frame to frame test_followed_bytes.
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstring>
-#include <vector>
 
 #include "array/board_mesh.hpp"
 #include "geometry/files/ply.hpp"
@@ -19,26 +18,7 @@
 namespace palpa::session {
 namespace {
 
-/// FNV-1a over the bytes of values without padding.
-class Digest {
- public:
-  template <typename T>
-  void add(const T& value) {
-    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
-    unsigned char bytes[sizeof(T)];
-    std::memcpy(bytes, &value, sizeof(T));
-    for (const unsigned char byte : bytes)
-      hash_ = (hash_ ^ byte) * 0x100000001b3ull;
-  }
-  void add(const glm::vec3& p) {
-    for (int i = 0; i < 3; ++i)
-      add(p[i]);
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ull;
-};
+using test::Digest;
 
 void add(Digest& digest, const touch::Touch& touch) {
   for (const touch::Contact& contact : touch.contacts) {

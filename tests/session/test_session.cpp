@@ -1,4 +1,5 @@
 // A session frame by frame: skin in, fingers, events and a schedule out, on both backends.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::session {
 namespace {
@@ -107,8 +109,8 @@ TEST_P(Touching, TakesDepthFrames) {
   Session session = make({.solids = cube(0.001), .cameras = rig.cameras});
   EXPECT_EQ(session.touch(set.frames, 0).finger_count, 1U);
   EXPECT_EQ(kinds(session.events()), "touch press");
-  EXPECT_THROW(session.touch(finger_at({}), 0.1), Error);
-  EXPECT_THROW(make({.solids = cube(0.001)}).touch(set.frames, 0), Error);
+  EXPECT_ERROR(session.touch(finger_at({}), 0.1), Exit::usage, "a session with cameras");
+  EXPECT_ERROR(make({.solids = cube(0.001)}).touch(set.frames, 0), Exit::usage, "a session without cameras");
 }
 
 TEST_P(Touching, RefusesWhatCannotSound) {
@@ -116,24 +118,24 @@ TEST_P(Touching, RefusesWhatCannotSound) {
   solids[0].haptics.foci = 9;
   EXPECT_NO_THROW(make({.solids = solids}));
   solids[0].haptics.stride = 3;
-  EXPECT_THROW(make({.solids = solids}), Error);
+  EXPECT_REFUSED(make({.solids = solids}), "stride 3 and 9 foci");
   SessionSetting setting{.solids = cube(0.001)};
   setting.schedule.voice.stride = 5;
-  EXPECT_THROW(make(setting), Error);
+  EXPECT_ERROR(make(setting), Exit::usage, "stride 5 and 10 foci");
   setting = {.solids = cube(0.001)};
   setting.touch.foci = 0;
-  EXPECT_THROW(make(setting), Error);
+  EXPECT_ERROR(make(setting), Exit::usage, "0 foci");
   for (const double seconds : {0.0, -1.0, std::nan("")}) {
     setting = {.solids = cube(0.001)};
-    setting.hold_s = seconds;
-    EXPECT_THROW(make(setting), Error) << "what never expires is never silent";
+    setting.hold_s = seconds;  // what never expires is never silent
+    EXPECT_ERROR(make(setting), Exit::usage, fmt::format("hold of {} s", seconds));
     setting = {.solids = cube(0.001)};
     setting.schedule.voice.dwell_s = seconds;
-    EXPECT_THROW(make(setting), Error);
+    EXPECT_ERROR(make(setting), Exit::usage, fmt::format("dwell of {} s", seconds));
   }
   setting = {.solids = cube(0.001)};
   setting.safety.ceiling = std::nan("");
-  EXPECT_THROW(make(setting), Error);
+  EXPECT_ERROR(make(setting), Exit::usage, "ceiling");
 }
 
 TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
@@ -155,10 +157,10 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   EXPECT_NEAR(own.schedule().voices[0].reached_pa.value_or(0), 250, 1);
 
   setting.drive.solver = array::Solver::greedy;
-  EXPECT_THROW(make(setting), Error);
+  EXPECT_ERROR(make(setting), Exit::usage, "solver greedy");
   setting.drive.solver = array::Solver::naive;
   setting.schedule.voice.pressure_pa = 2e5;
-  EXPECT_THROW(make(setting), Error);
+  EXPECT_ERROR(make(setting), Exit::usage, "pressure of 200000 Pa");
 }
 
 TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
@@ -286,14 +288,14 @@ TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
 TEST(SessionRuns, OnlyWithAllThatItNeeds) {
   Live blind, deaf;
   blind.setting.layout = {};
-  EXPECT_THROW(blind.run(), Error) << "nothing to sound with";
+  EXPECT_ERROR(blind.run(), Exit::usage, "without an array");
   deaf.setting.events.reset();
-  EXPECT_THROW(deaf.run(), Error) << "events are asked for that the setting leaves out";
+  EXPECT_ERROR(deaf.run(), Exit::usage, "a session whose setting has no events");
   deaf.options.events = nullptr;
   EXPECT_EQ(deaf.run().planned, 12U);
   Live tuned;
   tuned.setting.schedule.tune = Tune::all;
-  EXPECT_THROW(tuned.run(), Error) << "slots of another length";
+  EXPECT_ERROR(tuned.run(), Exit::usage, "tune strides only");
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Touching, testing::Bool(),

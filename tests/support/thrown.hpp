@@ -37,4 +37,6 @@ std::string error_of(const Work& work, Exit code = Exit::bad_input) {
 #define EXPECT_CONTAINS(text, part) \
   EXPECT_NE(std::string(text).find(part), std::string::npos) << "\"" << (text) << "\" lacks \"" << (part) << "\""
 
-#define EXPECT_REFUSED(act, part) EXPECT_CONTAINS(::palpa::test::error_of([&] { (void)(act); }), part)
+#define EXPECT_ERROR(act, code, part) EXPECT_CONTAINS(::palpa::test::error_of([&] { (void)(act); }, code), part)
+
+#define EXPECT_REFUSED(act, part) EXPECT_ERROR(act, ::palpa::Exit::bad_input, part)

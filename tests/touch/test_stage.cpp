@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "base/error.hpp"
 #include "geometry/files/ply.hpp"
@@ -12,6 +13,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/harness.hpp"
 #include "touch/host_stage.hpp"
@@ -203,11 +205,11 @@ TEST(Stage, RefusesInputThatDoesNotFit) {
   Stage seen(test_passes(), scene.solids, scene.cameras), given(test_passes(), scene.solids, {}, {.most_points = 10});
   StageMemory images(seen), points(given);
   const std::vector<sensing::SkinPoint> eleven(11);
-  EXPECT_THROW(points.set(eleven), Error);
+  EXPECT_ERROR(points.set(eleven), Exit::usage, "11 skin points");
   EXPECT_NO_THROW(points.set(std::span(eleven).first(10)));
-  EXPECT_THROW(images.set(std::span(eleven).first(1)), Error);
-  EXPECT_THROW(images.set(std::vector<sensing::DepthFrame>(2)), Error);
-  EXPECT_THROW(images.set(std::vector<sensing::DepthFrame>(3)), Error);
+  EXPECT_ERROR(images.set(std::span(eleven).first(1)), Exit::usage, "a stage with cameras");
+  EXPECT_ERROR(images.set(std::vector<sensing::DepthFrame>(2)), Exit::usage, "2 depth frames for 3 cameras");
+  EXPECT_ERROR(images.set(std::vector<sensing::DepthFrame>(3)), Exit::usage, "depth frame 0 has 0 pixels");
 }
 
 TEST(Stage, SaysWhenCamerasSeeMoreThanThereIsRoomFor) {
@@ -224,12 +226,15 @@ TEST(Stage, SaysWhenCamerasSeeMoreThanThereIsRoomFor) {
 }
 
 TEST_P(StageOn, RefusesParametersWhenItIsMade) {
-  for (const Parameters& bad : {Parameters{.delta_m = 0}, Parameters{.finger_gap_m = -1}, Parameters{.foci = 0},
-                                Parameters{.finger_gap_m = 1e-9}}) {
+  for (const auto& [bad, fault] : {std::pair{Parameters{.delta_m = 0}, "delta is 0 m"},
+                                   {Parameters{.finger_gap_m = -1}, "finger gap is -1 m"},
+                                   {Parameters{.foci = 0}, "0 foci"},
+                                   {Parameters{.finger_gap_m = 1e-9}, "finger gap is 1e-09 m"}}) {
+    const StageSetting setting{.parameters = bad};
     if (GetParam() == Backend::cpu) {
-      EXPECT_THROW(HostStage({cube()}, {}, {.parameters = bad}), Error);
+      EXPECT_ERROR(HostStage({cube()}, {}, setting), Exit::usage, fault);
     } else {
-      EXPECT_THROW(Stage(test_passes(), {cube()}, {}, {.parameters = bad}), Error);
+      EXPECT_ERROR(Stage(test_passes(), {cube()}, {}, setting), Exit::usage, fault);
     }
   }
 }

@@ -24,6 +24,7 @@
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "forked_loop.hpp"
+#include "support/pseudo_terminal.hpp"
 
 namespace palpa::driver {
 namespace {
@@ -134,6 +135,7 @@ TEST(GuardedBoards, Autd3UnitsFallSilentWithTheirLoop) {
 }
 
 TEST(GuardedBoards, SonicSurfaceFallsSilentWithItsLoop) {
+  PALPA_TERMINAL_OR_SKIP();
   sonicsurface::EmulatedBoards boards(1, false);
   sonicsurface::Pty pty;
   test::ForkedLoop loop(plays(sonicsurface::board_kind(), pty.path(), "sonicsurface", false));

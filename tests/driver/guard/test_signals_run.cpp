@@ -15,6 +15,7 @@
 #include "cli/process.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/instrumented.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
 
@@ -143,6 +144,7 @@ std::vector<std::string> sweep(const LiveBoard& board) {
 }
 
 TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
+  PALPA_TERMINAL_OR_SKIP();
   std::atomic<int> next{1};
   const auto one_after_the_other = [&] {
     LiveBoard board;
@@ -153,6 +155,7 @@ TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
 }
 
 TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
+  PALPA_TERMINAL_OR_SKIP();
   const auto ends = [](int signal) {
     LiveBoard board;
     expect_silence(board,
@@ -166,6 +169,7 @@ TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
 }
 
 TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
+  PALPA_TERMINAL_OR_SKIP();
   const auto goes_on = [](int signal) {
     SCOPED_TRACE(strsignal(signal));
     LiveBoard board;

@@ -26,6 +26,7 @@
 #include "driver/sonicsurface/wire.hpp"
 #include "sonicsurface_rig.hpp"
 #include "support/ordinary_user.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -180,6 +181,7 @@ TEST(SonicSurfaceEmulator, ASwapExchangesTheBuffersAndHitsAllBoards) {
 }
 
 TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(12e-3, true);
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
@@ -187,6 +189,7 @@ TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
 }
 
 TEST(SonicSurfaceBoard, ABoardThatWasDeselectedHearsItAllTheSame) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   {
     const std::lock_guard held(rig.lock);
@@ -245,6 +248,7 @@ TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWas
 }
 
 TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(12e-3, true);
   for (std::uint64_t s = 0; s < 20; ++s) {
@@ -259,6 +263,7 @@ TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
 }
 
 TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(12e-3, true);
   const auto silent = [&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); };
@@ -281,6 +286,7 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
 }
 
 TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAnew) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(12e-3, true);
   EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent(); }));
@@ -296,6 +302,7 @@ TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAnew) {
 }
 
 TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(1.5e-3, false);
   rig.plan(200);
@@ -334,6 +341,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
 }
 
 TEST(SonicSurfaceBoard, RefusesWhatItCannotPlay) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   const std::string line = test::error_of([&] { rig.make(1.5e-3, true); }, Exit::usage);
   EXPECT_CONTAINS(line, "a frame takes 11.3 ms");
@@ -365,6 +373,7 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
 }
 
 TEST(SonicSurfaceLine, IsOnePrograms) {
+  PALPA_TERMINAL_OR_SKIP();
   const Pty pty;
   ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
   const test::OrdinaryUser user;  // root can open lines that other users cannot
@@ -375,6 +384,7 @@ TEST(SonicSurfaceLine, IsOnePrograms) {
 }
 
 TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   auto vanishing = std::make_unique<Pty>();
   rig.argument = vanishing->path();
@@ -390,6 +400,7 @@ TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
 }
 
 TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
+  PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   const auto port = test::scratch_folder("sonicsurface-port") / "tty";
   auto vanishing = std::make_unique<Pty>();

@@ -8,6 +8,8 @@
 #include "base/error.hpp"
 #include "support/device.hpp"
 #include "support/exhaustive.hpp"
+#include "support/instrumented.hpp"
+#include "support/thrown.hpp"
 #include "touch/contacts/contacts_pass.hpp"
 #include "touch/harness.hpp"
 
@@ -266,10 +268,10 @@ TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
 TEST(PreparedSolids, RefusesSolidsThatAreNone) {
   geometry::Solid bare = cube();
   bare.planes.clear();
-  EXPECT_THROW(prepare_solids({bare}), Error);
+  EXPECT_ERROR(prepare_solids({bare}), Exit::usage, "solid 'cube' has no planes");
   geometry::Solid broken = cube();
   broken.planes[2].offset = std::nan("");
-  EXPECT_THROW(prepare_solids({broken}), Error);
+  EXPECT_ERROR(prepare_solids({broken}), Exit::usage, "solid 'cube' has no planes");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -146,10 +147,10 @@ TEST(PartsTable, ListsFewTrianglesWhereTheShellIs) {
 
 TEST(PartsTable, RefusesPartsThatAreNone) {
   std::vector<shader::uvec4> words;
-  EXPECT_THROW(add_parts(words, {}, InternalFaces::drop), Error);
+  EXPECT_ERROR(add_parts(words, {}, InternalFaces::drop), Exit::usage, "part has no planes");
   Parts broken = lump(2, 0.05, {0, 0, 0}, 1);
   broken.parts[1].planes[3].offset = std::nan("");
-  EXPECT_THROW(add_parts(words, broken, InternalFaces::drop), Error);
+  EXPECT_ERROR(add_parts(words, broken, InternalFaces::drop), Exit::usage, "part has no planes");
 }
 
 }  // namespace

@@ -23,6 +23,7 @@
 #include "support/exhaustive.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/surface_models.hpp"
@@ -250,14 +251,14 @@ TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
 
 TEST(Poses, AreRigid) {
   PreparedSolids prepared = prepare_solids({cube()});
-  EXPECT_THROW(set_pose(prepared, 1, Transform(1.0)), Error);
-  EXPECT_THROW(set_pose(prepared, 0, Transform(2.0)), Error);
+  EXPECT_ERROR(set_pose(prepared, 1, Transform(1.0)), Exit::usage, "solid 1: the scene has 1 solid");
+  EXPECT_ERROR(set_pose(prepared, 0, Transform(2.0)), Exit::usage, "solid 0: not a rigid motion");
   Transform mirror(1.0);
   mirror[0][0] = -1;
-  EXPECT_THROW(set_pose(prepared, 0, mirror), Error);
+  EXPECT_ERROR(set_pose(prepared, 0, mirror), Exit::usage, "solid 0: not a rigid motion");
   Transform scaled(1.0);
   scaled[1][1] = 1.01;
-  EXPECT_THROW(set_pose(prepared, 0, scaled), Error);
+  EXPECT_ERROR(set_pose(prepared, 0, scaled), Exit::usage, "solid 0: not a rigid motion");
   EXPECT_NO_THROW(set_pose(prepared, 0, Transform(1.0)));
 }
 
@@ -272,8 +273,8 @@ TEST(Deltas, MayBeASolidsOwn) {
   const PreparedSolids prepared = prepare_solids(solids);
   EXPECT_NO_THROW(check_parameters({.delta_m = 5e-3}, prepared));
   solids[0].haptics.delta_m.reset();
-  EXPECT_THROW(check_parameters({.delta_m = 5e-3}, prepare_solids(solids)), Error);
-  EXPECT_THROW(check_parameters({.deep = true}, prepare_solids(solids)), Error);
+  EXPECT_ERROR(check_parameters({.delta_m = 5e-3}, prepare_solids(solids)), Exit::usage, "contacts up to 0.0015 m");
+  EXPECT_ERROR(check_parameters({.deep = true}, prepare_solids(solids)), Exit::usage, "no deep points");
 }
 
 TEST(SeveralSurfaces, ShareTheirBuffers) {

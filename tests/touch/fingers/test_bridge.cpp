@@ -1,5 +1,6 @@
 // Hidden skin: patches on two sides of one fingertip are one finger, neighbouring fingertips are two.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "sensing/skin_twin.hpp"
 #include "support/device.hpp"
 #include "support/instrumented.hpp"
+#include "support/thrown.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
 
@@ -79,7 +81,8 @@ TEST_P(Bridge, JoinsNothingWiderThanAFinger) {
     EXPECT_EQ(touch.finger_count, fingers) << width;
   }
   for (const double bad : {-1e-3, std::nan(""), double{INFINITY}}) {
-    EXPECT_THROW(touch_on(GetParam(), solids, cameras, images, {.finger_width_m = bad}), Error) << bad;
+    EXPECT_ERROR(touch_on(GetParam(), solids, cameras, images, {.finger_width_m = bad}), Exit::usage,
+                 fmt::format("finger width is {} m", bad));
   }
 }
 

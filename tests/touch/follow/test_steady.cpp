@@ -10,6 +10,7 @@
 #include "geometry/files/ply.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
 
@@ -291,7 +292,8 @@ TEST_P(Arc, EverySolidMayHaveItsOwnNumberOfFoci) {
   for (const Focus& focus : touch.fingers[1].foci)
     EXPECT_GT(focus.points, 0u);
   solids[1].haptics.foci = 65;
-  EXPECT_THROW(touch_on(GetParam(), points, solids, everything_is_contact()), Error);
+  EXPECT_ERROR(touch_on(GetParam(), points, solids, everything_is_contact()), Exit::usage,
+               "solid 'right' asks for 65 foci");
 }
 
 }  // namespace

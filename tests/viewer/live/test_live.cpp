@@ -18,6 +18,7 @@
 #include "session/threads.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/live/live_session.hpp"
@@ -288,7 +289,7 @@ TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
     session::give_way();
     maker = niceness();
     starter.run([&] { std::thread([&] { started = niceness(); }).join(); });
-    EXPECT_THROW(starter.run([] { throw failure("no"); }), Error);
+    EXPECT_ERROR(starter.run([] { throw failure("the job's own"); }), Exit::failed, "the job's own");
   }).join();
   EXPECT_GE(maker, 10);
   EXPECT_EQ(started, before);
@@ -376,8 +377,8 @@ TEST(LiveLine, GoesThereAndBack) {
   EXPECT_EQ(options.scene, "a b.glb");
   EXPECT_EQ(options.touch.parameters.delta_m, 2e-3);
   EXPECT_TRUE(options.every_frame);
-  EXPECT_THROW(live_options({{"--scene", {"a.glb"}}, {"--delta", {"-1"}}}), Error);
-  EXPECT_THROW(live_options({}), Error) << "without a scene";
+  EXPECT_ERROR(live_options({{"--scene", {"a.glb"}}, {"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
+  EXPECT_ERROR(live_options({}), Exit::usage, "--scene is missing");
 }
 
 TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
@@ -385,7 +386,7 @@ TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
                         {{"--frames", {"300"}}, {"--stats", {"json"}}, {"--quiet", {}}}),
             "palpa run --scene a.glb --frames 300 --stats json --quiet");
   check_copied({{"--frames", {"300"}}, {"--log-level", {"info"}}});
-  EXPECT_THROW(check_copied({{"--frames", {"many"}}}), Error);
+  EXPECT_ERROR(check_copied({{"--frames", {"many"}}}), Exit::usage, "--frames: 'many'");
 }
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {

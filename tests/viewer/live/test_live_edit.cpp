@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 #include "viewer/live/live_line.hpp"
 
 namespace palpa::viewer {
@@ -20,7 +21,7 @@ TEST(LiveEdit, HasWhatARunHasOfTheLine) {
   EXPECT_TRUE(edit.options().noise_free);
   EXPECT_TRUE(edit.options().watched);
   EXPECT_EQ(edit.command(), "palpa run --scene a.glb --gltf-scene 1 --noise-free --delta 2mm");
-  EXPECT_THROW(LiveEdit(setup::Given{{"--delta", {"-1"}}}), Error);
+  EXPECT_ERROR(LiveEdit(setup::Given{{"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
 }
 
 TEST(LiveEdit, AnotherSceneTakesNothingOverFromTheOneBefore) {
@@ -48,7 +49,7 @@ TEST(LiveEdit, ARecordingHasTheNoiseThatItHas) {
 
 TEST(LiveEdit, ATouchLeavesItsSpectrumBehind) {
   LiveEdit edit(setup::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}});
-  EXPECT_THROW(edit.check(), Error);
+  EXPECT_ERROR(edit.check(), Exit::usage, "--spot goes with");
   edit.leave_touch();
   edit.check();
   EXPECT_EQ(edit.command(), "palpa run --scene a.glb");
@@ -80,8 +81,8 @@ TEST(LiveEdit, FieldsSetOptionsAndTakeThemBack) {
 
 TEST(LiveEdit, WhatCannotBeChangesNothing) {
   LiveEdit edit(line);
-  EXPECT_THROW(edit.set("--delta", "-1"), Error);
-  EXPECT_THROW(edit.set("--frames", "many"), Error);
+  EXPECT_ERROR(edit.set("--delta", "-1"), Exit::usage, "--delta: '-1'");
+  EXPECT_ERROR(edit.set("--frames", "many"), Exit::usage, "--frames: 'many'");
   EXPECT_TRUE(edit.runs_as(LiveEdit(line)));
   EXPECT_EQ(edit.options().touch.parameters.delta_m, 2e-3);
 }
@@ -89,11 +90,11 @@ TEST(LiveEdit, WhatCannotBeChangesNothing) {
 TEST(LiveEdit, SaysWhatDoesNotGoTogether) {
   LiveEdit edit(line);
   edit.set("--source", "recording:take");
-  EXPECT_THROW(edit.check(), Error) << "a recording has the noise that it has";
+  EXPECT_ERROR(edit.check(), Exit::usage, "--noise-free");
   edit.set("--noise-free", std::nullopt);
   edit.check();
   edit.set("--scene", std::nullopt);
-  EXPECT_THROW(edit.check(), Error);
+  EXPECT_ERROR(edit.check(), Exit::usage, "--scene is missing");
 }
 
 TEST(LiveEdit, OptionsOfTheCopiedCommandAreNoneOfTheRun) {
