@@ -124,7 +124,7 @@ TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
 }
 
 // Ten foci as near to each other as those around a fingertip: no weaker one among them, and no louder way with every
-// amplitude at 1. Of transducers that sound to all sides alike.
+// amplitude at 1. The transducers sound to all sides alike.
 TEST_P(SolverOn, RingsOfAFingertipAreEvenUnderEveryConstraint) {
   const Layout layout = load_layout("paper");
   std::vector<std::vector<SlotFocus>> rings;

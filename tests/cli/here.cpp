@@ -23,7 +23,7 @@
 namespace palpa::test {
 namespace {
 
-/// What driver/main.cpp hands to the engine, but for the bench's rows.
+/// What driver/main.cpp hands to the engine, without the bench's rows.
 cli::Extensions extensions_of_the_program() {
   return {.doctor = driver::doctor_probes(),
           .links = driver::board_links(),

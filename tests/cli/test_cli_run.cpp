@@ -349,7 +349,7 @@ Result on_small_disk(const std::filesystem::path& disk, const std::string& size,
 
 TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
   const auto folder = scratch_folder("full");
-  // The driver compiles anew what it cannot keep there: once, and as few shaders as there may be.
+  // The driver cannot keep its compiled shaders there and compiles them again, so this is done once, with few shaders.
   const Result link = on_small_disk(folder / "disk", "400k", "--finger-width 0 --smoothing none --link record:");
   if (link.exit_code == 77 || link.err.find("unshare") != std::string::npos)
     GTEST_SKIP() << "skipped: no mounts of one's own are allowed here: " << link.err;

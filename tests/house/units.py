@@ -20,7 +20,7 @@ BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^namespace (\w+) = ([\w:]+);", re
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
-# Constants that stand in one line, but for the first of them.
+# The further constants of a line that defines several.
 FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
 # Code that affects the sources after it; or a source of a library that a program uses only if it has none of its own.
 ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)

@@ -13,8 +13,8 @@ inline bool exhaustive() {
   return std::getenv("PALPA_EXHAUSTIVE") != nullptr;
 }
 
-/// Of samples that all go the same way: `all` where everything is looked at, else so many, and a tenth of these with
-/// sanitizers.
+/// The number of samples that all go the same way: `all` if everything is looked at, otherwise this many, and a tenth
+/// of that with sanitizers.
 inline std::uint32_t samples(std::uint32_t some, std::uint32_t all) {
   return exhaustive() ? all : fewer(some);
 }

@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "support/device.hpp"
 #include "support/exhaustive.hpp"
-#include "support/instrumented.hpp"
 #include "support/thrown.hpp"
 #include "touch/contacts/contacts_pass.hpp"
 #include "touch/harness.hpp"

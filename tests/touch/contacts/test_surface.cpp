@@ -197,7 +197,7 @@ TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
 }
 
 TEST(Surface, IsTheSameForAnyNumberOfThreads) {
-  // Chunks are the same whoever works on them: what could differ is seen when the machine is busy.
+  // Chunks do not depend on the thread that works on them. A difference would show when the machine is busy.
   const geometry::Mesh mesh = solid_of(model(0))[0].mesh;
   const geometry::Surface a = geometry::make_surface(mesh, {}), b = geometry::make_surface(mesh, {});
   ASSERT_EQ(a.cells.size(), b.cells.size());

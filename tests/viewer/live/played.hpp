@@ -11,8 +11,8 @@
 
 namespace palpa::test {
 
-/// Four foci around a point above a board, as a finger's schedule. Of fewer of the board's transducers a field takes
-/// less to compute.
+/// Four foci around a point above a board, as a finger's schedule. The field of fewer of the board's transducers takes
+/// less time to compute.
 class Played {
  public:
   explicit Played(const Vec3& centre = {0, 0, 0.1}, std::size_t transducers = 256) {

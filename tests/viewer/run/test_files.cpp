@@ -159,7 +159,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
       expect_refused(with(touch, {"--screenshot", name}), same_);
     }
   }
-  // Of a live run, whose files are read while the script is played, and of what is dropped.
+  // Files of a live run, which are read while the script is played, and dropped files.
   const std::vector<std::string> live{"--scene",    path("scene.gltf"),
                                       "--rig",      path("rig.toml"),
                                       "--source",   "recording:" + path("take"),

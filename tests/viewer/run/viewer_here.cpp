@@ -27,7 +27,7 @@ void draw(const std::vector<std::string>& words) {
 Result viewer_here(const std::vector<std::string>& words) {
   Result result;
   result.exit_code = 0;
-  // On a thread of its own, since whoever draws a live run gives way to it from then on.
+  // On its own thread, because a thread that draws a live run has a lower priority from then on.
   std::thread([&] {
     const KeptRegister all_files;
     try {

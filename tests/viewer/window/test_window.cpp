@@ -288,7 +288,7 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
   if (link) {
     ASSERT_NE(link->next(), "") << "its run goes on";
   }
-  // Nor for what comes next: what rests is drawn finely.
+  // It does not wait for the next step either: a resting scene is drawn finely.
   test::XHand::Picture before = hand.picture();
   for (int i = 0, same = 0; i < 80 && same < 10; ++i) {
     std::this_thread::sleep_for(a_while / 5);
