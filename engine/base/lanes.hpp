@@ -28,14 +28,14 @@ struct Lanes16 {
 };
 
 template <class L>
-[[gnu::always_inline]] inline typename L::Float load(const float* from) {
+[[gnu::always_inline]] inline typename L::Float load_lanes(const float* from) {
   typename L::Float value;
   std::memcpy(&value, from, sizeof(value));
   return value;
 }
 
 template <class L>
-[[gnu::always_inline]] inline void store(const typename L::Float& value, float* to) {
+[[gnu::always_inline]] inline void store_lanes(const typename L::Float& value, float* to) {
   std::memcpy(to, &value, sizeof(value));
 }
 

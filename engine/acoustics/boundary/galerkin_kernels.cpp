@@ -74,11 +74,11 @@ template <class L>
     Float tangent_re[2][3] = {}, tangent_im[2][3] = {};
     for (int p = 0; p < 3; ++p) {
       const auto& y = trial.of[p];
-      const Float dx = load<L>(y[far_x] + lane) - x[far_x];
-      const Float dy = load<L>(y[far_x + 1] + lane) - x[far_x + 1];
-      const Float dz = load<L>(y[far_x + 2] + lane) - x[far_x + 2];
-      const Float nx = load<L>(y[far_area] + lane), ny = load<L>(y[far_area + 1] + lane),
-                  nz = load<L>(y[far_area + 2] + lane);
+      const Float dx = load_lanes<L>(y[far_x] + lane) - x[far_x];
+      const Float dy = load_lanes<L>(y[far_x + 1] + lane) - x[far_x + 1];
+      const Float dz = load_lanes<L>(y[far_x + 2] + lane) - x[far_x + 2];
+      const Float nx = load_lanes<L>(y[far_area] + lane), ny = load_lanes<L>(y[far_area + 1] + lane),
+                  nz = load_lanes<L>(y[far_area + 2] + lane);
       Complex<L> g, d;
       green<L>(dx * dx + dy * dy + dz * dz, k, g, d);
       // -K - i/k * k^2 n.n' G, the latter being -i k (n.n') G
@@ -89,7 +89,7 @@ template <class L>
       total_re += own_re[p];
       total_im += own_im[p];
       for (std::size_t i = 0; i < 3; ++i) {
-        const Float tu = load<L>(y[far_u + i] + lane), tv = load<L>(y[far_v + i] + lane);
+        const Float tu = load_lanes<L>(y[far_u + i] + lane), tv = load_lanes<L>(y[far_v + i] + lane);
         tangent_re[0][i] += tu * g.re;
         tangent_im[0][i] += tu * g.im;
         tangent_re[1][i] += tv * g.re;
@@ -116,8 +116,8 @@ template <class L>
   }
   add_curls(e, k, block);
   for (int entry = 0; entry < 9; ++entry) {
-    store<L>(block[entry][0], out.of[entry][0] + lane);
-    store<L>(block[entry][1], out.of[entry][1] + lane);
+    store_lanes<L>(block[entry][0], out.of[entry][0] + lane);
+    store_lanes<L>(block[entry][1], out.of[entry][1] + lane);
   }
 }
 
@@ -160,9 +160,9 @@ template <class L>
   Float e[2][2][2] = {};
   for (std::size_t first = 0; first < table.size(); first += L::width) {
     Sample<L> x, y;
-    sample<L>(test, load<L>(&table.u[first]), load<L>(&table.v[first]), x);
-    sample<L>(trial, load<L>(&table.other_u[first]), load<L>(&table.other_v[first]), y);
-    const Float weight = load<L>(&table.weight[first]);
+    sample<L>(test, load_lanes<L>(&table.u[first]), load_lanes<L>(&table.v[first]), x);
+    sample<L>(trial, load_lanes<L>(&table.other_u[first]), load_lanes<L>(&table.other_v[first]), y);
+    const Float weight = load_lanes<L>(&table.weight[first]);
     const Float dx = y.at[0] - x.at[0], dy = y.at[1] - x.at[1], dz = y.at[2] - x.at[2];
     Complex<L> g, d;
     green<L>(dx * dx + dy * dy + dz * dz, k, g, d);
@@ -213,7 +213,7 @@ template <class L>
   for (std::size_t lane = 0; lane < far_lanes; lane += L::width) {
     Float re{}, im{};
     for (const auto& y : patches.of) {
-      const Float ax = load<L>(y[0] + lane), ay = load<L>(y[1] + lane), az = load<L>(y[2] + lane);
+      const Float ax = load_lanes<L>(y[0] + lane), ay = load_lanes<L>(y[1] + lane), az = load_lanes<L>(y[2] + lane);
       const Float dx = ax - point[0], dy = ay - point[1], dz = az - point[2];
       const Float r2 = dx * dx + dy * dy + dz * dz;
       const Float inverse = inverse_root<L>(r2);
@@ -222,13 +222,14 @@ template <class L>
           (ax * (ax - 2 * point[0]) + ay * (ay - 2 * point[1]) + az * (az - 2 * point[2])) / (r2 * inverse + range);
       Complex<L> g, d;
       green_of<L>(ahead, inverse, k, g, d);
-      const Float towards = dx * load<L>(y[3] + lane) + dy * load<L>(y[4] + lane) + dz * load<L>(y[5] + lane);
-      const Float p_re = load<L>(y[6] + lane) * towards, p_im = load<L>(y[7] + lane) * towards;
+      const Float towards =
+          dx * load_lanes<L>(y[3] + lane) + dy * load_lanes<L>(y[4] + lane) + dz * load_lanes<L>(y[5] + lane);
+      const Float p_re = load_lanes<L>(y[6] + lane) * towards, p_im = load_lanes<L>(y[7] + lane) * towards;
       re += p_re * d.re - p_im * d.im;
       im += p_re * d.im + p_im * d.re;
     }
-    store<L>(re, out.of[0] + lane);
-    store<L>(im, out.of[1] + lane);
+    store_lanes<L>(re, out.of[0] + lane);
+    store_lanes<L>(im, out.of[1] + lane);
   }
 }
 

@@ -147,23 +147,23 @@ template <class L>
   constexpr std::size_t width = L::width;
   static_assert(block_points % (2 * width) == 0);
   for (std::size_t i = 0; i < block_points; i += 2 * width) {
-    typename L::Float re0 = load<L>(&sum_re[i]), re1 = load<L>(&sum_re[i + width]);
-    typename L::Float im0 = load<L>(&sum_im[i]), im1 = load<L>(&sum_im[i + width]);
+    typename L::Float re0 = load_lanes<L>(&sum_re[i]), re1 = load_lanes<L>(&sum_re[i + width]);
+    typename L::Float im0 = load_lanes<L>(&sum_im[i]), im1 = load_lanes<L>(&sum_im[i + width]);
     for (std::size_t t = 0; t < sounds.size(); ++t) {
       const float a = strengths[t].real(), b = strengths[t].imag();
       const float* const from_re = (sounds[t].*g_re).data() + i;
       const float* const from_im = (sounds[t].*g_im).data() + i;
-      const typename L::Float g0 = load<L>(from_re), g1 = load<L>(from_re + width);
-      const typename L::Float h0 = load<L>(from_im), h1 = load<L>(from_im + width);
+      const typename L::Float g0 = load_lanes<L>(from_re), g1 = load_lanes<L>(from_re + width);
+      const typename L::Float h0 = load_lanes<L>(from_im), h1 = load_lanes<L>(from_im + width);
       re0 += a * g0 - b * h0;
       re1 += a * g1 - b * h1;
       im0 += a * h0 + b * g0;
       im1 += a * h1 + b * g1;
     }
-    store<L>(re0, &sum_re[i]);
-    store<L>(re1, &sum_re[i + width]);
-    store<L>(im0, &sum_im[i]);
-    store<L>(im1, &sum_im[i + width]);
+    store_lanes<L>(re0, &sum_re[i]);
+    store_lanes<L>(re1, &sum_re[i + width]);
+    store_lanes<L>(im0, &sum_im[i]);
+    store_lanes<L>(im1, &sum_im[i + width]);
   }
 }
 

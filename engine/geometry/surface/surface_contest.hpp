@@ -45,16 +45,16 @@ struct Contest {
   /// Whether an object at these squared distances from the corners is nearest nowhere in the cell: whether one rival is
   /// nearer to all corners by more than its margin.
   bool beats(const std::array<float, 8>& distance2) const {
-    return beats<Lanes4>({load<Lanes4>(distance2.data()), load<Lanes4>(distance2.data() + 4)});
+    return beats<Lanes4>({load_lanes<Lanes4>(distance2.data()), load_lanes<Lanes4>(distance2.data() + 4)});
   }
 
   /// The same for distances in vectors. Large models spend much of their time here.
   template <class L>
   [[gnu::always_inline]] bool beats(const std::array<typename L::Float, 8 / L::width>& distance2) const {
     for (std::size_t r = 0; r < count; ++r) {
-      typename L::Bits ahead = distance2[0] - load<L>(to_corner[r].data()) > margin[r];
+      typename L::Bits ahead = distance2[0] - load_lanes<L>(to_corner[r].data()) > margin[r];
       for (std::size_t part = 1; part < distance2.size(); ++part)
-        ahead &= distance2[part] - load<L>(to_corner[r].data() + part * L::width) > margin[r];
+        ahead &= distance2[part] - load_lanes<L>(to_corner[r].data() + part * L::width) > margin[r];
       if (all_set<L>(ahead)) return true;
     }
     return false;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<std::size_t, 4> pair_at = {0, 3, 9, 12};
 
 [[gnu::always_inline]] inline std::array<Lanes4::Float, 2> corners_of(Lanes4, const float* d) {
-  const auto two = [d](std::size_t k) { return load<Lanes4>(d + pair_at[k]); };
+  const auto two = [d](std::size_t k) { return load_lanes<Lanes4>(d + pair_at[k]); };
   return {__builtin_shufflevector(two(0), two(1), 0, 1, 4, 5), __builtin_shufflevector(two(2), two(3), 0, 1, 4, 5)};
 }
 [[gnu::always_inline]] inline std::array<Lanes8::Float, 1> corners_of(Lanes8, const float* d) {

@@ -45,7 +45,8 @@ template <class L>
   const float side0 = t.corner.w, side1 = t.rest.x, side2 = t.rest.w;
   const float d1x = t.normal.w, d1y = t.along.w, d2x = t.rest.y, d2y = t.rest.z;
   for (; i + width <= count; i += width) {
-    const Floats rx = load<L>(x + i) - t.corner.x, ry = load<L>(y + i) - t.corner.y, rz = load<L>(z + i) - t.corner.z;
+    const Floats rx = load_lanes<L>(x + i) - t.corner.x, ry = load_lanes<L>(y + i) - t.corner.y,
+                 rz = load_lanes<L>(z + i) - t.corner.z;
     const Floats u = along.x * rx + along.y * ry + along.z * rz;
     const Floats v = across.x * rx + across.y * ry + across.z * rz;
     const Floats w = normal.x * rx + normal.y * ry + normal.z * rz;
@@ -63,7 +64,7 @@ template <class L>
     const Floats zero{};
     const auto inside = (out0 < 0.0F) & (out1 < 0.0F) & (out2 < 0.0F);
     flat = inside ? zero : flat;
-    store<L>(w * w + flat, out + i);
+    store_lanes<L>(w * w + flat, out + i);
   }
   return i;
 }
