@@ -57,7 +57,8 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
 TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
-  const std::string line = std::string(999, 'x') + '\n';
+  std::string line(1000, 'x');
+  line.back() = '\n';
   {
     StreamWriter writer(ends[1], "a", 1 << 20);
     for (int n = 0; n < 200; ++n)

@@ -53,7 +53,7 @@ std::string fault_of_bytes(const std::vector<unsigned char>& bytes) {
   return fault_of_file(folder() / "model.glb");
 }
 
-GltfBuilder cube_file() {
+GltfBuilder good_cube_file() {
   GltfBuilder builder;
   builder.add_mesh(box(Vec3(0), Vec3(1)));
   builder.add_node({{"mesh", 0}});
@@ -114,7 +114,7 @@ TEST(BadGltf, VersionsAndExtensions) {
 }
 
 TEST(BadGltf, BinaryContainers) {
-  const auto good = cube_file().glb();
+  const auto good = good_cube_file().glb();
   for (std::size_t length : {0U, 3U, 11U, 12U, 19U, 20U, 30U}) {
     auto cut = good;
     cut.resize(length);
@@ -139,7 +139,7 @@ TEST(BadGltf, LongStringsCostLittle) {
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extras": ")" + filler + "\"}"), "no triangle mesh");
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": "2.0"}, "extras": ")" + filler), "syntax error");
   EXPECT_CONTAINS(fault_of_text(R"({"asset": {"version": ")" + filler + "\"}}"), "palpa reads glTF 2.0");
-  GltfBuilder builder = cube_file();
+  GltfBuilder builder = good_cube_file();
   builder.doc["buffers"] = Json::array({{{"byteLength", 240}, {"uri", "data:;base64," + filler + "!"}}});
   EXPECT_CONTAINS(fault_of_text(builder.text("")), "not base64");
   std::string slashes;
@@ -166,7 +166,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 class BadCube : public ::testing::TestWithParam<Case> {};
 
 TEST_P(BadCube, IsNamed) {
-  GltfBuilder builder = cube_file();
+  GltfBuilder builder = good_cube_file();
   GetParam().spoil(builder);
   EXPECT_CONTAINS(fault_of(builder), GetParam().fault);
 }
@@ -405,7 +405,7 @@ TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
   many.doc["nodes"] = Json::array_t(200'000, Json::object());
   EXPECT_CONTAINS(fault_of(many), "has 200000 nodes");
 
-  GltfBuilder base = cube_file();
+  GltfBuilder base = good_cube_file();
   base.doc["accessors"][0].erase("bufferView");
   base.doc["accessors"][0]["count"] = 4'000'000'000U;
   base.doc["accessors"][0]["sparse"] = {

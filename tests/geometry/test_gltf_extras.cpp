@@ -17,7 +17,7 @@ using test::box;
 using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
-Scene load(const GltfBuilder& builder) {
+Scene load_extras(const GltfBuilder& builder) {
   static test::MemoryFile file;
   const auto bytes = builder.glb();
   return load_gltf(file.write(bytes.data(), bytes.size()));
@@ -30,14 +30,14 @@ GltfBuilder cube_with(const Json& extras) {
 }
 Haptics haptics_of(const Json& extras) {
   Haptics haptics;
-  EXPECT_EQ(test::stderr_of([&] { haptics = load(cube_with(extras)).meshes.at(0).haptics; }), "") << extras;
+  EXPECT_EQ(test::stderr_of([&] { haptics = load_extras(cube_with(extras)).meshes.at(0).haptics; }), "") << extras;
   return haptics;
 }
-std::string fault_of(const Json& extras) {
-  return test::error_of([&] { load(cube_with(extras)); });
+std::string extras_fault_of(const Json& extras) {
+  return test::error_of([&] { load_extras(cube_with(extras)); });
 }
 std::string warnings_of(const Json& extras) {
-  return test::stderr_of([&] { load(cube_with(extras)); });
+  return test::stderr_of([&] { load_extras(cube_with(extras)); });
 }
 
 const Json all{{"touchable", false}, {"delta_m", 0.002}, {"foci", 9},           {"stride", 4},
@@ -59,7 +59,7 @@ TEST(Extras, BothFormsTogetherButNoKeyTwice) {
   const Haptics h = haptics_of({{"palpa", {{"foci", 8}}}, {"palpa_delta_m", 0.001}});
   EXPECT_EQ(h.foci, 8U);
   EXPECT_EQ(h.delta_m, 0.001);
-  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 8}}}, {"palpa_foci", 8}}),
+  EXPECT_CONTAINS(extras_fault_of({{"palpa", {{"foci", 8}}}, {"palpa_foci", 8}}),
                   "node 0: extras: \"palpa_foci\" is also given in \"palpa\"");
 }
 
@@ -112,16 +112,17 @@ TEST(Extras, WrongTypesAndRangesAreNamed) {
       {"press_depth_m", Json::object(), "is {}"},
   };
   for (const Case& c : cases) {
-    EXPECT_CONTAINS(fault_of({{"palpa", {{c.key, c.value}}}}), c.fault);
-    const std::string flat = fault_of({{std::string("palpa_") + c.key, c.value}});
+    EXPECT_CONTAINS(extras_fault_of({{"palpa", {{c.key, c.value}}}}), c.fault);
+    const std::string flat = extras_fault_of({{std::string("palpa_") + c.key, c.value}});
     EXPECT_CONTAINS(flat, std::string("node 0: extras: \"palpa_") + c.key + "\" is ");
   }
-  EXPECT_CONTAINS(fault_of({{"palpa", 3}}), "\"palpa\" is not a JSON object");
-  EXPECT_CONTAINS(fault_of({{"palpa", Json::array()}}), "\"palpa\" is not a JSON object");
+  EXPECT_CONTAINS(extras_fault_of({{"palpa", 3}}), "\"palpa\" is not a JSON object");
+  EXPECT_CONTAINS(extras_fault_of({{"palpa", Json::array()}}), "\"palpa\" is not a JSON object");
 }
 
 TEST(Extras, FociAndStrideMustVisitAll) {
-  EXPECT_CONTAINS(fault_of({{"palpa", {{"foci", 10}, {"stride", 4}}}}), "stride 4 and 10 foci share the divisor 2");
+  EXPECT_CONTAINS(extras_fault_of({{"palpa", {{"foci", 10}, {"stride", 4}}}}),
+                  "stride 4 and 10 foci share the divisor 2");
   EXPECT_EQ(haptics_of({{"palpa", {{"foci", 1}, {"stride", 4}}}}).stride, 4U);
   EXPECT_EQ(haptics_of({{"palpa", {{"stride", 4}}}}).stride, 4U);
 }
@@ -143,10 +144,10 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
 TEST(Extras, OfTheMeshInPlaceOfTheNodeIsAWarning) {
   GltfBuilder builder = cube_with(Json::object());
   builder.doc["meshes"][0]["extras"] = {{"palpa_delta_m", 0.001}};
-  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.at(0).haptics, Haptics{}); }),
+  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load_extras(builder).meshes.at(0).haptics, Haptics{}); }),
                   "mesh 0: palpa reads the extras of nodes");
   builder.doc["meshes"][0]["extras"] = {{"targetNames", {"a"}}};
-  EXPECT_EQ(test::stderr_of([&] { load(builder); }), "");
+  EXPECT_EQ(test::stderr_of([&] { load_extras(builder); }), "");
 }
 
 TEST(Extras, ChildrenInheritValueByValue) {
@@ -158,7 +159,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   builder.add_node(
       {{"children", {middle}}, {"extras", {{"palpa", {{"touchable", false}, {"delta_m", 0.01}, {"foci", 4}}}}}});
   builder.add_node({{"mesh", 0}});
-  const Scene scene = load(builder);
+  const Scene scene = load_extras(builder);
   Haptics expected;
   expected.touchable = false;
   expected.delta_m = 0.002;
@@ -170,7 +171,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   EXPECT_EQ(scene.meshes.at(2).haptics, Haptics{});
   // Inherited values must also fit.
   builder.doc["nodes"][0]["extras"] = {{"palpa_stride", 2}};
-  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "node 0: extras: stride 2 and 4 foci");
+  EXPECT_CONTAINS(test::error_of([&] { load_extras(builder); }), "node 0: extras: stride 2 and 4 foci");
 }
 
 }  // namespace

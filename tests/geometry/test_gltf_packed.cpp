@@ -21,17 +21,17 @@ using test::GltfBuilder;
 using test::same_triangles;
 using Json = GltfBuilder::Json;
 
-Scene load(const GltfBuilder& builder) {
+Scene load_packed(const GltfBuilder& builder) {
   static test::MemoryFile file;
   const auto bytes = builder.glb();
   return load_gltf(file.write(bytes.data(), bytes.size()));
 }
-std::string fault_of(const GltfBuilder& builder) {
-  return test::error_of([&] { load(builder); });
+std::string packed_fault_of(const GltfBuilder& builder) {
+  return test::error_of([&] { load_packed(builder); });
 }
 Mesh mesh_of(const GltfBuilder& builder) {
   Mesh mesh;
-  EXPECT_EQ(test::stderr_of([&] { mesh = load(builder).meshes.at(0).mesh; }), "");
+  EXPECT_EQ(test::stderr_of([&] { mesh = load_packed(builder).meshes.at(0).mesh; }), "");
   return mesh;
 }
 // Not symmetric, so that exchanged axes or signs are noticed.
@@ -78,11 +78,11 @@ TEST(Quantized, OnlyWhereTheFileSaysSo) {
   GltfBuilder builder = test::quantized_file(pebble(), 5123, false).file;
   builder.doc.erase("extensionsRequired");
   builder.doc.erase("extensionsUsed");
-  EXPECT_CONTAINS(fault_of(builder), "\"extensionsUsed\" has KHR_mesh_quantization");
+  EXPECT_CONTAINS(packed_fault_of(builder), "\"extensionsUsed\" has KHR_mesh_quantization");
   builder.doc["extensionsUsed"] = {"KHR_mesh_quantization"};
-  EXPECT_EQ(fault_of(builder), "");
+  EXPECT_EQ(packed_fault_of(builder), "");
   builder.doc["accessors"][0]["componentType"] = 5125;
-  EXPECT_CONTAINS(fault_of(builder), "accessor 0");
+  EXPECT_CONTAINS(packed_fault_of(builder), "accessor 0");
 }
 
 TEST(Quantized, MorphTargetsToo) {
@@ -158,15 +158,15 @@ TEST(Draco, OtherNumbersOfVerticesThanPromisedAreAWarningMoreTrianglesAnError) {
   const auto stream = test::draco_stream(plain, 10, false);
   const std::size_t v = plain.positions.size(), t = plain.triangles.size();
   const std::string warning =
-      test::stderr_of([&] { EXPECT_EQ(load(test::draco_file(stream, v + 1, t + 1)).meshes.size(), 1U); });
+      test::stderr_of([&] { EXPECT_EQ(load_packed(test::draco_file(stream, v + 1, t + 1)).meshes.size(), 1U); });
   EXPECT_CONTAINS(warning, "where the file promises");
   const std::string more = test::stderr_of([&] {
-    const Scene scene = load(test::draco_file(stream, v - 1, t));
+    const Scene scene = load_packed(test::draco_file(stream, v - 1, t));
     EXPECT_EQ(scene.meshes.at(0).mesh.positions.size(), v);
   });
   EXPECT_CONTAINS(more, "mesh 0: the draco data in buffer view 0 hold");
   EXPECT_CONTAINS(more, "where the file promises");
-  EXPECT_CONTAINS(fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
+  EXPECT_CONTAINS(packed_fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
 }
 
 // One stream for two primitives: it is reported once, so it was decoded once.
@@ -177,7 +177,7 @@ TEST(Draco, AStreamIsDecodedOnce) {
   Json& primitives = builder.doc["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
   const std::string warning =
-      test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.size(), 2 * t); });
+      test::stderr_of([&] { EXPECT_EQ(load_packed(builder).meshes.at(0).mesh.triangles.size(), 2 * t); });
   EXPECT_EQ(warning.find("where the file promises"), warning.rfind("where the file promises"));
   EXPECT_CONTAINS(warning, "where the file promises");
 }
@@ -211,30 +211,30 @@ TEST(Draco, FaultsAreNamed) {
   };
   GltfBuilder bad = good;
   extension(bad)["attributes"]["POSITION"] = 3;
-  EXPECT_CONTAINS(fault_of(bad), "have no attribute 3");
+  EXPECT_CONTAINS(packed_fault_of(bad), "have no attribute 3");
   extension(bad)["attributes"].erase("POSITION");
-  EXPECT_CONTAINS(fault_of(bad), "\"POSITION\" is missing");
+  EXPECT_CONTAINS(packed_fault_of(bad), "\"POSITION\" is missing");
   extension(bad).erase("attributes");
-  EXPECT_CONTAINS(fault_of(bad), "\"attributes\" is missing");
+  EXPECT_CONTAINS(packed_fault_of(bad), "\"attributes\" is missing");
   extension(bad)["bufferView"] = 9;
-  EXPECT_CONTAINS(fault_of(bad), "names buffer view 9");
+  EXPECT_CONTAINS(packed_fault_of(bad), "names buffer view 9");
   extension(bad) = "packed";
-  EXPECT_CONTAINS(fault_of(bad), "is not a JSON object");
+  EXPECT_CONTAINS(packed_fault_of(bad), "is not a JSON object");
   bad = good;
   bad.bin[0] = 'd';
-  EXPECT_CONTAINS(fault_of(bad), "do not begin with draco's header");
+  EXPECT_CONTAINS(packed_fault_of(bad), "do not begin with draco's header");
   bad = good;
   bad.bin[5] = 1;
-  EXPECT_CONTAINS(fault_of(bad), "bitstream version 1.2");
+  EXPECT_CONTAINS(packed_fault_of(bad), "bitstream version 1.2");
   bad = good;
   bad.bin[7] = 0;
-  EXPECT_CONTAINS(fault_of(bad), "are not a triangle mesh");
+  EXPECT_CONTAINS(packed_fault_of(bad), "are not a triangle mesh");
   bad = good;
   bad.bin[8] = 9;
-  EXPECT_CONTAINS(fault_of(bad), "unknown method 9");
+  EXPECT_CONTAINS(packed_fault_of(bad), "unknown method 9");
   for (std::size_t length = 12; length < stream.size(); length += 11) {
     const std::vector<unsigned char> part(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(fault_of(test::draco_file(part, v, t)), "") << length;
+    EXPECT_NE(packed_fault_of(test::draco_file(part, v, t)), "") << length;
   }
 }
 
@@ -313,7 +313,7 @@ TEST(Meshopt, FaultsAreNamed) {
   const auto fault_with = [&](std::size_t view, const char* key, const Json& value) {
     GltfBuilder bad = good;
     bad.doc["bufferViews"][view]["extensions"]["EXT_meshopt_compression"][key] = value;
-    return fault_of(bad);
+    return packed_fault_of(bad);
   };
   EXPECT_CONTAINS(fault_with(0, "buffer", 2), "names buffer 2");
   EXPECT_CONTAINS(fault_with(0, "byteLength", 1'000'000), "does not fit its buffer");
@@ -329,14 +329,14 @@ TEST(Meshopt, FaultsAreNamed) {
   EXPECT_CONTAINS(fault_with(0, "byteLength", 5), "unpacks to");
   GltfBuilder bad = good;
   bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"].erase("mode");
-  EXPECT_CONTAINS(fault_of(bad), "\"mode\" is \"\"");
+  EXPECT_CONTAINS(packed_fault_of(bad), "\"mode\" is \"\"");
   bad = good;
   bad.doc["bufferViews"][0]["byteStride"] = 16;
-  EXPECT_CONTAINS(fault_of(bad), "has a byteStride of 12, the buffer view one of 16");
+  EXPECT_CONTAINS(packed_fault_of(bad), "has a byteStride of 12, the buffer view one of 16");
   // Indices to missing vertices are found after unpacking, as in a plain file.
   bad = test::meshopt_file(pebble());
   bad.doc["accessors"][0]["count"] = 100;
-  EXPECT_CONTAINS(fault_of(bad), "but there are only 100");
+  EXPECT_CONTAINS(packed_fault_of(bad), "but there are only 100");
 }
 
 TEST(Meshopt, WhatUnpacksToTooMuchIsRefused) {
@@ -346,7 +346,7 @@ TEST(Meshopt, WhatUnpacksToTooMuchIsRefused) {
   view["extensions"]["EXT_meshopt_compression"]["byteStride"] = 252;
   view["extensions"]["EXT_meshopt_compression"]["count"] = 2'000'000;
   view["byteLength"] = std::uint64_t{252} * 2'000'000;
-  EXPECT_CONTAINS(fault_of(builder), "packed and unpacked; palpa reads no more");
+  EXPECT_CONTAINS(packed_fault_of(builder), "packed and unpacked; palpa reads no more");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::vector<Solid> solids_of(std::vector<Mesh> meshes) {
   return make_solids(scene_of(std::move(meshes)));
 }
 
-std::string fault_of(std::vector<Mesh> meshes) {
+std::string solid_fault_of(std::vector<Mesh> meshes) {
   std::string line = error_of([&] { solids_of(std::move(meshes)); });
   EXPECT_TRUE(line.empty() || line.starts_with("test.glb: ")) << line;
   return line;
@@ -166,13 +166,13 @@ TEST(Solid, SeamsThatWereRoundedDifferentlyClose) {
 }
 
 TEST(Solid, RefusesNothing) {
-  EXPECT_CONTAINS(fault_of({}), "no triangle mesh");
+  EXPECT_CONTAINS(solid_fault_of({}), "no triangle mesh");
 }
 
 TEST(Solid, RefusesAnOpenMeshAndSaysWhere) {
   Mesh mesh = box(Vec3(0), Vec3(0.04));
   mesh.triangles.pop_back();
-  const std::string line = fault_of({mesh});
+  const std::string line = solid_fault_of({mesh});
   EXPECT_CONTAINS(line, "mesh \"mesh 0\"");
   EXPECT_CONTAINS(line, "3 open edges");
   EXPECT_CONTAINS(line, "(0.04, 0.04, 0)");
@@ -181,13 +181,13 @@ TEST(Solid, RefusesAnOpenMeshAndSaysWhere) {
 TEST(Solid, RefusesFlippedFaces) {
   Mesh mesh = box(Vec3(0), Vec3(1));
   std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
-  EXPECT_CONTAINS(fault_of({mesh}), "3 edges lie between faces of opposite orientation");
+  EXPECT_CONTAINS(solid_fault_of({mesh}), "3 edges lie between faces of opposite orientation");
 }
 
 TEST(Solid, RefusesNonManifoldEdges) {
   Mesh mesh = box(Vec3(0), Vec3(1));
   append(mesh, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
-  EXPECT_CONTAINS(fault_of({mesh}), "1 edge has more than two faces");
+  EXPECT_CONTAINS(solid_fault_of({mesh}), "1 edge has more than two faces");
 }
 
 TEST(Solid, MayHaveSeveralShells) {
@@ -210,17 +210,17 @@ TEST(Solid, MayHaveSeveralShells) {
 
 TEST(Solid, RefusesFlatMeshes) {
   const Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
-  EXPECT_CONTAINS(fault_of({sheet}), "flat");
-  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1, 1, 1e-9))}), "flat");
-  EXPECT_CONTAINS(fault_of({Mesh{{{1, 2, 3}}, {{0, 0, 0}}}}), "flat");
+  EXPECT_CONTAINS(solid_fault_of({sheet}), "flat");
+  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1, 1, 1e-9))}), "flat");
+  EXPECT_CONTAINS(solid_fault_of({Mesh{{{1, 2, 3}}, {{0, 0, 0}}}}), "flat");
   // A sheet of paper is accepted as a solid.
   EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
 }
 
 TEST(Solid, RefusesAbsurdSizes) {
-  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1e30))}), "kilometre");
-  EXPECT_CONTAINS(fault_of({box(Vec3(1e9), Vec3(1e9 + 1))}), "kilometre");
-  EXPECT_CONTAINS(fault_of({box(Vec3(0), Vec3(1e-9))}), "micrometre");
+  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1e30))}), "kilometre");
+  EXPECT_CONTAINS(solid_fault_of({box(Vec3(1e9), Vec3(1e9 + 1))}), "kilometre");
+  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1e-9))}), "micrometre");
 }
 
 TEST(Convexity, NamesTheReflexEdgeAndItsAngle) {

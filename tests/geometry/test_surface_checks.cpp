@@ -28,14 +28,14 @@ namespace {
 
 using test::box;
 
-std::vector<Solid> solids_of(const Mesh& mesh, SurfaceKind kind = SurfaceKind::mesh) {
+std::vector<Solid> checked_solids_of(const Mesh& mesh, SurfaceKind kind = SurfaceKind::mesh) {
   Scene scene{"test.glb", {}};
   scene.meshes.push_back({"thing", mesh});
   return make_solids(scene, kind);
 }
 
-std::string fault_of(const Mesh& mesh) {
-  return test::error_of([&] { solids_of(mesh); });
+std::string surface_fault_of(const Mesh& mesh) {
+  return test::error_of([&] { checked_solids_of(mesh); });
 }
 
 TEST(Predicates, AreExactWhereRoundingIsNot) {
@@ -149,18 +149,18 @@ TEST(SelfIntersection, AgreesWithTestingAllPairs) {
 TEST(SurfaceChecks, RefuseWhatPassesThroughItself) {
   Mesh dented = box(Vec3(0), Vec3(1));
   dented.positions[7] = Vec3(-0.4, 0.4, 0.4);  // through the opposite side
-  const std::string line = fault_of(dented);
+  const std::string line = surface_fault_of(dented);
   EXPECT_CONTAINS(line, "passes through or touches itself");
   EXPECT_CONTAINS(line, "triangles");
   EXPECT_CONTAINS(line, "--surface parts");
-  EXPECT_NO_THROW(solids_of(dented, SurfaceKind::parts));
+  EXPECT_NO_THROW(checked_solids_of(dented, SurfaceKind::parts));
   // Two bodies that overlap, and two that touch in a face but share no vertex of it.
   Mesh two = box(Vec3(0), Vec3(1));
   append(two, box(Vec3(0.5), Vec3(1.5)));
-  EXPECT_CONTAINS(fault_of(two), "touches itself");
+  EXPECT_CONTAINS(surface_fault_of(two), "touches itself");
   two = box(Vec3(0), Vec3(1));
   append(two, box(Vec3(1, 0.2, 0.2), Vec3(2, 0.8, 0.8)));
-  EXPECT_CONTAINS(fault_of(two), "touches itself");
+  EXPECT_CONTAINS(surface_fault_of(two), "touches itself");
 }
 
 TEST(SurfaceChecks, TurnOnlyWhatIsInsideOut) {
@@ -169,7 +169,7 @@ TEST(SurfaceChecks, TurnOnlyWhatIsInsideOut) {
   append(other, cavity);
   append(mesh, other);
   std::vector<Solid> solids;
-  const std::string warning = test::stderr_of([&] { solids = solids_of(mesh); });
+  const std::string warning = test::stderr_of([&] { solids = checked_solids_of(mesh); });
   EXPECT_CONTAINS(warning, "inside out in 2 of its 3 shells");
   EXPECT_NEAR(signed_volume(solids[0].mesh), 1 + 8 - 0.125, 1e-12);
   EXPECT_LT(depth(solids[0], Vec3(3.75)), 0);
@@ -179,7 +179,7 @@ TEST(SurfaceChecks, TurnOnlyWhatIsInsideOut) {
 TEST(SurfaceChecks, RefuseANestedShellThatFacesTheSameWay) {
   Mesh mesh = box(Vec3(0), Vec3(3));
   append(mesh, box(Vec3(1), Vec3(2)));
-  const std::string line = fault_of(mesh);
+  const std::string line = surface_fault_of(mesh);
   EXPECT_CONTAINS(line, "a shell inside another that faces the same way");
   EXPECT_CONTAINS(line, "(1, 1, 1)");
   // A body inside a body's cavity is correct again.
@@ -187,18 +187,18 @@ TEST(SurfaceChecks, RefuseANestedShellThatFacesTheSameWay) {
   flip(hole);
   append(deep, hole);
   append(deep, box(Vec3(2), Vec3(7)));
-  EXPECT_NEAR(signed_volume(solids_of(deep)[0].mesh), 729 - 343 + 125, 1e-9);
+  EXPECT_NEAR(signed_volume(checked_solids_of(deep)[0].mesh), 729 - 343 + 125, 1e-9);
 }
 
 TEST(SurfaceChecks, LeaveDuplicatedFacesOut) {
   Mesh twice = box(Vec3(0), Vec3(1));
   append(twice, box(Vec3(0), Vec3(1)));
   std::vector<Solid> solids;
-  EXPECT_CONTAINS(test::stderr_of([&] { solids = solids_of(twice); }), "12 duplicated faces");
+  EXPECT_CONTAINS(test::stderr_of([&] { solids = checked_solids_of(twice); }), "12 duplicated faces");
   EXPECT_EQ(solids[0].mesh.triangles.size(), 12U);
   Mesh one = box(Vec3(0), Vec3(1));
   one.triangles.push_back(one.triangles[3]);
-  EXPECT_CONTAINS(test::stderr_of([&] { solids = solids_of(one); }), "1 duplicated faces");
+  EXPECT_CONTAINS(test::stderr_of([&] { solids = checked_solids_of(one); }), "1 duplicated faces");
   EXPECT_EQ(solids[0].planes.size(), 6U);
   // Two boxes that share a side: there is no wall between them.
   Mesh walls = box(Vec3(0), Vec3(1)), next = box(Vec3(0), Vec3(1));
@@ -206,14 +206,14 @@ TEST(SurfaceChecks, LeaveDuplicatedFacesOut) {
     p.x = 2 - p.x;  // mirrored, so that both sides are cut along the same diagonal
   flip(next);
   append(walls, next);
-  EXPECT_CONTAINS(test::stderr_of([&] { solids = solids_of(walls); }), "2 pairs of equal faces");
+  EXPECT_CONTAINS(test::stderr_of([&] { solids = checked_solids_of(walls); }), "2 pairs of equal faces");
   EXPECT_NEAR(depth(solids[0], Vec3(1, 0.5, 0.5)), 0.5, 1e-12);
 }
 
 TEST(SurfaceChecks, RefuseAPieceWithoutVolume) {
   Mesh mesh = box(Vec3(0), Vec3(1));
   append(mesh, Mesh{{{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});
-  const std::string line = fault_of(mesh);
+  const std::string line = surface_fault_of(mesh);
   EXPECT_CONTAINS(line, "flat piece");
   EXPECT_CONTAINS(line, "(2, 0, 0)");
 }
@@ -231,12 +231,12 @@ TEST(SurfaceChecks, TurnNeedles) {
   for (std::uint32_t t = 0; t < turned.triangles.size(); ++t)
     EXPECT_GT(triangle_width(turned, t, glm::length(area_vector(turned, t))), 0.1);
   EXPECT_NEAR(signed_volume(turned), 1, 1e-12);
-  EXPECT_EQ(fault_of(cube), "");
+  EXPECT_EQ(surface_fault_of(cube), "");
   // Concave with a needle that rounding has folded over.
   Mesh dented = cube;
   dented.positions[7] = Vec3(0.4);
   dented.positions[8].y = -3e-9;
-  EXPECT_EQ(fault_of(dented), "");
+  EXPECT_EQ(surface_fault_of(dented), "");
 }
 
 TEST(Shells, KnowWhatIsAroundThem) {

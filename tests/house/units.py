@@ -15,7 +15,7 @@ TESTS = pathlib.Path(__file__).resolve().parents[1]
 MOST = 8  # sources of a target; each core wants units, and the longest ends last
 # Names that a source brings into its namespace, and where from. Two may bring the same; but who looks for names that nobody uses
 # keeps these apart, since another's would go unnoticed beside them.
-BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^namespace (\w+) = ([\w:]+);", re.M)
+BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^(?:namespace|using) (\w+) = ([^;]+);", re.M)
 # The names that a source defines for itself: types, functions, constants. An extra name costs little.
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
@@ -23,7 +23,9 @@ DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+
 # The further constants of a line that defines several.
 FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
 # Code that affects the sources after it; or a source of a library that a program uses only if it has none of its own.
-ALONE = re.compile(r"^ *# *define |^using namespace (?!std::)|^int main\(", re.M)
+ALONE = re.compile(r"^ *# *define |^int main\(", re.M)
+# Namespaces that a source opens with all their names. Such a source is joined with others that open the same.
+OPENED = re.compile(r"^using namespace (?!std::)([\w:]+);", re.M)
 INCLUDED = re.compile(r"^#include (.+)$", re.M)
 WORD = re.compile(r"[A-Za-z_]\w*")
 
@@ -49,12 +51,14 @@ def units_of(sources, headers, most, shadows, share=False):
     texts = {source: source.read_text() for source in sources}
     names = {source: own_names(text, share) for source, text in texts.items()}
     words = {source: names[source] if shadows else dict.fromkeys(WORD.findall(text), "") for source, text in texts.items()}
-    units = []  # (sources, names, words, headers)
+    opened = {source: set(OPENED.findall(text)) for source, text in texts.items()}
+    units = []  # (sources, names, words, headers, opened)
     for source in sorted(sources, key=lambda source: (-len(names[source]), source)):
         fitting = [unit for unit in units
-                   if len(unit[0]) < most and not clash(unit[1], words[source]) and not clash(unit[2], names[source])]
+                   if len(unit[0]) < most and not clash(unit[1], words[source]) and not clash(unit[2], names[source])
+                   and unit[4] == opened[source]]
         if not fitting:
-            fitting = [([], {}, {}, set())]
+            fitting = [([], {}, {}, set(), opened[source])]
             units += fitting
         unit = min(fitting, key=lambda unit: len(headers[source] - unit[3]))
         unit[0].append(source)

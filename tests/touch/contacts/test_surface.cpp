@@ -362,7 +362,7 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
 TEST(ManySurfaces, HaveFewerCellsEach) {
   std::vector<geometry::Solid> solids;
   const geometry::Mesh mesh = notched_cube();
-  for (int i = 0; i < 300; ++i)
+  for (int i = 0; i < (palpa::test::instrumented() ? 60 : 300); ++i)
     solids.push_back(solid_of(tilted(mesh, Vec3(0.1 * i, 0, 0)))[0]);
   const PreparedSolids many = prepare_solids(solids);
   std::size_t cells = 0;
