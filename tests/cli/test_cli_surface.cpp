@@ -11,7 +11,6 @@
 #include <numbers>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "geometry/files/ply.hpp"
@@ -196,9 +195,9 @@ void PrintTo(const Model& model, std::ostream* out) {
   *out << model.name;
 }
 
-/// The contacts of these files' points, as the command computes them.
-std::vector<touch::Contact> contacts_of(const std::string& scene, const std::string& cloud, setup::Backend backend,
-                                        double delta) {
+/// The contacts of a file's points with the solids of another, as the command computes them.
+std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& solids, const std::string& scene,
+                                        const std::string& cloud, setup::Backend backend, double delta) {
   setup::TouchSceneOptions options;
   options.compute.backend = backend;
   options.touch.parameters.delta_m = delta;
@@ -207,9 +206,7 @@ std::vector<touch::Contact> contacts_of(const std::string& scene, const std::str
   setup::TouchInputOptions input;
   input.scene = scene;
   input.points = cloud;
-  std::vector<geometry::Solid> solids = setup::load_solids(scene);
-  const setup::TouchInput skin = setup::load_touch_input(input, solids);
-  return setup::touch_scene(options, scene, std::move(solids), skin).touch().contacts;
+  return setup::touch_scene(options, scene, solids, setup::load_touch_input(input, solids)).touch().contacts;
 }
 
 class Surface : public testing::TestWithParam<Model> {};
@@ -235,10 +232,11 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
     const double distance = oracle.distance(point, 2 * delta);
     depths.push_back(distance < 2 * delta && oracle.winding(point) < 0.5 ? -distance : distance);
   }
+  const std::vector<geometry::Solid> solids = setup::load_solids(scene);
   for (const setup::Backend backend : {setup::Backend::gpu, setup::Backend::cpu}) {
     const char* const name = backend == setup::Backend::gpu ? "gpu" : "cpu";
     std::vector<double> found(points.size(), 0);
-    for (const touch::Contact& contact : contacts_of(scene, cloud, backend, delta))
+    for (const touch::Contact& contact : contacts_of(solids, scene, cloud, backend, delta))
       found.at(contact.point) = contact.depth_m;
     std::size_t wrong = 0, contacts = 0, undecided = 0;
     double worst = 0;
@@ -281,7 +279,8 @@ TEST(SurfaceProgram, TellsTheSameContacts) {
   const TouchReport report =
       run_touch({"--scene", scene, "--points", cloud, "--backend", "cpu", "--finger-gap", "20mm"});
   EXPECT_EQ(report.points, fewer(30'000));
-  const std::vector<touch::Contact> contacts = contacts_of(scene, cloud, setup::Backend::cpu, 1.5e-3);
+  const std::vector<touch::Contact> contacts =
+      contacts_of(setup::load_solids(scene), scene, cloud, setup::Backend::cpu, 1.5e-3);
   ASSERT_EQ(report.contacts.size(), contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     ASSERT_EQ(report.contacts[i], contacts[i].point);
