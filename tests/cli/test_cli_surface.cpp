@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -209,15 +210,28 @@ std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& soli
   return setup::touch_scene(options, scene, solids, setup::load_touch_input(input, solids)).touch().contacts;
 }
 
-class Surface : public testing::TestWithParam<Model> {};
+class Surface : public testing::TestWithParam<Model> {
+ protected:
+  // What is prepared for the one backend is kept for the other.
+  void SetUp() override {
+    setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
+    setenv("PALPA_CACHE", "on", 1);
+  }
+  void TearDown() override {
+    setenv("PALPA_CACHE", "off", 1);
+    setenv("XDG_CACHE_HOME", before_.c_str(), 1);
+  }
+
+  const std::filesystem::path folder_ = scratch_folder("surface");
+  const std::string before_ = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+};
 
 TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
   const std::size_t point_count = std::getenv("PALPA_EXHAUSTIVE") ? 100'000 : fewer(30'000);
   Mesh mesh = GetParam().make();
   for (Vec3& p : mesh.positions)
     p = Vec3(rounded(p.x), rounded(p.y), rounded(p.z));
-  const auto folder = scratch_folder("surface");
-  const std::string scene = folder / "model.glb", cloud = folder / "points.ply";
+  const std::string scene = folder_ / "model.glb", cloud = folder_ / "points.ply";
   geometry::write_glb(scene, std::vector<geometry::SceneMesh>{{"model", mesh}});
   const std::vector<Vec3> points = points_about(mesh, point_count, 17);
   geometry::write_ply(cloud, points);
