@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "geometry/files/ply.hpp"
@@ -195,9 +195,9 @@ void PrintTo(const Model& model, std::ostream* out) {
   *out << model.name;
 }
 
-/// The contacts of these files' points, as the command computes them.
-std::vector<touch::Contact> contacts_of(const std::string& scene, const std::string& cloud, setup::Backend backend,
-                                        double delta) {
+/// The contacts of a file's points with the solids of another, as the command computes them.
+std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& solids, const std::string& scene,
+                                        const std::string& cloud, setup::Backend backend, double delta) {
   setup::TouchSceneOptions options;
   options.compute.backend = backend;
   options.touch.parameters.delta_m = delta;
@@ -206,20 +206,31 @@ std::vector<touch::Contact> contacts_of(const std::string& scene, const std::str
   setup::TouchInputOptions input;
   input.scene = scene;
   input.points = cloud;
-  std::vector<geometry::Solid> solids = setup::load_solids(scene);
-  const setup::TouchInput skin = setup::load_touch_input(input, solids);
-  return setup::touch_scene(options, scene, std::move(solids), skin).touch().contacts;
+  return setup::touch_scene(options, scene, solids, setup::load_touch_input(input, solids)).touch().contacts;
 }
 
-class Surface : public testing::TestWithParam<Model> {};
+class Surface : public testing::TestWithParam<Model> {
+ protected:
+  // What is prepared for the one backend is kept for the other.
+  void SetUp() override {
+    setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
+    setenv("PALPA_CACHE", "on", 1);
+  }
+  void TearDown() override {
+    setenv("PALPA_CACHE", "off", 1);
+    setenv("XDG_CACHE_HOME", before_.c_str(), 1);
+  }
+
+  const std::filesystem::path folder_ = scratch_folder("surface");
+  const std::string before_ = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+};
 
 TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
   const std::size_t point_count = std::getenv("PALPA_EXHAUSTIVE") ? 100'000 : fewer(30'000);
   Mesh mesh = GetParam().make();
   for (Vec3& p : mesh.positions)
     p = Vec3(rounded(p.x), rounded(p.y), rounded(p.z));
-  const auto folder = scratch_folder("surface");
-  const std::string scene = folder / "model.glb", cloud = folder / "points.ply";
+  const std::string scene = folder_ / "model.glb", cloud = folder_ / "points.ply";
   geometry::write_glb(scene, std::vector<geometry::SceneMesh>{{"model", mesh}});
   const std::vector<Vec3> points = points_about(mesh, point_count, 17);
   geometry::write_ply(cloud, points);
@@ -234,10 +245,11 @@ TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {
     const double distance = oracle.distance(point, 2 * delta);
     depths.push_back(distance < 2 * delta && oracle.winding(point) < 0.5 ? -distance : distance);
   }
+  const std::vector<geometry::Solid> solids = setup::load_solids(scene);
   for (const setup::Backend backend : {setup::Backend::gpu, setup::Backend::cpu}) {
     const char* const name = backend == setup::Backend::gpu ? "gpu" : "cpu";
     std::vector<double> found(points.size(), 0);
-    for (const touch::Contact& contact : contacts_of(scene, cloud, backend, delta))
+    for (const touch::Contact& contact : contacts_of(solids, scene, cloud, backend, delta))
       found.at(contact.point) = contact.depth_m;
     std::size_t wrong = 0, contacts = 0, undecided = 0;
     double worst = 0;
@@ -280,7 +292,8 @@ TEST(SurfaceProgram, TellsTheSameContacts) {
   const TouchReport report =
       run_touch({"--scene", scene, "--points", cloud, "--backend", "cpu", "--finger-gap", "20mm"});
   EXPECT_EQ(report.points, fewer(30'000));
-  const std::vector<touch::Contact> contacts = contacts_of(scene, cloud, setup::Backend::cpu, 1.5e-3);
+  const std::vector<touch::Contact> contacts =
+      contacts_of(setup::load_solids(scene), scene, cloud, setup::Backend::cpu, 1.5e-3);
   ASSERT_EQ(report.contacts.size(), contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     ASSERT_EQ(report.contacts[i], contacts[i].point);
