@@ -201,7 +201,7 @@ TEST(Field, ALargeOneIsInLargePages) {
   std::ifstream file("/sys/kernel/mm/transparent_hugepage/enabled");
   const std::string enabled{std::istreambuf_iterator<char>(file), {}};
   if (enabled.empty() || enabled.find("[never]") != std::string::npos) GTEST_SKIP() << "skipped: no large pages here";
-  // Of one transducer: what takes memory are the points.
+  // With one transducer, only the points take memory.
   const std::string layout = folder() / "one.toml";
   write_text(layout, "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
   const auto faults = [&](const std::string& pixels) {

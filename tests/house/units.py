@@ -12,9 +12,9 @@ import re
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
-MOST = 8  # sources of a target; each core wants units, and the longest ends last
-# Names that a source brings into its namespace, and where from. Two may bring the same; but who looks for names that nobody uses
-# keeps these apart, since another's would go unnoticed beside them.
+MOST = 8  # sources of a target; each core needs units, and the longest ends last
+# Names that a source brings into its namespace, and where from. Two sources may bring the same name from the same place. A check for
+# unused names keeps such sources apart, because a name that only the other one uses would not be noticed.
 BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^(?:namespace|using) (\w+) = ([^;]+);", re.M)
 # The names that a source defines for itself: types, functions, constants. An extra name costs little.
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
