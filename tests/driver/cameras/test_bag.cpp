@@ -190,7 +190,8 @@ TEST(Bag, WhatItCannotReadIsRefused) {
     return line;
   };
   EXPECT_CONTAINS(with([](auto& b) { b.compression = "bz2"; }), "compressed with bz2; palpa reads only lz4 and none");
-  EXPECT_CONTAINS(with([](auto& b) { b.encoding = "rgb8"; }), "topic /device_0/sensor_0/Depth_0/image/data: depth as");
+  EXPECT_CONTAINS(with([](auto& b) { b.encoding = "rgb8"; }),
+                  "topic /device_0/sensor_0/Depth_0/image/data: depth has the encoding 'rgb8'");
   EXPECT_CONTAINS(with([](auto& b) { b.width = 5000; }), "an image has 5000x8 pixels");
   EXPECT_CONTAINS(with([](auto& b) { b.fx = -1; }), "focal length is -1");
   EXPECT_CONTAINS(with([](auto& b) { b.fx = std::nan(""); }), "focal length is nan");

@@ -473,7 +473,7 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   const drawing::Pixels pixels = drawing::read_png(a);
   EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
   EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
-  test::expect_failure(viewer_here(line("camera:from below", {})), 2, "no camera 'from below'; give one of from above");
+  test::expect_failure(viewer_here(line("camera:from below", {})), 2, "unknown camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {
