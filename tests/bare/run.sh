@@ -10,6 +10,7 @@
 #
 # Needs root (or sudo), Linux and a network. If one of them is missing, it says so and ends with exit code 0. Everything
 # is in build/bare/VERSION, including logs. PALPA_BARE_LEGS: which of the three to run ["1 2 3"].
+# PALPA_BARE_KEEP: if set, the system stays there afterwards.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -33,7 +34,7 @@ done
 [[ $(uname -s) == Linux ]] || skip "debootstrap needs Linux"
 if ((EUID != 0)); then
   if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-    exec sudo --preserve-env=PALPA_BARE_LEGS "$PWD/tests/bare/run.sh" "$@"
+    exec sudo --preserve-env=PALPA_BARE_LEGS,PALPA_BARE_KEEP "$PWD/tests/bare/run.sh" "$@"
   fi
   skip "this needs root, or sudo without a password"
 fi
@@ -182,7 +183,7 @@ in_debian() {
     step no-avx2 by ben 'second palpa' tests/bare/old_processor.sh
   fi
   say "all of it: $((SECONDS - begin)) s"
-  rm -rf "$root" "$base/palpa.tar"
+  [[ -n ${PALPA_BARE_KEEP-} ]] || rm -rf "$root" "$base/palpa.tar"
 }
 
 for debian; do in_debian "$debian"; done
