@@ -105,8 +105,8 @@ function(palpa_test NAME)
   if(TEST_COST)
     set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})
   endif()
-  # A driver that compiles on the processor keeps what it has compiled. What starts palpa waits until one run of it has done so: else
-  # the first few topics would all compile the same shaders. Sanitizers find them compiled by the build without.
+  # A driver that compiles on the processor caches its shaders. Tests that start palpa wait until one run has filled the cache;
+  # otherwise, the first few topics would all compile the same shaders. Builds with sanitizers use what the build without has cached.
   if(TEST_LINKS MATCHES "palpa_test_(cli|steady|touch_json)" AND NOT PALPA_SANITIZE)
     set_tests_properties(${NAME} PROPERTIES FIXTURES_REQUIRED shaders)
   endif()

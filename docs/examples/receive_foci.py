@@ -55,7 +55,7 @@ def amplitude(finger, time_s):
 
 
 def show(text):
-    """On a terminal one line that changes, no longer than the terminal is wide; else a line each."""
+    """On a terminal, one changing line, cut to the terminal's width; otherwise, one line per text."""
     if sys.stdout.isatty():
         print(f"\r{text[:shutil.get_terminal_size().columns - 1]}\x1b[K", end="", flush=True)
     else:
@@ -63,7 +63,7 @@ def show(text):
 
 
 def main():
-    """Plays until lines stop coming, or a signal does. How many datagrams were no lines of foci is told at the end."""
+    """Plays until lines stop coming or a signal arrives. At the end, reports how many datagrams were not lines of foci."""
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     receiver.bind(("127.0.0.1", int(sys.argv[1]) if len(sys.argv) > 1 else 9000))
     receiver.setblocking(False)
@@ -75,13 +75,13 @@ def main():
         begin, heard = time.monotonic_ns(), None
         while heard is None or time.monotonic_ns() - heard < linger_ns:
             now = time.monotonic_ns()
-            for _ in range(1000):  # one line per frame, the newest counts; at most 1000 at a time, however many come
+            for _ in range(1000):  # one line per frame: use the newest of at most 1000 at a time
                 try:
                     fingers, heard = fingers_of(receiver.recv(65536)), now  # no fingers: be silent
                 except BlockingIOError:
                     break
                 except ValueError:
-                    bad += 1  # as if it had not come: what sounds is not prolonged by it
+                    bad += 1  # ignored: it does not prolong what sounds
             if heard is None or now - heard > HOLD_NS:
                 fingers = []
             t_ns = now - begin  # never starts again: the place in the order runs on from line to line
@@ -97,7 +97,7 @@ def main():
             tick_ns = min((round(finger["dwell_s"] * 1e9) for finger in fingers), default=1_500_000)  # shortest dwell
             time.sleep(min(tick_ns - t_ns % tick_ns, HOLD_NS // 20) * 1e-9)  # and soon enough for the hold
         show(f"no line for {linger_ns * 1e-9:g} s")
-    finally:  # on every way out what sounds has to be silenced
+    finally:  # silence what sounds, however it ends
         show("the end: silent")
         print(end="\n" if sys.stdout.isatty() else "")
         print(f"{bad} datagrams were no lines of foci")

@@ -1,4 +1,4 @@
-// The two functions that waves need of several floats at a time (base/lanes.hpp).
+// The two functions that waves need for several floats at a time (base/lanes.hpp).
 #pragma once
 
 #include <cstring>

@@ -64,7 +64,7 @@ double plane_wave_error(const RigidBody& body, double a) {
   return error_of(body.mesh(), body.at_faces(unknowns), [&](const Vec3& at) { return exact.at(at); });
 }
 
-/// The sphere at ka = 5.86, of 20 faces for each square of the divisions: its equations are made once for all tests.
+/// The sphere at ka = 5.86 with 20 * divisions^2 faces. Its equations are set up once for all tests.
 const RigidBody& sphere_of(int divisions) {
   static std::map<int, std::unique_ptr<RigidBody>> made;
   std::unique_ptr<RigidBody>& body = made[divisions];
@@ -142,7 +142,7 @@ TEST(TriangleRules, TakeSingularitiesAway) {
 
 TEST(Scattering, SphereInPlaneWaveAndNearSource) {
   const double k = 5.86186384343285 / radius;
-  // With sanitizers a coarser one, which is as much farther off.
+  // With sanitizers, a coarser sphere and a larger tolerance.
   const int divisions = test::instrumented() ? 9 : 14;
   const double most = test::instrumented() ? 0.015 : 0.003;
   const RigidBody body(geometry::icosphere(radius, divisions), k);
@@ -182,7 +182,7 @@ TEST(Scattering, InsideNothingResonates) {
   // At frequencies at which the sphere's inside resonates, somewhere in these windows, K or N alone gives a large
   // response to any input. A plane wave shows it less than random numbers.
   constexpr std::size_t drawn = 4;
-  // A peak is some 0.02 wide.
+  // A peak is about 0.02 wide.
   const double step = test::exhaustive() ? 0.005 : test::instrumented() ? 0.05 : 0.01;
   for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
     std::vector<double> errors, answers;

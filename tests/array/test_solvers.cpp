@@ -123,8 +123,8 @@ TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
   }
 }
 
-// Ten foci as near to each other as those around a fingertip: no weaker one among them, and no louder way with every
-// amplitude at 1. The transducers sound to all sides alike.
+// Ten foci as close together as those around a fingertip. No focus is weaker than the others, and with all amplitudes
+// at 1, no solution is louder. The transducers are omnidirectional.
 TEST_P(SolverOn, RingsOfAFingertipAreEvenUnderEveryConstraint) {
   const Layout layout = load_layout("paper");
   std::vector<std::vector<SlotFocus>> rings;
@@ -147,8 +147,8 @@ TEST_P(SolverOn, RingsOfAFingertipAreEvenUnderEveryConstraint) {
   }
 }
 
-// Rings that lie aslant, whose best phases run once around them or change sides: from those of a single way to the
-// foci nobody climbs there.
+// Tilted rings, whose best phases run once around the ring or change sides. No ascent reaches them from the phases of a
+// single path to the foci.
 TEST_P(SolverOn, TiltedRingsHaveTheirBestPhases) {
   const Layout layout = load_layout("paper");
   const std::vector<std::vector<SlotFocus>> rings{

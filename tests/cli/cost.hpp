@@ -1,4 +1,4 @@
-// Models whose cost is looked at: what the command takes of the processors and of memory, against what the file weighs.
+// Measures the cost of models: the command's processor time and memory, compared with the size of the file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class Cost : public testing::Test {
                          "--penetration", "3mm", "--backend", "cpu"},
                         scene);
   }
-  /// One frame of what the paper's cameras see of it.
+  /// One frame of the mesh, as the paper's cameras see it.
   Result rendered(const geometry::Mesh& mesh) const {
     const geometry::SceneMesh scene{"it", mesh};
     geometry::write_glb(folder_ / "model.glb", std::span(&scene, 1));
@@ -38,8 +38,8 @@ class Cost : public testing::Test {
     options.environment = {{"PALPA_CACHE", "off"}};
     const Result result = palpa(line, options);
     const double megabytes = static_cast<double>(std::filesystem::file_size(file)) / 1e6;
-    // What it takes of the processors: how long one waits depends on who else is there. On a busy machine it is up to
-    // twice as long as docs/limits.md allows. Sanitizers make all slower and fatter.
+    // Processor time, because elapsed time depends on other programs. On a busy machine it is up to twice the limit of
+    // docs/limits.md. Sanitizers need more time and memory.
     EXPECT_LT(result.processor_s, (instrumented() ? 45 : 2) * (1 + megabytes)) << result.err;
     if (!instrumented()) {
       EXPECT_LT(result.peak_mib, 1e9 / (1 << 20)) << result.err;

@@ -23,7 +23,7 @@
 namespace palpa::test {
 namespace {
 
-/// What driver/main.cpp hands to the engine, without the bench's rows.
+/// The extensions that driver/main.cpp passes to the engine, without the rows of the bench.
 cli::Extensions extensions_of_the_program() {
   return {.doctor = driver::doctor_probes(),
           .links = driver::board_links(),
@@ -32,7 +32,7 @@ cli::Extensions extensions_of_the_program() {
           .cameras = driver::cameras_there};
 }
 
-/// A file that has no name, or one that is there already.
+/// A file without a name, or an existing file.
 class Target {
  public:
   explicit Target(const std::string& name = {})
@@ -55,7 +55,7 @@ class Target {
   int descriptor_;
 };
 
-/// While one lives, what is written to a descriptor goes elsewhere.
+/// Redirects a descriptor to another file during its lifetime.
 class Redirected {
  public:
   Redirected(int descriptor, const Target& to)
@@ -75,7 +75,7 @@ class Redirected {
   int descriptor_, before_;
 };
 
-/// What a sanitizer finds must not go into what is kept of a line, which ends with the process.
+/// Sends reports of a sanitizer to the real stderr: the kept output of a line would be lost when the process ends.
 void let_sanitizers_report_outside() {
 #ifdef __SANITIZE_ADDRESS__
   static const std::intptr_t outside = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -92,7 +92,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
   std::vector<const char*> argv{"palpa"};
   for (const std::string& argument : arguments)
     argv.push_back(argument.c_str());
-  // As a program begins, whatever the last line said.
+  // Start with a program's initial state, whatever the previous line changed.
   log::drop_warnings();
   log::set_level(log::Level::warning);
   let_sanitizers_report_outside();
@@ -102,7 +102,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
     const Redirected stdin_there(STDIN_FILENO, nothing), stdout_there(STDOUT_FILENO, out),
         stderr_there(STDERR_FILENO, err);
     alarm(patience_s);
-    // On a thread of its own, with which ends what a loop asks of the system for the thread that it runs on.
+    // On a separate thread: a loop's requests to the system apply to its thread and end with it.
     std::thread([&] {
       result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions_of_the_program());
     }).join();

@@ -1,4 +1,4 @@
-// The `palpa` command in this process: for what it says of a line, where most of a program's time is its start.
+// The `palpa` command within this process: for tests of its output, because starting a program takes most of its time.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace palpa::test {
 
-/// As palpa() (process.hpp), but no program is started: the command's own main runs here, with all that the program has
-/// but what only `palpa bench` measures. What it prints is kept, or goes to `stdout_file`, e.g. /dev/full. The result
-/// knows no signal and no processor time. For lines that end by themselves: after two minutes SIGALRM ends the test
-/// program. test_cli_here.cpp shows that both say the same of a line.
+/// Like palpa() (process.hpp), but starts no program: calls the command's main in this process, with everything that
+/// the program has except the rows of `palpa bench`. Its output is kept; stdout goes to `stdout_file` instead if given,
+/// e.g. /dev/full. The result has no signal and no processor time. The line must end by itself: after two minutes,
+/// SIGALRM ends the test program. test_cli_here.cpp shows that the output is the same as the program's.
 Result palpa_here(const std::vector<std::string>& arguments, const std::string& stdout_file = {});
 
 }  // namespace palpa::test

@@ -63,7 +63,7 @@ FociLine line_of(const nlohmann::json& json) {
   return line;
 }
 
-/// As a link of foci sends it.
+/// The line that a link of foci sends for a schedule.
 FociLine line_of(const array::Schedule& schedule) {
   FociLine line{schedule.time_s, {}};
   for (const array::Voice& voice : std::span(schedule.voices).first(schedule.voice_count)) {
@@ -75,7 +75,7 @@ FociLine line_of(const array::Schedule& schedule) {
   return line;
 }
 
-/// A film before the paper's rig, frame by frame.
+/// A film in front of the paper's rig, frame by frame.
 class Rendering {
  public:
   explicit Rendering(Film film) : film_(std::move(film)), cameras_(cameras_of(film_)) {
@@ -86,7 +86,7 @@ class Rendering {
   const std::vector<sensing::Camera>& cameras() const { return cameras_.cameras(); }
   int frames() const { return film_.frames; }
 
-  /// Valid until the next one.
+  /// Valid until the next call.
   const sensing::FrameSet& frame(int k) {
     const sensing::Posed posed{&finger_, film_.motion(k / film_hz)};
     set_.sequence = static_cast<std::uint64_t>(k);
@@ -122,7 +122,7 @@ session::Session session_for(const Play& play, const std::vector<sensing::Camera
                                   .smoothing = play.smoothing,
                                   .hold_s = hold_s};
   setting.touch.foci = play.foci;
-  // Foci do not depend on the array; drives, which nobody looks at here, take the longer the larger it is.
+  // One transducer: foci do not depend on the array, and drives, which are not used here, take longer for more.
   setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
   session::Session session(test_device(), std::move(setting));
   session.warm_up();

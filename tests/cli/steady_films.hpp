@@ -50,7 +50,7 @@ struct FociLine {
   std::vector<Finger> fingers;
 };
 
-/// On what a film is played, and how foci are kept from jumping there.
+/// The object that a film is played on, and the settings that keep its foci from jumping.
 struct Play {
   std::string object;
   touch::Axes axes = touch::Axes::steady;
@@ -58,13 +58,13 @@ struct Play {
   std::uint32_t foci = 10;
 };
 
-/// What sessions on the tests' device make of a film, one session for each play: a line for each frame. The film is
-/// rendered once for all of them.
+/// Plays a film to sessions on the tests' device, one session per play. Returns for each play a line per frame. The
+/// film is rendered once for all plays.
 std::vector<std::vector<FociLine>> played(const Film& film, const std::vector<Play>& plays);
 
-/// What `palpa run --every-frame --link foci:udp` sends for a source, a line for nearly each of its frames: two that
-/// are ready within one slot have one line. `options` are added to the command line. Fails the test where the program
-/// does.
+/// The lines that `palpa run --every-frame --link foci:udp` sends for a source, one for nearly every frame: two frames
+/// that are ready within one slot have one line. `options` are added to the command line. The test fails if the program
+/// fails.
 std::vector<FociLine> sent_by_palpa(const std::string& source, const std::string& object,
                                     const std::vector<std::string>& options = {});
 

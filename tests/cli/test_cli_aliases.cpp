@@ -96,7 +96,7 @@ class CliAliases : public testing::Test {
       line += word + ' ';
     SCOPED_TRACE(line);
     expect_failure(palpa_here(words), 2, part);
-    // And one line of each command by the program itself.
+    // Also run one line of each command with the program itself.
     if (programs_.insert(words[0]).second) {
       RunOptions options;
       options.timeout_s = 20;
@@ -104,7 +104,7 @@ class CliAliases : public testing::Test {
     }
     for (const auto& [file, text] : contents_)
       ASSERT_EQ(read_text(file), text) << file;
-    ASSERT_FALSE(fs::exists(path("new"))) << "nothing was begun";
+    ASSERT_FALSE(fs::exists(path("new"))) << "no output was created";
     ASSERT_FALSE(fs::exists(path("new.json")));
   }
   ~CliAliases() override {
@@ -145,7 +145,7 @@ class CliAliases : public testing::Test {
   fs::path folder_ = scratch_folder("aliases");
   std::map<fs::path, std::string> contents_;
   std::vector<int> descriptors_;
-  std::set<std::string> programs_;  ///< commands that the program was asked for
+  std::set<std::string> programs_;  ///< commands that were also run with the program
   const OutputOption json_{"--json", "", ""}, csv_{"--csv", "", ""}, link_{"--link", "record:", ""},
       events_{"--events", "", ""}, vtu_{"--vtu", "", ""}, png_{"--png", "", ""}, out_{"--out", "", ""};
 

@@ -55,7 +55,7 @@ Rig rig_of_a_board() {
   return rig;
 }
 
-/// The same cameras at half the resolution, for what can be told from fewer pixels.
+/// The same cameras at half the resolution, for tests that fewer pixels suffice for.
 Rig coarse(Rig rig) {
   for (Camera& camera : rig.cameras) {
     camera.width /= 2;

@@ -41,7 +41,7 @@ double wrapped(double radians) {
 
 class Drive : public testing::TestWithParam<std::string> {
  protected:
-  /// What the command prints as a table.
+  /// The table that the command prints.
   std::string table(const std::vector<std::string>& arguments) {
     const Result result = palpa_here(with(with({"drive"}, arguments), {"--backend", GetParam(), "--csv", "-"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -41,7 +41,7 @@ class CliExport : public testing::Test {
     return take;
   }
 
-  /// 12 frames of the synthetic finger, those after `whole` so many seconds later.
+  /// 12 frames of the synthetic finger; frames from `whole` on are `later_s` seconds later.
   std::string take(std::size_t whole = 12, double later_s = 0) {
     static const std::filesystem::path made = recorded();
     const std::string take = in("take");
@@ -72,7 +72,7 @@ class CliExport : public testing::Test {
     std::ofstream(take + "/times.csv") << text;
     return "recording:" + take;
   }
-  /// On the processor: TheSameBytesEachTimeAndOnBothBackends shows that it makes no difference.
+  /// On the processor: TheSameBytesEachTimeAndOnBothBackends shows that the backend makes no difference.
   Result exported(const std::string& source, const std::vector<std::string>& outputs) const {
     return palpa_here(with(line_of(source), with(outputs, {"--backend", "cpu"})));
   }

@@ -197,7 +197,7 @@ TEST(Field, SaysWhatIsWrong) {
 
 // The system takes back small pages so slowly that a field of gigabytes ended seconds after Ctrl-C.
 TEST(Field, ALargeOneIsInLargePages) {
-  if (instrumented()) GTEST_SKIP() << "skipped: memory means nothing here";
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer changes the use of memory";
   std::ifstream file("/sys/kernel/mm/transparent_hugepage/enabled");
   const std::string enabled{std::istreambuf_iterator<char>(file), {}};
   if (enabled.empty() || enabled.find("[never]") != std::string::npos) GTEST_SKIP() << "skipped: no large pages here";

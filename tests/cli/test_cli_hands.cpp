@@ -1,5 +1,5 @@
-// Hands, most of them recorded: a touch finds exactly the fingers that a person sees in the depth picture, in the
-// tests' own process and as `palpa touch`. Camera frame = world.
+// Hands, most of them recorded: a touch finds exactly the fingers that a person sees in the depth picture. Computed in
+// the tests' own process and by `palpa touch`. Camera frame = world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& fr
 
 class Hands : public testing::TestWithParam<std::string> {
  protected:
-  /// What `palpa touch` prints of it, computed in the tests' own process and on their device.
+  /// The report that `palpa touch` prints for the image, computed in the tests' own process and on their device.
   TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3,
                     touch::Cluster cluster = touch::Cluster::contacts) {
     std::vector<geometry::Solid> solids = setup::load_solids(scene.string());
@@ -103,7 +103,7 @@ TEST_P(Hands, Sr305ThreeFingersReachIntoOneBox) {
   const fs::path scene = scratch_folder("hand-one-box") / "box.glb";
   write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   const TouchReport report = touch(scene, image, sr305);
-  // And the real program finds the same.
+  // The real program finds the same.
   const TouchReport command = run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera",
                                          (scene.parent_path() / "camera.toml").string(), "--backend", GetParam()});
   EXPECT_EQ(command.without_times, report.without_times);

@@ -1,4 +1,4 @@
-// What tests show of a line in their own process (here.hpp) holds for the program: both say the same.
+// A line that tests run in their own process (here.hpp) has the same output as in the program.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,8 +11,8 @@
 namespace palpa::test {
 namespace {
 
-/// Lines of every outcome. Some stand behind one that leaves something behind where a process goes on: a log level,
-/// warnings that were kept or told.
+/// Lines of every outcome. Some follow a line that leaves state behind in its process: a log level, or warnings that
+/// were kept or printed.
 std::vector<std::vector<std::string>> lines() {
   const std::string cube = source_file("assets/cube.glb").string(), finger = source_file("assets/finger.ply").string();
   const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--backend", "cpu"},

@@ -233,7 +233,7 @@ TEST(IdleOptions, AreRefused) {
       SCOPED_TRACE(command.line[0] + " " + idle.given[0]);
       const std::vector<std::string> line = with(command.line, idle.given);
       expect_failure(palpa_here(line), 2, idle.told);
-      // And one line of each command by the program itself.
+      // Also run one line of each command with the program itself.
       if (!programs.insert(command.line[0]).second) continue;
       RunOptions options;
       options.timeout_s = 20;

@@ -1,5 +1,5 @@
-// That models cost no more than they weigh holds for large ones, too: with PALPA_EXHAUSTIVE for those near the limits,
-// else for some that are a tenth of that and less.
+// The cost of large models is bounded by their size, too. PALPA_EXHAUSTIVE tests models near the limits; other runs
+// test models of at most a tenth of that size.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ class LargeModels : public Cost {
 };
 
 TEST_F(LargeModels, OfAMillionTriangles) {
-  if (instrumented()) GTEST_SKIP() << "skipped: memory means nothing here";
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer changes the use of memory";
   const int rings = all_ ? 700 : 150;
   Mesh ball = sphere(0.05, rings, rings);
   for (Vec3& p : ball.positions)
@@ -32,7 +32,7 @@ TEST_F(LargeModels, OfAMillionTriangles) {
 }
 
 TEST_F(LargeModels, OfWhatASyntheticSourceRenders) {
-  if (instrumented()) GTEST_SKIP() << "skipped: rays take too long here";
+  if (instrumented()) GTEST_SKIP() << "skipped: rays are too slow with a sanitizer";
   EXPECT_EQ(rendered(nested(all_ ? 4001 : 401, true)).exit_code, 0);
   EXPECT_EQ(rendered(rods(all_ ? 8000 : 800)).exit_code, 0);
   const auto expect_too_many = [&](std::uint32_t count) {

@@ -66,7 +66,7 @@ class Nudge : public testing::Test {
     (*rig_.array->T_world_layout)[3] = Vec4(0.004, -0.145, 0.003, 1);
     write_text(file("rig.toml"), sensing::to_toml(rig_));
   }
-  /// The folder of the recordings, which are made once: the resting fingertip, and one of two frames far apart.
+  /// The folder of the recordings, which are made once: a resting fingertip, and two frames that are far apart in time.
   static const std::filesystem::path& takes() {
     static const std::filesystem::path made = [] {
       const std::filesystem::path folder = scratch_folder("nudge-takes"), assets = where_assets_are().second;

@@ -68,13 +68,13 @@ class CliOutputs : public testing::Test {
     line.insert(line.end(), more.begin(), more.end());
     return line;
   }
-  /// The line is refused, and every file is as it was.
+  /// The line is refused, and every file is unchanged.
   void expect_untouched(const std::vector<std::string>& line, int code, const std::string& part) {
     SCOPED_TRACE(line[0] + " " + line[line.size() - 2] + " " + line.back());
     const auto before = contents();
     expect_failure(palpa_here(line), code, part);
     EXPECT_TRUE(contents() == before);
-    // And the first of a test's lines of each command by the program itself.
+    // Also run a test's first line of each command with the program itself.
     if (!programs_.insert(line[0]).second) return;
     expect_failure(palpa(line), code, part);
     EXPECT_TRUE(contents() == before);
@@ -281,7 +281,7 @@ TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
 }
 
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 110);  // takes some tenths of a second
+  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 110);  // takes a few tenths of a second
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   RunOptions fresh;
   fresh.environment = {{"PALPA_CACHE", "off"}};

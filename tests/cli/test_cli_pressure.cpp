@@ -135,7 +135,7 @@ std::string film(const std::string& name, const std::vector<Vec3>& tips) {
 
 const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
 
-/// One finger, and two; each filmed once.
+/// Recordings of one finger and of two fingers, each made once.
 const std::string& film_of_one() {
   static const std::string take = film("one", {left_tip});
   return take;
@@ -180,7 +180,7 @@ Played play(const std::string& scene, const std::string& take, const std::vector
     return result;
   };
   Played played;
-  const UdpReceiver receiver(std::chrono::milliseconds(50));  // who sends has ended before anybody looks
+  const UdpReceiver receiver(std::chrono::milliseconds(50));  // the sender has ended before the first read
   Result result;
   side_by_side({[&] { result = run("record:" + file.string()); }, [&] { run("foci:" + receiver.address()); }});
   played.warnings = result.err_lines();
@@ -346,9 +346,9 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
   EXPECT_FALSE(fingers[left].contains("asked_pa"));
   const std::vector<double> in_a_slot = heard({"--slot", "2"}), by_the_option = heard({"--pressure", "300Pa"});
   EXPECT_NEAR(in_a_slot.at(right), 400, 1);
-  EXPECT_GT(in_a_slot.at(left), 1000) << "it asks for nothing and has what is left";
-  EXPECT_NEAR(by_the_option.at(left), 300, 1) << "who asks for none";
-  EXPECT_NEAR(by_the_option.at(right), 400, 1) << "as a solid's goes before the option's";
+  EXPECT_GT(in_a_slot.at(left), 1000) << "it asks for no pressure and gets the rest";
+  EXPECT_NEAR(by_the_option.at(left), 300, 1) << "the solid asks for none";
+  EXPECT_NEAR(by_the_option.at(right), 400, 1) << "a solid's pressure takes precedence over the option's";
 
   fingers = touch_of({"--layout", "openmpd", "--pressure", "300Pa", "--method", "multi-focus"});
   EXPECT_EQ(fingers[left]["asked_pa"], 300);

@@ -168,7 +168,7 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
              {"link", "test", "--layout", "sonicsurface", "--link", "sonicsurface:/dev/null", "--board-files",
               path("board")}}) {
       const std::vector<std::string> all = with(line, {"--backend", "cpu"});
-      // A board is held by a process that the program starts from its own folder.
+      // The program starts palpa-guard, which holds the board, from its own folder.
       const Result result = line[0] == "link" ? palpa(all) : palpa_here(all);
       EXPECT_NE(result.exit_code, 0) << line[0] << ' ' << line[2];
       EXPECT_EQ((result.err + result.out).find("Q7Z"), std::string::npos)

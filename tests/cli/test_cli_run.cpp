@@ -182,7 +182,7 @@ TEST(CliRun, SignalsEndItInTimeHoweverLongItsSlotsAndItsRamp) {
     EXPECT_TRUE(silent(recording.drives.back().drive)) << options.front();
   };
   const auto while_it_ramps = [&] { ends_in_silence({"--ramp", "500ms"}, 4'000'000); };
-  // The second drive has just left: what waited for its slot's end would take longer than the second that there is.
+  // The second drive has just left. Waiting for the end of its slot would exceed the one second that palpa may take.
   const auto within_a_slot = [&] { ends_in_silence({"--dwell", "1.5s"}, 50'000); };
   side_by_side({while_it_ramps, within_a_slot});
 }
@@ -349,7 +349,7 @@ Result on_small_disk(const std::filesystem::path& disk, const std::string& size,
 
 TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
   const auto folder = scratch_folder("full");
-  // The driver cannot keep its compiled shaders there and compiles them again, so this is done once, with few shaders.
+  // The driver cannot cache its shaders on this disk and compiles them again. Hence one such run, with few shaders.
   const Result link = on_small_disk(folder / "disk", "400k", "--finger-width 0 --smoothing none --link record:");
   if (link.exit_code == 77 || link.err.find("unshare") != std::string::npos)
     GTEST_SKIP() << "skipped: no mounts of one's own are allowed here: " << link.err;
@@ -358,8 +358,8 @@ TEST(CliRun, AFullDiskIsAnErrorAndStillSilence) {
                  "cannot be written: No space left on device");
 }
 
-// `ulimit -f`. Mesa's software device keeps its memory in a file without a name from version 24 on, and dies where that
-// cannot grow.
+// `ulimit -f`. From version 24 on, Mesa's software device keeps its memory in a file without a name, and crashes if
+// that file cannot grow.
 TEST(CliRun, AFileThatMayNotGrowIsAnErrorAndStillSilence) {
   const auto folder = scratch_folder("file-limit");
   const auto fails = [&](const std::string& blocks, const std::string& output) {
@@ -399,7 +399,7 @@ TEST(CliRun, RefusesWhatItCannotRun) {
 TEST(CliRun, AnOverloadedLoopKeepsNoFrameWaitingForAnotherAndSaysSo) {
   const auto folder = scratch_folder("overload");
   const std::string scene = (folder / "box.glb").string(), take = (folder / "take").string();
-  // A whole hand inside: far more skin than a fingertip has. What records it needs to touch no more than a fingertip.
+  // A whole hand in the box: far more skin than a fingertip's. The recording run needs to touch only a fingertip.
   write_boxes(scene, {{"box", Vec3(0, 0.1, 0), Vec3(0, 1, 0), Vec3(1, 0, 0), 0.2, 0.2, 0.4}});
   const Result made =
       palpa({"run", "--scene", cube(), "--source", "synthetic:" + source_file("assets/hand.glb").string(), "--backend",

@@ -27,14 +27,15 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-/// What palpa promises, and what the system may take for it on a machine that has other things to do.
+/// The second that palpa promises, and half a second for the system on a busy machine.
 constexpr double a_second = 1.5;
 
 std::string cube() {
   return source_file("assets/cube.glb").string();
 }
 
-/// Waits until it is so, for as long as the first loop of a machine needs to compile the shaders; whether it was.
+/// Waits for a condition, up to the time that the first loop on a machine needs to compile the shaders. Returns whether
+/// it became true.
 bool becomes(const std::function<bool()>& so) {
   for (int i = 0; i < 12'000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
     if (so()) return true;
@@ -55,7 +56,7 @@ fs::path named_cube(const fs::path& folder, const std::string& name) {
   return folder / "cube.gltf";
 }
 
-/// A session that somebody listens to.
+/// A session with a listener.
 struct Stage {
   fs::path folder;
   UdpReceiver receiver{std::chrono::seconds(1)};
@@ -66,19 +67,19 @@ struct Stage {
   std::vector<std::string> line(const std::vector<std::string>& more, const std::string& scene = cube()) const {
     return with(with({"--scene", scene, "--link", "foci:" + receiver.address()}, small_frames()), more);
   }
-  /// Takes in so many lines that sound, and so many of any kind.
+  /// Receives lines until at least `sounding` of them sound and there are at least `any` lines.
   void hear(int sounding, int any = 0) {
     for (int heard = 0, all = 0; heard < sounding || all < any; ++all) {
-      const int patience = last.empty() ? 60 : 3;  // the first of a machine compiles the shaders
+      const int patience = last.empty() ? 60 : 3;  // the first loop on a machine compiles the shaders
       std::string next;
       for (int tries = 0; tries < patience && next.empty(); ++tries)
         next = receiver.next();
       last = next;
-      ASSERT_FALSE(last.empty()) << "it sounds no more, after " << heard << " of " << sounding << " lines";
+      ASSERT_FALSE(last.empty()) << "it stopped sounding after " << heard << " of " << sounding << " lines";
       heard += json::parse(last)["fingers"].empty() ? 0 : 1;
     }
   }
-  /// And all that are left of a program that sends no more.
+  /// Receives all remaining lines of a program that sends no more.
   void hear_the_end() {
     for (std::string next = last; !next.empty(); next = receiver.waiting())
       last = next;
@@ -162,7 +163,7 @@ TEST(CliSilence, NobodyReadsItsDrives) {
   const auto before_it_sounds = [&] { ends("early", [](LiveRun& run, int) { run.wait(0.3); }); };
   const auto while_it_waits = [&] {
     ends("late", [](LiveRun& run, int reader) {
-      int bytes = 0;  // two drives fill it
+      int bytes = 0;  // two drives fill the pipe
       EXPECT_TRUE(becomes([&] { return ioctl(reader, FIONREAD, &bytes) == 0 && bytes > 60'000; }));
       run.wait(0.3);
     });
@@ -209,7 +210,7 @@ TEST(CliSilence, TheDiskOfItsEventsOrOfItsMessagesDoesNotAnswer) {
   const auto messages = [&] {
     const HungDisk disk{fs::canonical(warned.folder)};
     const Unread file = Unread::file((disk.folder / "messages").string());
-    const fs::path scene = named_cube(warned.folder, std::string(66'000, 'n'));  // there will be a warning
+    const fs::path scene = named_cube(warned.folder, std::string(66'000, 'n'));  // palpa warns about this name
     disk.hang();
     LiveRun run(warned.line({}, scene), {.err = &file, .environment = disk.environment()});
     warned.hear(0, 60);
@@ -226,7 +227,7 @@ TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
     const fs::path drives = disk.folder / "drives";
     LiveRun run(with({"--scene", cube(), "--link", "record:" + drives.string()}, small_frames()),
                 {.environment = disk.environment()});
-    EXPECT_TRUE(becomes([&] { return fs::exists(drives) && fs::file_size(drives) > 10'000'000; })) << "half a second";
+    EXPECT_TRUE(becomes([&] { return fs::exists(drives) && fs::file_size(drives) > 10'000'000; })) << "too few drives";
     disk.hang();
     run.wait(after_s);
     run.signal(SIGTERM);
@@ -240,12 +241,12 @@ TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
   LiveRun run(stage.line({"--quiet"}));
   stage.hear(10);
   run.signal(SIGSTOP);
-  run.wait(0.5);  // five times as long as anything sounds
+  run.wait(0.5);  // five times the longest time that a frame sounds
   stage.hear_the_end();
   run.signal(SIGCONT);
   const std::string first = stage.receiver.next();
   ASSERT_FALSE(first.empty());
-  EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "what was seen half a second ago: " << first;
+  EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "it plays what it saw half a second ago: " << first;
   stage.hear(10);
   stage.expect_silent_end(run);
 }

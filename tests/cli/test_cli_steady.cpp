@@ -1,5 +1,5 @@
-// Foci do not jump: fingers at rest, dipping, sliding and fast on all four objects, as a session has them, and the real
-// program as well.
+// Foci do not jump: fingers at rest, dipping, sliding and fast on all four objects, played by a session in this process
+// and by the real program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace palpa::test {
 namespace {
 
-/// A film on all of these objects, which its path does not tell apart: their names, and what their sessions make of it.
+/// Plays a film on all of these objects; its path is the same on each. Returns their names and their sessions' lines.
 std::vector<std::pair<std::string, std::vector<FociLine>>> on_each(const std::vector<std::string>& objects,
                                                                    const Film& film) {
   std::vector<Play> plays;
@@ -32,7 +32,7 @@ std::vector<std::string> all_objects() {
   return the_first<std::string>(1, {"cube", "semi-sphere", "pyramid", "prism"});
 }
 
-/// What `palpa run --source synthetic --frames 95` sees, on each object.
+/// The film that `palpa run --source synthetic --frames 95` sees, played on each object.
 const std::vector<std::pair<std::string, std::vector<FociLine>>>& synthetic_on_each() {
   Film film = dipping("cube", 95);
   film.seed = 0;
@@ -84,7 +84,7 @@ TEST(SteadyFoci, OfAFastFingerAreNotLate) {
   EXPECT_LE(lag_of(raw, smooth), 5e-3);
 }
 
-/// Each line of foci that was sent is what a session makes of that frame, and hardly one is missing.
+/// Every sent line of foci equals the session's line of that frame, and at most a tenth is missing.
 void expect_sent(const std::vector<FociLine>& sent, const std::vector<FociLine>& computed) {
   const auto sounds = [](const FociLine& line) { return !line.fingers.empty(); };
   for (const FociLine& line : sent) {
@@ -99,7 +99,7 @@ void expect_sent(const std::vector<FociLine>& sent, const std::vector<FociLine>&
 }
 
 TEST(SteadyFoci, OfTheRealProgramAreThoseOfASession) {
-  // And how foci jump without steady axes and smoothing: what the other tests would say if they measured nothing.
+  // Without steady axes and smoothing, foci jump: this shows that the other tests measure something.
   const Film film = resting("prism", 8);
   const auto take = scratch_folder("steady") / "take";
   record(film, take);

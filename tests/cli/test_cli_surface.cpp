@@ -195,13 +195,13 @@ void PrintTo(const Model& model, std::ostream* out) {
   *out << model.name;
 }
 
-/// The contacts of a file's points with the solids of another, as the command computes them.
+/// The contacts of the points of a file with the solids of another file, as the command computes them.
 std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& solids, const std::string& scene,
                                         const std::string& cloud, setup::Backend backend, double delta) {
   setup::TouchSceneOptions options;
   options.compute.backend = backend;
   options.touch.parameters.delta_m = delta;
-  options.touch.parameters.finger_gap_m = 0.02;  // thin clouds would be more fingers than are looked at
+  options.touch.parameters.finger_gap_m = 0.02;  // a thin cloud would have more fingers than palpa handles
   setup::check(options, false);
   setup::TouchInputOptions input;
   input.scene = scene;
@@ -211,7 +211,7 @@ std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& soli
 
 class Surface : public testing::TestWithParam<Model> {
  protected:
-  // What is prepared for the one backend is kept for the other.
+  // Caches prepared surfaces, so that the second backend uses those of the first.
   void SetUp() override {
     setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
     setenv("PALPA_CACHE", "on", 1);

@@ -172,7 +172,7 @@ TEST_P(Touch, TheSameBytesOnEveryRun) {
   const std::string usual = run_touch_here(here(cube_touch())).without_times;
   ASSERT_FALSE(usual.empty());
   EXPECT_EQ(run_touch(here(cube_touch())).without_times, usual) << "a second run";
-  if (GetParam() == "cpu") return;  // what follows speaks to a driver
+  if (GetParam() == "cpu") return;  // the rest tests settings of a driver
   for (const Environment& environment : {Environment{{"LP_NUM_THREADS", "1"}},
                                          {{"LP_NUM_THREADS", "2"}},
                                          {{"LP_NATIVE_VECTOR_WIDTH", "128"}},

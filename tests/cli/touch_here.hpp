@@ -1,4 +1,4 @@
-// `palpa touch` in this process, read as the program's results are.
+// `palpa touch` within this process; its results are read like the program's.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace palpa::test {
 
-/// run_touch (touch_json.hpp) without a program.
+/// Like run_touch (touch_json.hpp), but starts no program.
 inline TouchReport run_touch_here(const std::vector<std::string>& arguments, double delta = 1.5e-3,
                                   std::size_t foci = 10) {
   const Result result = palpa_here(with(with({"touch"}, arguments), {"--json", "-"}));

@@ -25,11 +25,11 @@ struct TouchReport {
   std::string without_times;  ///< the document without timing_ms, which may differ from run to run
 };
 
-/// What `palpa touch --json` wrote. Checks keys, their order, types and every relation between values that the contract
-/// states. `delta` and `foci` are those of the command line.
+/// Reads the output of `palpa touch --json`. Checks keys, their order, types and every relation between values that the
+/// contract states. `delta` and `foci` are those of the command line.
 TouchReport read_touch(const std::string& text, double delta = 1.5e-3, std::size_t foci = 10);
 
-/// Runs `palpa touch ... --json -`, expects success, and reads it so.
+/// Runs `palpa touch ... --json -`, expects success, and reads the output with read_touch().
 TouchReport run_touch(std::vector<std::string> arguments, double delta = 1.5e-3, std::size_t foci = 10,
                       const RunOptions& options = {});
 

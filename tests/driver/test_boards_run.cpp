@@ -90,7 +90,7 @@ Result palpa_on_free_line(const std::vector<std::string>& arguments) {
   }
 }
 
-/// A board at the end of a line.
+/// A serial line with an emulated board at its end.
 class Line {
  public:
   Line() : thread_([this] { pty_.serve(boards_, stop_, lock_); }) {}
@@ -103,7 +103,7 @@ class Line {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  /// What it has heard when it has ended.
+  /// The board, with everything that it has received; call end() first.
   const driver::sonicsurface::EmulatedBoards& boards() const { return boards_; }
 
  private:
@@ -125,7 +125,7 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
     const Result refused = palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "cross-section"}));
     expect_failure(refused, 2, "a frame takes 11.3 ms");
   };
-  // Nothing but the link says which array it is, and nothing which method.
+  // Only the link names the array, and no option names a method.
   const auto as_the_link_says = [&] {
     const Result chosen = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "30", "--hold",
                                  "500ms", "--link", of_the_link_alone.link()});
@@ -136,7 +136,7 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
   const auto slowly = [&] {
     const Result slow = palpa(with(run_to(of_long_dwells.link(), "sonicsurface"), {"--dwell", "12ms"}));
     EXPECT_EQ(slow.exit_code, 0) << slow.err;
-    EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "what was asked for can be played: " << slow.err;
+    EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "this dwell time can be played: " << slow.err;
   };
   side_by_side({as_asked, as_the_link_says, slowly});
   std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -12,7 +12,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 #                 subgroups of 4 lanes; separate host and device memory, with copies between them, as on a discrete GPU,
 #                 and read before they are written
 #   gpu-assisted  accesses outside of a buffer; violations of Vulkan's rules with shared memory
-#   corpus        meshes of every size, and more samples of what other legs look at (tests/support/exhaustive.hpp)
+#   corpus        meshes of every size, and more samples of other legs' tests (tests/support/exhaustive.hpp)
 #   asan          errors in the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
 #   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""units.py: which sources can be one text, a unit, so that the headers of all are read once.
+"""units.py: finds sources that can be compiled as one text, a unit, so that common headers are read once.
 
-Those that define the same name for themselves are kept apart; palpa's own are, too, where one defines what stands anywhere in the
-other, since a local name above it would be a warning (-Wshadow). As a program it groups the sources of each target: a line
-"TARGET|FOLDER|SOURCE|..." of absolute paths on stdin; a line "TARGET|SOURCE|UNIT" on stdout for each that is in a unit
-(cmake/Units.cmake).
+Sources that define the same local name are kept apart. palpa's own sources (not its tests) are also kept apart if one defines a name
+that occurs anywhere in the other, because a local variable of that name would cause a warning (-Wshadow). As a program, it groups
+the sources of each target: it reads lines "TARGET|FOLDER|SOURCE|..." with absolute paths from stdin, and prints a line
+"TARGET|SOURCE|UNIT" for each source in a unit (cmake/Units.cmake).
 """
 import collections
 import pathlib
@@ -12,17 +12,17 @@ import re
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
-MOST = 8  # sources of a target; each core needs units, and the longest ends last
-# Names that a source brings into its namespace, and where from. Two sources may bring the same name from the same place. A check for
-# unused names keeps such sources apart, because a name that only the other one uses would not be noticed.
+MOST = 8  # sources per unit; every core needs units to compile, and the longest unit ends last
+# Names that a source imports into its namespace, and from where. Two sources may import the same name from the same place. A check
+# for unused names keeps such sources apart; otherwise, it would miss a name that only the other source uses.
 BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^(?:namespace|using) (\w+) = ([^;]+);", re.M)
 # The names that a source defines for itself: types, functions, constants. An extra name costs little.
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
-# The further constants of a line that defines several.
+# The second and later constants of a line that defines several.
 FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
-# Code that affects the sources after it; or a source of a library that a program uses only if it has none of its own.
+# Sources that stay alone: their code affects the sources after them, or they are a library's main(), for programs without their own.
 ALONE = re.compile(r"^ *# *define |^int main\(", re.M)
 # Namespaces that a source opens with all their names. Such a source is joined with others that open the same.
 OPENED = re.compile(r"^using namespace (?!std::)([\w:]+);", re.M)
@@ -31,7 +31,7 @@ WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 def own_names(text, share):
-    """The names that a source defines or brings for itself -> where from, where two may share it; else ''"""
+    """Local names of a source -> where it imports the name from, if two sources may share it; otherwise ''."""
     own = "".join(part[0] or part[1] for part in OWN.findall(text))
     names = {name: "" for found in DEFINED.findall(own) for name in found if name}
     names |= {name: "" for line in FURTHER[0].findall(own) for name in FURTHER[1].findall(line)}
@@ -41,13 +41,13 @@ def own_names(text, share):
 
 
 def clash(names, others):
-    """Whether a name stands in both, unless both have brought it from the same place."""
+    """Whether a name is in both, unless both import it from the same place."""
     return any(name in names and not (room and room == names[name]) for name, room in others.items())
 
 
 def units_of(sources, headers, most, shadows, share=False):
-    """Lists of the sources, paths, none with a name twice, those that include the same together. headers: source -> what it
-    includes; shadows: whether one's name may stand in another's text; share: whether two may bring the same name"""
+    """Groups sources (paths) without a common name; prefers groups that include the same headers. headers: source -> its
+    includes; shadows: whether a name of one may occur in another's text; share: whether two may import the same name."""
     texts = {source: source.read_text() for source in sources}
     names = {source: own_names(text, share) for source, text in texts.items()}
     words = {source: names[source] if shadows else dict.fromkeys(WORD.findall(text), "") for source, text in texts.items()}
@@ -70,7 +70,7 @@ def units_of(sources, headers, most, shadows, share=False):
 
 def main():
     targets = [line.split("|") for line in sys.stdin.read().splitlines()]
-    # What several targets of a folder compile would be in the unit of one.
+    # A source that several targets of a folder compile stays alone; otherwise, it would be in the unit of one target only.
     times = collections.Counter((folder, path) for _, folder, *paths in targets for path in set(paths))
     for target, folder, *paths in targets:
         texts = {pathlib.Path(path): pathlib.Path(path).read_text() for path in sorted(set(paths)) if times[folder, path] == 1}

@@ -45,7 +45,7 @@ foreach(file IN LISTS package_files)
   endif()
 endforeach()
 
-# Its programs run for a moment: to optimise them would take longer.
+# Its programs run only for a moment; optimising them would take longer.
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${consumer} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
     -DWANTED_VERSION=${VERSION} -DPAGES=${CMAKE_CURRENT_LIST_DIR}/../..)

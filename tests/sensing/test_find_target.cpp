@@ -181,7 +181,7 @@ TEST(FindTarget, AmongClutterAndPartlyHidden) {
   expect_found(camera, seen(camera, clutter()));
 }
 
-/// With one line that names the camera and has these parts in it.
+/// The error is one line that names the camera and contains `parts`.
 void expect_refused(const Camera& camera, const StillImage& image, const std::vector<std::string>& parts) {
   try {
     find_target(camera, image);

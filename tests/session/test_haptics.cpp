@@ -92,10 +92,10 @@ TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   one.stride = 6;
   EXPECT_EQ(fault({one}), "") << "one focus has one order";
   voice.stride.reset();
-  EXPECT_EQ(fault({{}, nine}), "") << "nobody asks for a stride";
+  EXPECT_EQ(fault({{}, nine}), "") << "no solid and no option asks for a stride";
   EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[0].voice.stride, 3U);
   EXPECT_EQ(resolve_haptics("scene.glb", solids({{}, nine}), parameters, voice)[1].voice.stride, 2U);
-  // What holds for all solids is not the scene's fault.
+  // Options that apply to all solids are not the scene's fault.
   EXPECT_ERROR(resolve_haptics("scene.glb", {}, parameters, {.stride = 5}), Exit::usage, "stride 5 and 10 foci");
 }
 

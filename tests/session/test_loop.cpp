@@ -116,11 +116,11 @@ TEST(Loop, DrivesAndTouchGoBeforeTheirSource) {
     run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats);
   }).join();
   EXPECT_LT(compute, usual);
-  EXPECT_EQ(driver, compute) << "a device's threads are begun by who computes on it";
+  EXPECT_EQ(driver, compute) << "a device's threads are started by the thread that computes on it";
   EXPECT_EQ(link.slice, compute);
   EXPECT_EQ(source, usual);
   EXPECT_EQ(recorder, usual);
-  EXPECT_EQ(slice_ns(), usual) << "other threads keep theirs";
+  EXPECT_EQ(slice_ns(), usual) << "other threads keep their time slice";
 }
 
 TEST(Loop, DrivesLeaveWhileAFrameIsLate) {

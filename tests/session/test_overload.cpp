@@ -116,7 +116,7 @@ TEST(Overload, PlansThatWereReplacedAreCounted) {
   EXPECT_EQ(loop.plans_with_fingers() + loop.stats.unplayed, loop.stats.planned);
 }
 
-/// Ends the loop when it has got so many plans with fingers.
+/// Ends the loop after `wanted` plans with fingers.
 struct EndingLink : test::SpyLink {
   std::atomic<bool>& stop;
   std::uint64_t wanted, got = 0;
@@ -134,8 +134,8 @@ TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   loop.source.count = 300;
   loop.source.period_s = 0;
   loop.options.every_frame = true;
-  loop.setting.output.hold_s = 2;   // a thread may be kept waiting for longer than a hold
-  EndingLink link(loop.stop, 300);  // or it would wait for as long at the end
+  loop.setting.output.hold_s = 2;   // a thread may be delayed for longer than the usual hold
+  EndingLink link(loop.stop, 300);  // otherwise, the loop would wait for the hold to end
   run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats);
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);

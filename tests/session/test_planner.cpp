@@ -35,12 +35,12 @@ struct Scene {
     setting.layout = array::load_layout("paper");
     setting.events.reset();
   }
-  /// What stands still, which all scenes have in common, is looked at once.
+  /// The rig and its static background, which all scenes have in common, are prepared once per noise.
   sensing::SyntheticRig& rig(sensing::Noise noise) const {
     static std::map<sensing::Noise, sensing::SyntheticRig> rigs;
     return rigs.try_emplace(noise, setting.cameras, array::board_mesh(setting.layout), noise, 1).first->second;
   }
-  /// The noise is another for each sequence number.
+  /// The noise differs for each sequence number.
   sensing::FrameSet frame(double depth_m, std::uint64_t sequence, sensing::Noise noise = sensing::Noise::d415) const {
     Transform T(1.0);
     T[3] = Vec4(0, -depth_m, 0, 1);

@@ -1,6 +1,6 @@
-// One number for everything that the device computes of single frames. It must be the same on every run, and the test
-// matrix compares it between thread counts, vector widths, staging and sanitizers. For the drives of several foci at
-// once see test_drive_pass and test_solver_pass, for what follows from frame to frame test_followed_bytes.
+// One number for everything that the device computes from single frames. It must be the same on every run, and the test
+// matrix compares it between thread counts, vector widths, staging and sanitizers. test_drive_pass and test_solver_pass
+// cover drives of several simultaneous foci; test_followed_bytes covers state that passes from frame to frame.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -52,7 +52,7 @@ constexpr std::array scenes{Scene{"cube", "finger", 0.003}, Scene{"semi-sphere",
                             Scene{"pyramid", "finger", 0.003}, Scene{"prism", "finger", 0.003},
                             Scene{"cube", "hand-point", 0.003}};
 
-/// One for each of these scenes.
+/// One digest per scene.
 std::vector<std::uint64_t> digests_of(std::span<const Scene> some) {
   const sensing::Rig rig = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
   const array::Layout layout = array::load_layout("paper");

@@ -127,7 +127,7 @@ TEST_P(Touching, RefusesWhatCannotSound) {
   EXPECT_ERROR(make(setting), Exit::usage, "0 foci");
   for (const double seconds : {0.0, -1.0, std::nan("")}) {
     setting = {.solids = cube(0.001)};
-    setting.hold_s = seconds;  // what never expires is never silent
+    setting.hold_s = seconds;  // a hold that never ends would never be silent
     EXPECT_ERROR(make(setting), Exit::usage, fmt::format("hold of {} s", seconds));
     setting = {.solids = cube(0.001)};
     setting.schedule.voice.dwell_s = seconds;

@@ -201,9 +201,9 @@ TEST(TuningThread, GivesWayToWhoStartedIt) {
     of_nicer = urgency_of_a_tuning_thread();
   }).join();
   if (!policies) GTEST_SKIP() << "skipped: policies cannot be changed here";
-  if (nice + 13 > 19) GTEST_SKIP() << "skipped: the test itself gives way so much that nothing more is left";
+  if (nice + 13 > 19) GTEST_SKIP() << "skipped: the niceness of the test itself is too high";
   EXPECT_EQ(usual, std::pair(SCHED_BATCH, nice + 10));
-  EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "by ten from its own";
+  EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "ten more than the niceness of the thread that starts it";
   if (!real_time) GTEST_SKIP() << "skipped in part: no real-time threads are allowed here";
   EXPECT_EQ(of_real_time, std::pair(SCHED_BATCH, nice + 10));
 }

@@ -10,7 +10,7 @@
 
 namespace palpa::test {
 
-/// FNV-1a over the bytes of values without padding.
+/// An FNV-1a hash of the bytes of values without padding.
 class Digest {
  public:
   template <typename T>

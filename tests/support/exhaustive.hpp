@@ -1,5 +1,5 @@
-// How much a test looks at: everything in the matrix's leg corpus, which has PALPA_EXHAUSTIVE in its environment, and
-// elsewhere as much as shows whether it holds.
+// How many samples a test uses: all in the matrix's leg corpus, which sets PALPA_EXHAUSTIVE, and elsewhere enough to
+// show a fault.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ inline bool exhaustive() {
   return std::getenv("PALPA_EXHAUSTIVE") != nullptr;
 }
 
-/// The number of samples that all go the same way: `all` if everything is looked at, otherwise this many, and a tenth
-/// of that with sanitizers.
+/// The number of samples, for samples that all take the same path: `all` if exhaustive(), otherwise `some`, and a tenth
+/// of `some` with sanitizers.
 inline std::uint32_t samples(std::uint32_t some, std::uint32_t all) {
   return exhaustive() ? all : fewer(some);
 }

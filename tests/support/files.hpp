@@ -21,7 +21,7 @@ inline void write_text(const std::filesystem::path& file, const std::string& tex
 inline std::string read_text(const std::filesystem::path& file) {
   const std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
-  text << in.rdbuf();  // in the library's own code, which is optimised in every build
+  text << in.rdbuf();  // this loop is in the standard library, which is optimised in every build
   return text.str();
 }
 

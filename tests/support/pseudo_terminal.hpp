@@ -11,7 +11,7 @@
 
 namespace palpa::test {
 
-/// Why no pseudo terminal can be opened; "" if one can. Tests open both of its ends, so this does, too.
+/// Why no pseudo terminal can be opened; "" if one can. Opens both of its ends, as the tests do.
 inline std::string pseudo_terminal_fault() {
   int master = -1, slave = -1;
   if (::openpty(&master, &slave, nullptr, nullptr, nullptr) != 0) return std::strerror(errno);
@@ -22,7 +22,7 @@ inline std::string pseudo_terminal_fault() {
 
 }  // namespace palpa::test
 
-/// The first line of every test that needs one: ends the test as skipped if there is none.
+/// The first line of every test that needs a pseudo terminal: skips the test if there is none.
 #define PALPA_TERMINAL_OR_SKIP()                                                        \
   if (const std::string fault = ::palpa::test::pseudo_terminal_fault(); !fault.empty()) \
   GTEST_SKIP() << "skipped: no pseudo terminal: " << fault

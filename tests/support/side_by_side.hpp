@@ -1,5 +1,5 @@
-// What waits for most of its time, at the same time. What it makes for the whole test, such as scratch folders, is made
-// before.
+// Runs functions that mostly wait, at the same time. Prepare anything that belongs to the whole test, such as scratch
+// folders, before.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace palpa::test {
 
-/// Does all of these, each on a thread of its own, and returns when all are done. Throws what one of them throws.
+/// Runs all functions, each on its own thread, and returns when all have ended. Rethrows an exception of one of them.
 inline void side_by_side(const std::vector<std::function<void()>>& all) {
   std::vector<std::future<void>> under_way;
   for (const std::function<void()>& one : all)
@@ -19,7 +19,7 @@ inline void side_by_side(const std::vector<std::function<void()>>& all) {
     one.get();
 }
 
-/// Does `one` with each case, so many at a time.
+/// Calls `one` with each case, `at_a_time` cases at the same time.
 template <typename Case, typename One>
 void side_by_side(std::size_t at_a_time, const std::vector<Case>& cases, One one) {
   std::atomic<std::size_t> next{0};

@@ -26,7 +26,7 @@ class UdpReceiver {
     socklen_t size = sizeof(address);
     EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port_ = ntohs(address.sin_port);
-    // As much room as the system gives: on a busy machine the listener may be late.
+    // A large receive buffer, as far as the system allows: on a busy machine, the receiver may be late.
     const int room = 8 << 20;
     if (setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof(room)) != 0)
       setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &room, sizeof(room));

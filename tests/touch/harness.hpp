@@ -64,8 +64,8 @@ geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count
 /// A solid moved by a rigid motion and scaled about the origin.
 geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale = 1);
 
-/// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), 0.35 mm apart or so; without
-/// those above `highest`, of which long films need not be made.
+/// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), about 0.35 mm apart. Leaves
+/// out points above `highest`, which long films do not need.
 std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x = 0, double z = 0, unsigned seed = 1,
                                  double highest = 1);
 /// Evenly random in a box.

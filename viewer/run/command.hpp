@@ -1,4 +1,4 @@
-// The viewer's command line, and what becomes of it where no window is asked for.
+// The viewer's command line, and runs without a window.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,11 @@
 
 namespace palpa::viewer {
 
-/// What the line says, checked: the log and what files may name are as it has them from now on. Nothing where it asks
-/// for help or for the version, which are printed. Throws bad_usage.
+/// Reads and checks the command line, and applies its log level and --allow-outside to this process. Prints the help or
+/// the version and returns nothing if the line asks for it. Throws bad_usage.
 std::optional<ViewerOptions> read_line(int argc, const char* const* argv);
 
-/// A picture, pictures of a live run, or what a script asks for; see run.hpp.
+/// Draws a picture, draws pictures of a live run, or does what a script says; see run.hpp.
 void run_without_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
 
 }  // namespace palpa::viewer

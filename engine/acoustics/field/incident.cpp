@@ -123,7 +123,7 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
   std::vector<PointBlock> blocks;
   for (std::size_t first = 0; first < count; first += block_points)
     blocks.emplace_back(points, normals, first);
-  // Each thread has its own transducers, and sums the points in their order.
+  // Each thread has its own transducers and sums over the points in order, so results do not depend on the threads.
   Activity activity("summing the sound at transducers", transducers);
   parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
     if (give_up && *give_up) return;

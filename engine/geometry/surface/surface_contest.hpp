@@ -24,7 +24,7 @@ inline constexpr std::size_t most_rivals = 9;
 
 /// The rivals of one cell, and their squared distances from its corners.
 struct Contest {
-  std::array<std::array<float, 8>, most_rivals + 1> to_corner;  // one more, of a rival that may prove to be there
+  std::array<std::array<float, 8>, most_rivals + 1> to_corner;  // one spare, for a rival that proves to be a duplicate
   std::array<float, most_rivals> margin;
   std::array<std::uint32_t, most_rivals> triangle;
   std::size_t count = 0;

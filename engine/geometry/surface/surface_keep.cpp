@@ -8,7 +8,8 @@
 namespace palpa::geometry {
 namespace {
 
-/// A child's eight corners are pairs of neighbours among the 27 of its parent, this far from its first.
+/// A child's eight corners are four pairs of neighbours among its parent's 27 corners. These are the pairs' offsets
+/// from the child's first corner.
 constexpr std::array<std::size_t, 4> pair_at = {0, 3, 9, 12};
 
 [[gnu::always_inline]] inline std::array<Lanes4::Float, 2> corners_of(Lanes4, const float* d) {

@@ -10,9 +10,9 @@
 
 namespace palpa::geometry {
 
-/// Appends those of `list` to `kept` that no rival of the child's contest beats, and returns their number. Triangle k's
-/// squared distances from the CellSamples are at `d2 + k * stride`, where `d2` is at the child's first corner.
-/// `rivals_stay`: also the rivals' own triangles. The same on every processor.
+/// Appends the triangles of `list` that no rival of the child's contest beats to `kept`, and returns their number.
+/// `rivals_stay`: also appends the rivals' own triangles. The squared distances of triangle k from the CellSamples are
+/// at `d2 + k * stride`; `d2` points to the child's first corner. The result is the same on every processor.
 std::uint32_t keep_unbeaten(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
                             const float* d2, std::size_t stride, std::vector<std::uint32_t>& kept);
 

@@ -32,8 +32,8 @@ template <class L>
   return along < 0.0F ? along : (along > side ? beyond : zero);
 }
 
-/// From point `i` on, as many as fill vectors of that width; returns the first that is left. Compilers do not turn
-/// comparisons of floats into masks by themselves where these might trap, so the vectors are written out.
+/// Computes points from `i` on, as many as fill vectors of this width, and returns the first remaining point. The
+/// vectors are written out because compilers do not turn comparisons of floats that might trap into masks.
 template <class L>
 [[gnu::always_inline]] inline std::size_t distances2_of(const shader::SurfaceTriangle& t, const float* x,
                                                         const float* y, const float* z, std::size_t i,
@@ -77,7 +77,7 @@ void distances2_plain(const shader::SurfaceTriangle& t, const float* x, const fl
   distances2_of<Lanes4>(t, x, y, z, 0, count, out);
 }
 #if defined(__x86_64__)
-// Without "fma", so the bits are those of the plain one.
+// Without "fma", so the bits are the same as those of distances2_plain().
 [[gnu::target("avx2")]] void distances2_avx2(const shader::SurfaceTriangle& t, const float* x, const float* y,
                                              const float* z, std::size_t count, float* out) {
   const std::size_t rest = distances2_of<Lanes8>(t, x, y, z, 0, count, out);

@@ -129,11 +129,11 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   const auto rig = emulation.folder() / "rig.toml";
   write_text(rig, paper.substr(0, paper.find("[array]")));
   const auto beside_a_rig = [&] {
-    // A rig without an array says as little.
+    // A rig without an array does not name one either.
     const Result cameras = run("openmpd:EMU4", {"--rig", rig.string()});
     EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
     EXPECT_NE(cameras.err.find("nor " + rig.string() + " names one"), std::string::npos) << cameras.err;
-    // What names an array goes first.
+    // A rig that names an array takes precedence over the link.
     const Result named = run("openmpd:EMU4", {"--rig", source_file("assets/rigs/paper.toml").string()});
     EXPECT_EQ(named.exit_code, 2) << named.err;
     EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
@@ -162,12 +162,12 @@ std::string wire_of(const std::filesystem::path& trace) {
   return hex;
 }
 
-/// Whether the frame of the wire that begins there has an amplitude.
+/// Whether the frame of the wire that begins at `at` has an amplitude.
 bool sounds(const std::string& wire, std::size_t at) {
   return wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos;
 }
 
-/// Whether any frame of the wire has one.
+/// Whether any frame of the wire has an amplitude.
 bool sounded(const std::string& wire) {
   for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
     if (sounds(wire, at)) return true;
@@ -175,7 +175,7 @@ bool sounded(const std::string& wire) {
   return false;
 }
 
-/// Whether the last frame of the wire has none.
+/// Whether the last frame of the wire has no amplitude.
 bool ended_silent(const std::string& wire) {
   return wire.size() >= 1024 && !sounds(wire, wire.size() / 1024 * 1024 - 1024);
 }
@@ -202,9 +202,9 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   EXPECT_GE(drives["loop"], drives["guard"]);
   const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
   EXPECT_EQ(lost, loop - heard);
-  // A busy machine loses some, and says so once: at the first look at which more were lost than is normal. Later drives
-  // may get through. So the warning's numbers are compared with each other, and only a missing warning with the end's
-  // counts.
+  // A busy machine loses some drives. palpa warns once, at the first check that finds more lost drives than normal;
+  // later drives may get through. Hence the warning's numbers are compared with each other. The final counts are
+  // compared with the limit only if there is no warning.
   const std::size_t warned = result.err.find("drives were lost between loop and device");
   if (warned == std::string::npos) {
     EXPECT_LE(lost, 8 + loop / 50) << drives;
@@ -237,8 +237,8 @@ TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
   }
   for (int i = 0; i < 25 && !ended_silent(wire_of(trace)); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_TRUE(ended_silent(wire_of(trace))) << "half a second later";
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // and it stays so
+  EXPECT_TRUE(ended_silent(wire_of(trace))) << "it is silent within half a second";
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it stays silent
   int exit_code = -1;
   const json report = emulation.end(exit_code);
   EXPECT_EQ(exit_code, 0) << report;

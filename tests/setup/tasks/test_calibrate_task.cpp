@@ -16,7 +16,7 @@
 namespace palpa::test {
 namespace {
 
-/// The paper's rig with a quarter of the pixels, as a file.
+/// A file of the paper's rig with a quarter of the pixels.
 std::string coarse_rig() {
   sensing::Rig rig = sensing::load_rig(source_file("assets/rigs/paper.toml"));
   for (sensing::Camera& camera : rig.cameras) {

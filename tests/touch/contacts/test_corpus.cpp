@@ -30,12 +30,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The numbers that a line of a text begins with; the next line is looked at after each.
+/// Reads the numbers at the beginning of each line of a text, line by line.
 class LinesOfNumbers {
  public:
   explicit LinesOfNumbers(const char* text) : rest_(text) {}
 
-  /// False at the text's end.
+  /// Reads the next line. Returns false at the end of the text.
   bool next(std::vector<double>& numbers) {
     if (*rest_ == '\0') return false;
     numbers.clear();
@@ -55,8 +55,8 @@ class LinesOfNumbers {
   const char* rest_;
 };
 
-/// Object File Format, text: vertices, then polygons, cut into fans. Empty where the file is something else, or has
-/// more faces than that.
+/// Reads Object File Format, text: vertices, then polygons, which are cut into fans. Returns an empty mesh if the file
+/// is in another format or has more than `most_faces` faces.
 geometry::Mesh read_off(const fs::path& path, std::size_t most_faces) {
   std::string text = palpa::test::read_text(path);
   for (std::size_t at = text.find('#'); at != std::string::npos; at = text.find('#', at)) {
@@ -79,7 +79,7 @@ geometry::Mesh read_off(const fs::path& path, std::size_t most_faces) {
     if (numbers.empty()) continue;
     ++f;
     const auto corners = static_cast<std::size_t>(numbers[0]);
-    numbers.resize(corners + 1);  // what is not there is vertex 0
+    numbers.resize(corners + 1);  // a missing index becomes vertex 0
     const auto corner = [&](std::size_t i) {
       return static_cast<std::uint32_t>(static_cast<std::int64_t>(numbers[i + 1]));
     };
@@ -186,9 +186,9 @@ void expect_true_contacts(const std::vector<geometry::Solid>& solids, std::uint3
   EXPECT_EQ(wrong, 0);
 }
 
-// With PALPA_EXHAUSTIVE also those of more than 10,000 faces, and more points at each. Which meshes the package brings
-// depends on its version: what becomes of each is compared with known_meshes.txt, by the mesh itself. The test prints a
-// line for that file for each mesh that is not in it.
+// PALPA_EXHAUSTIVE adds meshes of more than 10,000 faces, and more points per mesh. The package's meshes depend on its
+// version, so each mesh is identified by its contents, and its outcome is compared with known_meshes.txt. For each mesh
+// that is missing there, the test prints a line for that file.
 TEST(Corpus, IsTouchedRightOrRefusedWithAReason) {
   const fs::path archive = "/usr/share/doc/libcgal-demo/data.tar.gz";
   if (!fs::exists(archive)) GTEST_SKIP() << "skipped: libcgal-demo is not installed";
@@ -214,7 +214,7 @@ TEST(Corpus, IsTouchedRightOrRefusedWithAReason) {
     std::string outcome = is_closed ? "closed, touched" : "open, touched";
     try {
       const std::vector<geometry::Solid> solids = geometry::make_solids({name, {{name, mesh}}});
-      EXPECT_TRUE(is_closed) << "an open mesh was taken";
+      EXPECT_TRUE(is_closed) << "an open mesh was accepted";
       ++touched;
       expect_true_contacts(solids, palpa::test::samples(1'500, 20'000));
     } catch (const Error& error) {

@@ -10,7 +10,7 @@
 namespace palpa::touch::test {
 namespace {
 
-/// As touch_on(), but twice on the device only where everything is looked at.
+/// Like touch_on(), but runs twice on the device only if exhaustive().
 Touch touch_of(const std::vector<glm::vec3>& points, const Parameters& parameters) {
   const auto count = static_cast<std::uint32_t>(points.size());
   return touch_on_device(indexed(points), {everything()},
@@ -18,8 +18,8 @@ Touch touch_of(const std::vector<glm::vec3>& points, const Parameters& parameter
                          palpa::test::exhaustive() ? 2 : 1);
 }
 
-// Nine loops in a row look at all clusters: a cluster for each iteration of 256 threads is too many from 1.9 million
-// on.
+// Nine consecutive loops go through all clusters. With one cluster per thread and iteration, 256 threads need too many
+// iterations from 1.9 million clusters on.
 TEST(ManyContacts, ThatAreEachAFingerTheFirstAndTheLargestAreTaken) {
   constexpr std::uint32_t wide = 145, large = 70;
   const std::uint32_t count = palpa::test::exhaustive() ? 3'000'000 : 2'000'000;

@@ -56,7 +56,7 @@ geometry::Mesh rough_ball() {
   return tilted(ball, {0.01, 0, 0.1});
 }
 
-/// Their names are asked for whenever a topic of this folder begins.
+/// The models' names: every topic of this folder asks for them when it starts.
 constexpr const char* model_names[] = {"knot", "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
                                        "hand", "finger",       "rough_ball",  "subdivided"};
 
@@ -137,11 +137,11 @@ Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, c
 }
 
 class Surfaces : public ::testing::TestWithParam<int> {};
-const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // those of many triangles last
+const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // models with many triangles last
 INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(6, models)),
                          [](const auto& which) { return std::string(model_names[which.param]); });
 
-/// A model as a solid, checked once for all tests of it.
+/// A model as a solid, checked once for all tests that use it.
 const std::vector<geometry::Solid>& solid_of_model(int which) {
   static std::map<int, std::vector<geometry::Solid>> made;
   std::vector<geometry::Solid>& solids = made[which];

@@ -1,5 +1,5 @@
-// One number for what follows from frame to frame: ids, steady axes and gliding foci, over many frames. The test matrix
-// compares it between thread counts, vector widths, staging and sanitizers.
+// One number for the state that passes from frame to frame, over many frames: ids, steady axes and gliding foci. The
+// test matrix compares it between thread counts, vector widths, staging and sanitizers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@ namespace {
 
 using palpa::test::Digest;
 
-/// An oblong fingertip that slides, leans and turns about its own axis, with another sample of its skin in each frame;
-/// beside it another finger, which comes and goes.
+/// An oblong fingertip that slides, leans and turns about its own axis, and a second finger that comes and goes beside
+/// it. Each frame has a different sample of the skin.
 std::vector<glm::vec3> followed_skin(int k) {
   const double t = k * frame_90, turn = 3 * t, lean = 0.3 * std::sin(4 * t);
   const glm::dmat3 turned(Vec3(std::cos(turn), 0, -std::sin(turn)), Vec3(0, 1, 0),
@@ -64,7 +64,7 @@ std::uint64_t digest_of_frames(int frames) {
       add(digest, touch.fingers[f]);
     }
   }
-  EXPECT_EQ(ids, (std::set<std::uint32_t>{0, 1})) << "they are followed";
+  EXPECT_EQ(ids, (std::set<std::uint32_t>{0, 1})) << "both fingers keep their ids";
   return digest.value();
 }
 

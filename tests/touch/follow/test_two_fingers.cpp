@@ -70,7 +70,7 @@ std::string setting_name(const ::testing::TestParamInfo<Setting>& given) {
          std::to_string(static_cast<int>(1e3 * speed)) + "mmps";
 }
 
-/// The slowest takes as many frames as all others together.
+/// The slowest fingers are tested only if exhaustive(): they take as many frames as all others together.
 std::vector<Setting> settings() {
   std::vector<Setting> all{{3, 90, 0.2}, {3, 90, 0.5}, {1, 90, 0.1}, {1, 90, 0.4}, {1, 15, 0.05}, {3, 15, 0.08}};
   if (palpa::test::exhaustive()) all.emplace_back(3, 90, 0.05);

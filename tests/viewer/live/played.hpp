@@ -11,7 +11,7 @@
 
 namespace palpa::test {
 
-/// Four foci around a point above a board, as a finger's schedule. The field of fewer of the board's transducers takes
+/// A finger's schedule: four foci around a point above a board. With fewer of the board's transducers, its field takes
 /// less time to compute.
 class Played {
  public:

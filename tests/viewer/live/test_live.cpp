@@ -35,8 +35,8 @@ struct Bench {
   std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
   std::atomic<bool> stop{false};
   std::atomic<int> woken{0};
-  std::uint64_t frames = 0;  ///< after which it ends by itself
-  double hurry = 1;          ///< its finger dips that many times as often
+  std::uint64_t frames = 0;  ///< number of frames after which it ends by itself
+  double hurry = 1;          ///< how many times as often as usual its finger dips
 
   std::unique_ptr<LiveSession> start(Patience patience = {}) {
     LiveSession::Kinds kinds;

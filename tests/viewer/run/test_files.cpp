@@ -59,7 +59,7 @@ class ViewerFiles : public testing::Test {
         folder + "/../" + at.parent_path().filename().string() + "/" + at.filename().string()};
     if (!fs::exists(at)) return names;
     fs::create_hard_link(at, path("hard"));
-    open_ = ::open(at.c_str(), O_RDWR);  // a program inherits it
+    open_ = ::open(at.c_str(), O_RDWR);  // a child process inherits it
     names.insert(names.end(), {path("hard"), "/proc/self/fd/" + std::to_string(open_)});
     return names;
   }
@@ -70,7 +70,7 @@ class ViewerFiles : public testing::Test {
     }
     return all;
   }
-  /// A test's first line is the program's, the others are read and drawn in this process.
+  /// Runs a test's first line with the program, and the others in this process.
   test::Result viewer(const std::vector<std::string>& words) {
     const std::vector<std::string> line = with(words, {"--headless", "--size", "64x48"});
     if (!std::exchange(first_, false)) return test::viewer_here(line);

@@ -1,5 +1,5 @@
-// palpa-viewer without a window: a line of each test is the program's, and others that draw or are refused in the same
-// way are looked at in this process.
+// palpa-viewer without a window: each test runs one line with the program; similar lines that draw or are refused run
+// in this process.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -44,7 +44,7 @@ std::vector<std::string> cube_touch(const std::vector<std::string>& more, const 
   return arguments;
 }
 
-/// The same, touched on the processor: where nothing is drawn but what the device would have found, too.
+/// The same without a window, with the touch computed on the processor: its results are the same as the device's.
 std::vector<std::string> host_touch(const std::vector<std::string>& more, const std::string& size = "320x200") {
   return cube_touch(test::with({"--headless", "--backend", "cpu"}, more), size);
 }
@@ -155,7 +155,7 @@ TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
   EXPECT_EQ(shot("s.png", {"--slot", "1"}), second);
   const auto filmed = viewer(arguments({"--frames", "11", "--video", (folder / "film").string()}));
   ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
-  EXPECT_EQ(test::read_text(folder / "film/000010.png"), first);  // ten foci: around once
+  EXPECT_EQ(test::read_text(folder / "film/000010.png"), first);  // ten foci: one full turn
   EXPECT_EQ(test::read_text(folder / "film/000001.png"), second);
 }
 

@@ -27,7 +27,7 @@ void draw(const std::vector<std::string>& words) {
 Result viewer_here(const std::vector<std::string>& words) {
   Result result;
   result.exit_code = 0;
-  // On its own thread, because a thread that draws a live run has a lower priority from then on.
+  // On a separate thread: drawing a live run permanently lowers the priority of its thread.
   std::thread([&] {
     const KeptRegister all_files;
     try {

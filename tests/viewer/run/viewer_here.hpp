@@ -1,5 +1,5 @@
-// palpa-viewer without a window, in this process: for what lines draw and what is refused of them, which takes a
-// program no start of its own.
+// palpa-viewer without a window, within this process: for tests of pictures and refused lines that need not start a
+// program.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace palpa::test {
 
-/// The exit code that the program would end with, and the line that it would say of a failure. What it prints goes
-/// where this process prints, and warnings are lost.
+/// The program's exit code, and the line that it would print on failure. Other output goes to this process's stdout and
+/// stderr, and warnings are lost.
 Result viewer_here(const std::vector<std::string>& words);
 
 }  // namespace palpa::test

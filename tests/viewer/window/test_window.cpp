@@ -58,7 +58,7 @@ TEST_F(Window, DrawsFramesAndEnds) {
   EXPECT_EQ(run.err, "");
 }
 
-/// In which a picture is drawn, and drawn again finely where it rests.
+/// Long enough to draw a picture, and to draw it again finely once it rests.
 constexpr auto a_while = test::instrumented() ? 400ms : 250ms;
 
 TEST_F(Window, SurvivesResizingAndHidingAndClosesWhenAsked) {
@@ -286,9 +286,9 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
   for (int i = 0; i < 3000 && test::read_text(said) != says; ++i)
     std::this_thread::sleep_for(20ms);
   if (link) {
-    ASSERT_NE(link->next(), "") << "its run goes on";
+    ASSERT_NE(link->next(), "") << "the run continues";
   }
-  // It does not wait for the next step either: a resting scene is drawn finely.
+  // The viewer must not be waiting for its next step either: wait until the resting scene has been drawn finely.
   test::XHand::Picture before = hand.picture();
   for (int i = 0, same = 0; i < 80 && same < 10; ++i) {
     std::this_thread::sleep_for(a_while / 5);
@@ -304,7 +304,7 @@ void expect_a_clean_end(const char* name, const std::vector<std::string>& more, 
 }
 
 TEST_F(Window, CtrlCEndsItCleanlyWhileTheArrayIsOff) {
-  const test::UdpReceiver link(60s);  // of a run that was switched off before anything sounded it hears the end alone
+  const test::UdpReceiver link(60s);  // patient: a run that is switched off before it sounds sends only its end
   expect_a_clean_end("viewer-off", {"--link", "foci:" + link.address()}, "key o\n", "", &link);
 }
 
