@@ -99,15 +99,14 @@ void expect_sent(const std::vector<FociLine>& sent, const std::vector<FociLine>&
 }
 
 TEST(SteadyFoci, OfTheRealProgramAreThoseOfASession) {
+  auto dipping = std::async(std::launch::async, [] { return sent_by_palpa("synthetic", "cube", {"--frames", "95"}); });
   // Without steady axes and smoothing, foci jump: this shows that the other tests measure something.
   const Film film = resting("prism", 8);
   const auto take = scratch_folder("steady") / "take";
   record(film, take);
-  auto replayed = std::async(std::launch::async, [&] {
-    return sent_by_palpa("recording:" + take.string(), "prism", {"--axes", "covariance", "--smoothing", "none"});
-  });
-  const std::vector<FociLine> steady = sent_by_palpa("synthetic", "cube", {"--frames", "95"});
-  const std::vector<FociLine> jumping = replayed.get();
+  const std::vector<FociLine> jumping =
+      sent_by_palpa("recording:" + take.string(), "prism", {"--axes", "covariance", "--smoothing", "none"});
+  const std::vector<FociLine> steady = dipping.get();
   expect_steady_while_dipping(steady);
   expect_sent(steady, synthetic_on_each().front().second);
   EXPECT_GT(movement_of(jumping).share(0.95), 2e-3);
