@@ -27,27 +27,11 @@ namespace {
 
 using Viewer = test::DrawingTest;
 
+using test::cube_touch;
+using test::host_touch;
 using test::source_file;
+using test::viewer;
 using test::viewer_here;
-
-test::Result viewer(const std::vector<std::string>& arguments) {
-  // No display of any kind: headless runs must not need one.
-  return test::run_program(PALPA_VIEWER_BINARY, arguments, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
-}
-
-std::vector<std::string> cube_touch(const std::vector<std::string>& more, const std::string& size = "320x200") {
-  std::vector<std::string> arguments{"--scene",       source_file("assets/cube.glb").string(),
-                                     "--points",      source_file("assets/finger.ply").string(),
-                                     "--penetration", "3mm",
-                                     "--size",        size};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
-
-/// The same without a window, with the touch computed on the processor: its results are the same as the device's.
-std::vector<std::string> host_touch(const std::vector<std::string>& more, const std::string& size = "320x200") {
-  return cube_touch(test::with({"--headless", "--backend", "cpu"}, more), size);
-}
 
 TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
   const auto folder = test::scratch_folder("viewer-shot");
@@ -386,61 +370,6 @@ TEST_F(Viewer, ReportsAsJson) {
   EXPECT_GE(json["timing_ms"]["frame_p95"].get<double>(), json["timing_ms"]["frame"].get<double>());
 }
 
-TEST_F(Viewer, WithoutADisplayItSaysSoAndSuggestsHeadless) {
-  test::expect_failure(viewer(cube_touch({})), 3, "--headless");
-}
-
-TEST_F(Viewer, BadUsage) {
-  test::expect_failure(viewer({}), 2, "--scene");
-  test::expect_failure(viewer(cube_touch({"--screenshot", "p.png"})), 2, "--headless");
-  test::expect_failure(viewer_here(cube_touch({"--headless"}, "12x")), 2, "--size");
-  test::expect_failure(viewer_here(cube_touch({"--headless"}, "1x1")), 2, "--size");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--view", "below"})), 2, "--view");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--stride", "5"})), 2, "--stride");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--eye", "0,0,0"})), 2, "--eye");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--threshold", "0.1"})), 2, "--reference");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--frames", "0"})), 2, "--frames");
-  test::expect_failure(viewer_here(cube_touch({"--headless", "--nonsense"})), 2, "--nonsense");
-  test::expect_failure(viewer_here({"--headless", "--layout", "paper", "--penetration", "3mm"}), 2, "--penetration");
-}
-
-TEST_F(Viewer, NoSuchDevice) {
-  test::expect_failure(viewer(cube_touch({"--headless", "--gpu", "no such device"})), 3, "no such device");
-}
-
-TEST_F(Viewer, BadInput) {
-  const auto folder = test::scratch_folder("viewer-bad");
-  const std::string cloud = (folder / "cloud.ply").string(), text = (folder / "text.glb").string();
-  std::ofstream(cloud)
-      << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-         "end_header\n0 0 0\n";
-  std::ofstream(text) << "no model";
-  test::expect_failure(viewer({"--scene", text, "--headless"}), 4, "text.glb");
-  test::expect_failure(viewer_here({"--scene", (folder / "absent.glb").string(), "--headless"}), 4, "absent.glb");
-  test::expect_failure(viewer_here(host_touch({"--skin", cloud})), 4, "cloud.ply");
-  test::expect_failure(viewer_here(host_touch({"--layout", "nonsense"})), 4, "nonsense");
-  test::expect_failure(viewer_here(host_touch({"--reference", text})), 4, "text.glb");
-}
-
-TEST_F(Viewer, AStrideThatLeavesFociOutIsTheScenesFault) {
-  const auto folder = test::scratch_folder("viewer-stride");
-  auto meshes = geometry::load_gltf(source_file("assets/cube.glb")).meshes;
-  meshes.at(0).haptics.foci = 9;
-  geometry::write_glb(folder / "nine.glb", meshes);
-  const std::vector<std::string> line{"--scene",    (folder / "nine.glb").string(),
-                                      "--points",   source_file("assets/finger.ply").string(),
-                                      "--headless", "--backend",
-                                      "cpu",        "--stride",
-                                      "3"};
-  const auto refused = viewer(line);
-  test::expect_failure(refused, 4, "nine.glb");
-  test::expect_failure(refused, 4, "node 'cube': stride 3 and 9 foci share the divisor 3");
-}
-
-TEST_F(Viewer, ACamerasViewGoesWithACamera) {
-  test::expect_failure(viewer(cube_touch({"--headless", "--view", "camera"})), 2, "--view camera goes with --depth");
-}
-
 TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   const auto folder = test::scratch_folder("viewer-camera");
   sensing::Camera camera;
@@ -473,12 +402,8 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   const drawing::Pixels pixels = drawing::read_png(a);
   EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
   EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
-  test::expect_failure(viewer_here(line("camera:from below", {})), 2, "unknown camera 'from below'; give one of from above");
-}
-
-TEST_F(Viewer, AnUnwritableScreenshotIsAFailure) {
-  test::expect_failure(viewer(cube_touch({"--headless", "--screenshot", "/no/such/folder/p.png"})), 1,
-                       "/no/such/folder/p.png");
+  test::expect_failure(viewer_here(line("camera:from below", {})), 2,
+                       "unknown camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, HelpAndVersion) {

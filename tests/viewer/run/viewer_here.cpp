@@ -7,6 +7,7 @@
 #include "base/log.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
+#include "support/shared_data.hpp"
 #include "viewer/run/command.hpp"
 
 namespace palpa::test {
@@ -41,6 +42,20 @@ Result viewer_here(const std::vector<std::string>& words) {
   log::set_level(log::Level::warning);
   allow_outside_references(false);
   return result;
+}
+
+Result viewer(const std::vector<std::string>& words) {
+  return run_program(PALPA_VIEWER_BINARY, words, {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+}
+
+std::vector<std::string> cube_touch(const std::vector<std::string>& more, const std::string& size) {
+  return with({"--scene", source_file("assets/cube.glb").string(), "--points",
+               source_file("assets/finger.ply").string(), "--penetration", "3mm", "--size", size},
+              more);
+}
+
+std::vector<std::string> host_touch(const std::vector<std::string>& more, const std::string& size) {
+  return cube_touch(with({"--headless", "--backend", "cpu"}, more), size);
 }
 
 }  // namespace palpa::test
