@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::string_view first_line = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
-/// Limit of a phase: for larger values, single precision has no digits left for the relevant fraction of a turn.
-constexpr double most_turns = 1e6;
 constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
 
 /// Removes the next line from `text` and returns it without its line end.
@@ -104,7 +102,7 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     }
     if (row[7] < 0 || row[7] > 1)
       throw bad_input(name, fmt::format("line {}: amplitude {} is not within 0..1", number, row[7]));
-    if (std::abs(row[8]) > most_turns * 2 * std::numbers::pi) {
+    if (std::abs(row[8]) > most_phase_rad) {
       throw bad_input(name,
                       fmt::format("line {}: phase {} is more than a million turns; phases are in radians, such as "
                                   "-1.57",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <numbers>
 #include <span>
 #include <string>
 
@@ -18,6 +19,8 @@ std::string drive_csv(const array::Layout& layout, std::span<const array::Transd
 /// layout: the number of transducers differs, or the position or direction of one differs by more than
 /// `drive_tolerance`.
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout);
+/// A million turns: beyond it, single precision has no digits left for the part of a turn that counts.
+inline constexpr double most_phase_rad = 2e6 * std::numbers::pi;
 inline constexpr double drive_tolerance = 1e-5;  ///< in metres, and in components of a unit vector
 
 }  // namespace palpa::setup

@@ -113,6 +113,19 @@ TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
   }
 }
 
+TEST(SafeLink, SilenceComesInASlotOfItsOwnWhenTheObserverThrows) {
+  Player p;
+  const auto player = [&] {
+    SafeLink safe(p.spy, 3, {}, 1e-3, [](bool audible) {
+      if (audible) throw failure("the observer broke");
+    });
+    safe.send(7, p.loud);
+  };
+  EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the observer broke");
+  EXPECT_TRUE(p.spy.ended_silent());
+  EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{7, 8}));
+}
+
 TEST(SafeLink, SilenceComesAfterAPlanThatWasToldForLater) {
   Player p;
   const auto player = [&] {

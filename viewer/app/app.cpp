@@ -163,7 +163,7 @@ void App::handle_key(const WindowEvent& event) {
       desk_.panels = !desk_.panels;
       return;
     case Key::escape:
-      if (desk_.opening) return cancel_opening();
+      if (opening_.busy()) return cancel_opening();  // desk_.opening shows it from the next picture on
       desk_.help || desk_.reading ? void() : void(quitting_ = true);
       desk_.help = false;
       desk_.reading.reset();

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <chrono>
 #include <memory>
 #include <string>
@@ -90,6 +92,12 @@ class Shots {
       write_png(file, pixels);
     waiting_.clear();
   }
+  /// Throws if a picture could not be written.
+  void expect_written() const {
+    if (waiting_.empty()) return;
+    throw failure(fmt::format("{}: is not written, because the script ended while something was still loading",
+                              waiting_.front().first));
+  }
 
  private:
   std::vector<std::pair<std::string, Pixels>> waiting_;
@@ -116,6 +124,7 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   shots.write(app);
+  shots.expect_written();
   if (!behind || app.quitting()) return;
   app.advance(now(), stage.size());
   stage.draw(app, now());

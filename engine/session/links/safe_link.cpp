@@ -163,11 +163,11 @@ void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDriv
   const bool audible = sounds(drive);
   if (audible) ++passed_.drives;
   hand_over(slot, drive, audible);
-  next_slot_ = slot + 1;
 }
 
 void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible) {
   link_.send(slot, drive);
+  next_slot_ = slot + 1;  // the slot is taken, even if the observer throws
   if (sent_) sent_(audible);
 }
 

@@ -146,15 +146,17 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
 /// Refuses values that the command line refuses during parsing.
 void check_values(const DriveOptionsGroup& drive) {
   air_of_solvers(drive);  // refuses invalid air and tones
-  if (drive.pressure_pa && !(*drive.pressure_pa > 0 && *drive.pressure_pa <= array::most_pressure_pa)) {
-    throw bad_usage(fmt::format("a pressure of {} Pa at each focus is not above 0 and at most {} Pa",
-                                *drive.pressure_pa, array::most_pressure_pa));
-  }
+  check_pressure(drive.pressure_pa);
 }
 
 DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        const Computer& by) {
   if (foci.empty()) throw bad_usage("no focus is given");
+  if (layout.transducers.empty()) throw bad_usage(fmt::format("the layout {} has no transducers", layout.name));
+  if (by.finger && by.finger->transducers != layout.transducers.size()) {
+    throw bad_usage(fmt::format("the finger was made for a layout of {} transducers, but {} has {}",
+                                by.finger->transducers, layout.name, layout.transducers.size()));
+  }
   check_values(drive);
   const array::DriveOptions options =
       drive_options(drive, touch::Method::cross_section, by.finger ? FingerMesh::known : FingerMesh::unknown);
@@ -171,6 +173,7 @@ DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> 
 }  // namespace
 
 void check(const DriveTask& task) {
+  check_values(task.drive);
   const std::string asks = asks_for_finger(task.drive);
   if (!asks.empty() && task.mesh.empty())
     throw bad_usage(asks + ": --mesh is missing: give the finger's closed mesh, in the layout's frame");
@@ -231,7 +234,8 @@ std::string to_json(const DriveResult& result) {
 
 FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
     : body(std::move(mesh), air_of_solvers(drive).wave_number()),
-      sound(body, layout, air_of_solvers(drive), drive.directivity) {}
+      sound(body, layout, air_of_solvers(drive), drive.directivity),
+      transducers(layout.transducers.size()) {}
 
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
                                                const array::Layout& layout, const DriveOptionsGroup& drive,

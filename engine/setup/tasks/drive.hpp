@@ -4,6 +4,7 @@
 // acoustics/bodies/finger_transfer.hpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -36,7 +37,8 @@ struct DriveTask {
   std::string mesh;    ///< finger for a finger's transfer: a closed mesh in the layout's frame
   bool force = false;  ///< allow a finger that is too coarse for the wavelength
 };
-/// Throws bad_usage, naming the command's options, if some are missing or exclude each other.
+/// Throws bad_usage, naming the command's options, if some are missing or exclude each other, and for air, tone or
+/// pressure out of range.
 void check(const DriveTask& task);
 
 struct DriveResult {
@@ -64,21 +66,30 @@ struct FingerInSound {
   /// and be in the layout's frame. `layout` must outlive this object. The air is that of `drive`, without absorption,
   /// as in the solvers.
   FingerInSound(geometry::Mesh body, const array::Layout& layout, const DriveOptionsGroup& drive);
+  FingerInSound(geometry::Mesh body, array::Layout&& layout, const DriveOptionsGroup& drive) = delete;
+  FingerInSound(const FingerInSound&) = delete;  // `sound` refers to `body`
+  FingerInSound& operator=(const FingerInSound&) = delete;
 
   acoustics::RigidBody body;
   acoustics::FingerTransfer sound;
+  std::size_t transducers;  ///< of its layout
 };
 /// The same with all checks, for a closed mesh that messages call `name`. Throws as load_body and check_clear_of do.
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
                                                const array::Layout& layout, const DriveOptionsGroup& drive,
                                                bool force = false);
+std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
+                                               array::Layout&& layout, const DriveOptionsGroup& drive,
+                                               bool force = false) = delete;
 
 /// The drive of foci that sound together, computed on `device`, or on the processor if that is null;
 /// array/drive_pass.hpp says how closely they agree. Throws bad_usage as drive_options and schedule_of do, if there is
-/// no focus, and for air, tone or pressure that the command line would refuse. Warns of unusual values.
+/// no focus or no transducer, and for air, tone or pressure that the command line would refuse. Warns of unusual
+/// values.
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        const gpu::Device* device = nullptr);
-/// The same on a finger, which must be made for this layout and these options. `drive` need not request its transfer.
+/// The same on a finger, which must be made for this layout and these options; bad_usage if it is for a layout of
+/// another size. `drive` need not request its transfer.
 /// Computed on the processor.
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        FingerInSound& finger);

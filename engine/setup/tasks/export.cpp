@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <exception>
 
 #include "base/error.hpp"
@@ -9,37 +11,54 @@
 
 namespace palpa::setup {
 
-/// Several links at once.
+/// Several links at once. A fault of one of them does not keep a plan, a drive, above all the silence at the end, from
+/// the others; the first fault is thrown when all have been called.
 class ExportRun::Links final : public session::Link {
  public:
-  explicit Links(std::span<session::Link* const> links) : links_(links.begin(), links.end()) {}
+  explicit Links(std::span<session::Link* const> links) {
+    for (session::Link* const link : links)
+      add(link);
+  }
   /// `link` must outlive this object; nothing is added if it is null.
   void add(session::Link* link) {
-    if (link) links_.push_back(link);
+    if (link) links_.push_back({link});
   }
   void plan(const session::PlayedPlan& plan) override {
-    for (session::Link* const link : links_)
-      link->plan(plan);
+    each([&](Output& output) { output.link->plan(plan); });
   }
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    for (session::Link* const link : links_)
-      link->send(slot, drive);
+    // If another link failed, the silence that follows takes the same slot. For a link that got that slot's drive, it
+    // comes one later, because a link's slots ascend.
+    each([&](Output& output) {
+      const std::uint64_t free = std::max(slot, output.next_slot);
+      output.link->send(free, drive);
+      output.next_slot = free + 1;
+    });
   }
-  /// Finishes all of them, even if one fails.
   void finish() override {
+    each([](Output& output) { output.link->finish(); });
+  }
+
+ private:
+  struct Output {
+    session::Link* link;
+    std::uint64_t next_slot = 0;
+  };
+
+  template <typename Call>
+  void each(Call call) {
     std::exception_ptr fault;
-    for (session::Link* const link : links_) {
+    for (Output& output : links_) {
       try {
-        link->finish();
-      } catch (const Error&) {
+        call(output);
+      } catch (...) {
         fault = fault ? fault : std::current_exception();
       }
     }
     if (fault) std::rethrow_exception(fault);
   }
 
- private:
-  std::vector<session::Link*> links_;
+  std::vector<Output> links_;
 };
 
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links) {

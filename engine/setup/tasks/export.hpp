@@ -67,7 +67,8 @@ class ExportRun {
   ExportRun& operator=(const ExportRun&) = delete;
 
   /// Runs once, until the source or the task's number of frames ends, or `stop` becomes true. The functions in
-  /// `looking` are called in addition to those of the task; its `frames` is ignored. Warns of fingers that are left
+  /// `looking` are called in addition to those of the task; its `frames` is ignored, and its `events` needs a task that
+  /// is `watched` or writes events. Warns of fingers that are left
   /// out. The foci's file is moved into its place at the end, if nothing failed and nobody stopped the run. Throws as
   /// session::replay and the links do.
   ExportResult run(const session::ReplayOptions& looking = {});

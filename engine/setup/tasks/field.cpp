@@ -71,6 +71,7 @@ void check(const FieldTask& task, bool picture) {
   if (picture && task.place.given() && !task.place.plane)
     throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");
   refuse_idle_air(task.air);
+  check_pressure(task.drive.pressure_pa);
 }
 
 bool FieldResult::beyond_linear() const {
@@ -94,10 +95,7 @@ std::string to_json(const FieldResult& result) {
 FieldResult sum_field(const array::Layout& layout, std::span<const array::TransducerDrive> drive, Places places,
                       const acoustics::Air& air, array::Directivity directivity, const gpu::Device* device) {
   const auto begin = Clock::now();
-  if (drive.size() != layout.transducers.size()) {
-    throw bad_usage(fmt::format("the drive belongs to another layout: it has {} transducers, but {} has {}",
-                                drive.size(), layout.name, layout.transducers.size()));
-  }
+  check_drive(layout, drive);
   if (places.points.empty()) throw bad_usage("there are no points to look at");
   FieldResult result{.places = std::move(places), .pressures = {}, .air = air, .layout = layout.name, .foci = {}};
   sum(layout, drive, directivity, device, result);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "session/watch/pressure_log.hpp"
+#include "setup/drive_file.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::setup {
@@ -52,6 +54,28 @@ void add_voice(const AskedFocus& focus, const array::Layout& layout, const std::
 }
 
 }  // namespace
+
+void check_pressure(std::optional<double> pressure_pa) {
+  if (pressure_pa && !(*pressure_pa > 0 && *pressure_pa <= array::most_pressure_pa)) {
+    throw bad_usage(fmt::format("a pressure of {} Pa at each focus is not above 0 and at most {} Pa", *pressure_pa,
+                                array::most_pressure_pa));
+  }
+}
+
+void check_drive(const array::Layout& layout, std::span<const array::TransducerDrive> drive) {
+  if (drive.size() != layout.transducers.size()) {
+    throw bad_usage(fmt::format("the drive belongs to another layout: it has {} transducers, but {} has {}",
+                                drive.size(), layout.name, layout.transducers.size()));
+  }
+  if (drive.empty()) throw bad_usage(fmt::format("the layout {} has no transducers", layout.name));
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const auto [amplitude, phase] = drive[i];
+    if (!(amplitude >= 0 && amplitude <= 1))
+      throw bad_usage(fmt::format("the drive's amplitude {} of transducer {} is not within 0..1", amplitude, i));
+    if (!(std::abs(phase) <= most_phase_rad))
+      throw bad_usage(fmt::format("the drive's phase {} of transducer {} is more than a million turns", phase, i));
+  }
+}
 
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
   if (!array::drivable(focus)) throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,12 @@ array::Schedule schedule_of(std::span<const std::string> foci, const array::Layo
 
 /// The same check of one focus; `what` names it.
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what);
+
+/// Throws bad_usage unless the pressure requested at each focus is above 0 and at most array::most_pressure_pa.
+void check_pressure(std::optional<double> pressure_pa);
+/// Throws bad_usage unless the drive has an amplitude from 0 to 1 and a phase of at most a million turns for each
+/// transducer of the layout, which has at least one.
+void check_drive(const array::Layout& layout, std::span<const array::TransducerDrive> drive);
 
 /// Factors for the foci of slot 0, with which the voices get their requested pressures; empty if none are requested.
 /// Warns of pressures that the array does not reach. `touch` is the file of the voices; empty: they come from --focus.

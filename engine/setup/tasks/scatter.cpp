@@ -17,6 +17,7 @@
 #include "base/parallel.hpp"
 #include "setup/body.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/tasks/foci.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -63,10 +64,7 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
   } else if (const auto* const array = std::get_if<ArraySound>(&sound)) {
     warn_of_frequency(array->layout, air.medium);
     acoustics::check_clear_of(name, body, array->layout);
-    if (array->drive.size() != array->layout.transducers.size()) {
-      throw bad_usage(fmt::format("the drive belongs to another layout: it has {} transducers, but {} has {}",
-                                  array->drive.size(), array->layout.name, array->layout.transducers.size()));
-    }
+    check_drive(array->layout, array->drive);
   }
   check_absorption(sound, air);
 }

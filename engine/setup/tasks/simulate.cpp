@@ -153,6 +153,7 @@ session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, 
 
 SimulateResult simulate(const SimulateOptions& o, FingerBody& finger, const std::string& scene,
                         std::vector<geometry::Solid> solids) {
+  if (solids.empty()) throw bad_input(scene, "has no solid to touch");
   SimulateResult result;
   const touch::Method method = o.touch.method.method;
   result.method = method;

@@ -4,8 +4,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
+#include <functional>
 #include <iterator>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -77,6 +82,46 @@ TEST_F(ExportOf, WhatIsStoppedWritesNoFile) {
   EXPECT_TRUE(result.stopped);
   EXPECT_EQ(result.stats.frames, 1u);
   EXPECT_FALSE(std::filesystem::exists(csv));
+}
+
+/// A link that fails from some slot on, in each of its functions, with an exception of any kind.
+class Failing final : public session::Link {
+ public:
+  void plan(const session::PlayedPlan&) override {}
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive>) override {
+    if (slot >= 3) throw std::runtime_error("the first fails");
+  }
+  void finish() override { throw std::runtime_error("the first fails again"); }
+};
+
+/// A link that keeps what it gets.
+class Hearing final : public session::Link {
+ public:
+  void plan(const session::PlayedPlan&) override {}
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    slots.push_back(slot);
+    sounds = std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
+    sounded = sounded || sounds;
+  }
+  void finish() override { finished = true; }
+
+  std::vector<std::uint64_t> slots;
+  bool sounds = false, sounded = false, finished = false;
+};
+
+TEST_F(ExportOf, ALinkThatFailsLeavesTheOthersSilentAndFinished) {
+  task.drives = folder / "drives.bin";
+  Failing failing;
+  Hearing hearing;
+  session::Link* const links[]{&failing, &hearing};
+  check(task, {});
+  const Outputs outputs({{"--drives", task.drives}});
+  EXPECT_THROW(setup::ExportRun(task, {}, stop, links).run(), std::runtime_error);
+  EXPECT_TRUE(hearing.sounded);
+  EXPECT_FALSE(hearing.sounds) << "the last drive is silence";
+  EXPECT_TRUE(hearing.finished);
+  EXPECT_TRUE(std::ranges::is_sorted(hearing.slots, std::less_equal<>())) << "slots ascend";
+  EXPECT_EQ(hearing.slots.size(), 5u) << "slots 0 to 3, and silence";
 }
 
 TEST_F(ExportOf, WhatCannotBeExportedIsRefused) {

@@ -106,6 +106,21 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   refused([&] { (void)setup::sum_field(layout, other, setup::plane_places(grid), usual_air()); },
           "the drive belongs to another layout: it has 7 transducers, but openmpd has 256");
   refused([&] { (void)setup::sum_field(layout, drive, {}, usual_air()); }, "there are no points to look at");
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  for (const float amplitude : {-0.5F, 1.01F, none}) {
+    array::Drive odd = drive;
+    odd[9].amplitude = amplitude;
+    refused([&] { (void)setup::sum_field(layout, odd, setup::plane_places(grid), usual_air()); },
+            "of transducer 9 is not within 0..1");
+  }
+  for (const float phase : {7e6F, none}) {
+    array::Drive odd = drive;
+    odd[9].phase = phase;
+    refused([&] { (void)setup::sum_field(layout, odd, setup::plane_places(grid), usual_air()); },
+            "of transducer 9 is more than a million turns");
+  }
+  refused([&] { (void)setup::sum_field(array::Layout{}, {}, setup::plane_places(grid), usual_air()); },
+          "has no transducers");
   setup::Grid bad = grid;
   bad.rows = 0;
   refused([&] { (void)setup::plane_places(bad); }, "the plane's pixels, 15 by 0, are not 1 to 65536");
@@ -131,6 +146,8 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   line.place.line = {"0,0,0", "0,0,1"};
   refused([&] { check(line, true); }, "--png draws a plane");
   check(line);
+  line.drive.pressure_pa = std::numeric_limits<double>::infinity();
+  refused([&] { (void)setup::sum_field(line, {}); }, "Pa at each focus is not above 0");
 }
 
 TEST(FieldTask, APlaneHasSquarePixelsUnlessTheyAreGiven) {

@@ -107,6 +107,13 @@ TEST_F(ScatterOf, WhatCannotSoundIsRefused) {
                     (void)setup::scatter("the sheet", open, setup::PlaneWave{{0, 0, 1}}, air);
                   }),
                   "the sheet: ");
+  geometry::Mesh torn = mesh;
+  torn.triangles[5].y = 1000000;
+  EXPECT_CONTAINS(error_of([&] {
+                    (void)setup::scatter("the ball", torn, setup::PlaneWave{{0, 0, 1}}, air);
+                  }),
+                  "the ball: triangle 5 names vertex 1000000, but there are only");
+  refused(setup::ArraySound{array::Layout{}, {}}, air, {}, "has no transducers");
   EXPECT_CONTAINS(error_of([] { (void)setup::scatter(ScatterTask()); }, Exit::usage), "--mesh is missing");
 }
 

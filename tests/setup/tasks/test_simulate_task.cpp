@@ -111,6 +111,7 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
   above.penetration_m = -2e-3;
   EXPECT_REFUSED(setup::simulate(above, finger, cube(), setup::load_solids(cube())),
                  "the finger touches nothing there: its skin is 2.0 mm away from the surface of cube");
+  EXPECT_REFUSED(setup::simulate(options, finger, "nothing.glb", {}), "nothing.glb: has no solid to touch");
   geometry::Mesh open = tip(5);
   open.triangles.pop_back();
   EXPECT_REFUSED(setup::FingerBody("a ball", open, setup::air({}, {})), "a ball: the mesh is open");

@@ -317,6 +317,21 @@ TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
   EXPECT_LT(shown.at(160, 120)[0], 250) << "the scene, not an empty picture";
 }
 
+TEST_F(Viewer, AScriptThatEndsWhileADroppedFileLoadsSaysWhichPictureIsMissing) {
+  const auto folder = test::scratch_folder("viewer-script-dropped");
+  const std::string script = (folder / "script").string(), shot = (folder / "shot.png").string();
+  const auto run = [&](const std::string& text) {
+    test::write_text(script, text);
+    return viewer(host_touch({"--quiet", "--interact", script}));
+  };
+  const std::string drop = "drop " + source_file("assets/prism.glb").string() + "\n";
+  test::expect_failure(run("draw\nshot " + shot + "\n" + drop + "key q\n"), 1, shot + ": is not written");
+  EXPECT_FALSE(std::filesystem::exists(shot));
+  // Escape cancels the loading, also before a picture has shown it, and does not end the viewer.
+  EXPECT_EQ(run("draw\n" + drop + "key escape\ndraw\nshot " + shot + "\n").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(shot));
+}
+
 TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
   const auto folder = test::scratch_folder("viewer-drop-recording");
   const std::string take = (folder / "take").string(), touch = (folder / "touch.png").string(),
