@@ -94,9 +94,12 @@ TEST(Programs, CheckTheirStackTheirBuffersAndTheirIndices) {
     const auto fortified = [](const std::string& name) { return name.starts_with("__") && name.ends_with("_chk"); };
     EXPECT_TRUE(std::any_of(elf.imported.begin(), elf.imported.end(), fortified)) << file << " is not fortified";
 #ifdef __x86_64__
-    // sub $4096,%rsp; orq $0,(%rsp): a function's large frame is touched page by page.
-    const std::string probe("\x48\x81\xec\x00\x10\x00\x00\x48\x83\x0c\x24\x00", 12);
-    EXPECT_TRUE(elf.code.find(probe) != std::string::npos) << file << " does not probe its stack";
+    // sub $4096,%rsp, then GCC's orq $0,(%rsp) or clang's movq $0,(%rsp): a function's large frame is touched page by
+    // page.
+    const std::string gcc("\x48\x81\xec\x00\x10\x00\x00\x48\x83\x0c\x24\x00", 12);
+    const std::string clang("\x48\x81\xec\x00\x10\x00\x00\x48\xc7\x04\x24\x00", 12);
+    EXPECT_TRUE(elf.code.find(gcc) != std::string::npos || elf.code.find(clang) != std::string::npos)
+        << file << " does not probe its stack";
 #endif
   }
 }

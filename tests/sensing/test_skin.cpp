@@ -141,7 +141,8 @@ TEST(Skin, TwinFindsWhatBruteForceInDoubleFindsForAnyBoxAndDistortion) {
       if (HasFatalFailure()) FAIL() << "round " << round;
     }
   }
-  EXPECT_GT(points, 20000u);  // the boxes are not simply empty
+  // The boxes are not simply empty. GCC and clang evaluate arguments in a different order, and draw different scenes.
+  EXPECT_GT(points, 10000u);
 }
 
 TEST(Skin, DeviceGivesTheTwinsBytes) {
