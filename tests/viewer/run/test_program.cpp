@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <span>
 
 #include "cli/process.hpp"
 #include "drawing/png.hpp"
@@ -324,7 +325,10 @@ TEST_F(Viewer, AScriptThatEndsWhileADroppedFileLoadsSaysWhichPictureIsMissing) {
     test::write_text(script, text);
     return viewer(host_touch({"--quiet", "--interact", script}));
   };
-  const std::string drop = "drop " + source_file("assets/prism.glb").string() + "\n";
+  // It is still loading when the next line is played.
+  const geometry::SceneMesh ball{"ball", geometry::icosphere(0.05, test::instrumented() ? 25 : 80)};
+  geometry::write_glb(folder / "ball.glb", std::span(&ball, 1));
+  const std::string drop = "drop " + (folder / "ball.glb").string() + "\n";
   test::expect_failure(run("draw\nshot " + shot + "\n" + drop + "key q\n"), 1, shot + ": is not written");
   EXPECT_FALSE(std::filesystem::exists(shot));
   // Escape cancels the loading, also before a picture has shown it, and does not end the viewer.
