@@ -72,7 +72,7 @@ Quantized quantized_file(const Mesh& mesh, int component, bool normalized) {
   const double extent = std::max({size.x, size.y, size.z});
   result.step = extent / (high - low);
   std::vector<unsigned char> bytes;
-  const auto integer = [&](double x) { return std::round(low + x / result.step); };
+  const auto integer = [&, low = low](double x) { return std::round(low + x / result.step); };
   for (const Vec3& p : mesh.positions) {
     for (int i = 0; i < 3; ++i) {
       const double n = integer(p[i] - box.low[i]);
