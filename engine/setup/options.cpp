@@ -19,6 +19,9 @@ constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
+constexpr Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = positive(1);
+constexpr Range tuned_dwell_range{1e-4, 20e-3};
+
 array::Solver solver_of(SolverChoice choice) {
   switch (choice) {
     case SolverChoice::gs_pat:
@@ -105,17 +108,17 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
                "foci at equal angles, or at equal lengths along the cross-section");
   group.integer("--stride", options.stride, 1, 1u << 20,
                 "step from a focus to the next; coprime to the number of foci, normally the nearest to 0.3 of it");
-  group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long a focus lasts");
+  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range, "how long a focus lasts");
   group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci",
                &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
                "what is a sine where foci stand still, as under single-focus and multi-focus");
-  group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
+  group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range,
                  "of foci that stand still; 0: none");
   group.flag("--tune", options.tune,
              "choose foci and stride by each finger's perimeter, so that skin feels most of the vibration; "
              "while running, the stride alone");
-  group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
+  group.quantity("--spot", options.spot_m, Quantity::length, spot_range,
                  "a focus' pressure is a Gaussian so wide at half its height, in place of the array's field "
                  "[3.8mm where there is no array]");
 }
@@ -123,9 +126,9 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
 void add_felt_options(CLI::App& app, FeltOptions& options) {
   const Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "the spectrum of the pressure on each finger's skin");
-  group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, {1e-4, 20e-3},
+  group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-longest: dwells that --tune may choose, normally --dwell alone");
-  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, {1e-4, 20e-3}, "see --tune-shortest");
+  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range, "see --tune-shortest");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
@@ -135,6 +138,8 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
   }
   if (!options.shortest_dwell_s) return;
   if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
+  check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
+  check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
   constexpr double tenth_ms = 1e-4;
   const double first = std::ceil(*options.shortest_dwell_s / tenth_ms * (1 - 1e-12));
   if (first * tenth_ms > *options.longest_dwell_s * (1 + 1e-12)) {
@@ -147,6 +152,9 @@ void check(const TouchOptions& options) {
     const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
     if (!fault.empty()) throw bad_usage(fmt::format("--stride and {}: {}", options.foci_name, fault));
   }
+  check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
+  check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
+  if (options.spot_m) check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
   warn_of_dwell(options);
 }
 

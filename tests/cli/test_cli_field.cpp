@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

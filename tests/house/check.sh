@@ -178,7 +178,7 @@ tree() {
 tree_of() {
   awk -F/ '{ path = ""; for (i = 1; i < NF; i++) { path = path $i "/"; print path } }' | sort -u | while read -r folder; do
     case $folder in
-      tests/ | tests/tools/ | tests/support/ | tests/house/ | tests/bare/ | tests/usb/ | tests/package/*) printf '%s\n' "$folder" ;;
+      tests/ | tests/cli/ | tests/tools/ | tests/support/ | tests/house/ | tests/bare/ | tests/usb/ | tests/package/*) printf '%s\n' "$folder" ;;
       tests/*) mirrored "${folder#tests/}" || echo "$folder" ;;
       *) printf '%s\n' "$folder" ;;
     esac

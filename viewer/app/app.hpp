@@ -143,6 +143,7 @@ class App {
 
   // What is opened.
   void open(const std::string& path, double now_s);
+  void open_again(const std::string& scene, double now_s);
   void open_scene(const std::string& path);
   void play_recording(const std::string& path);
   void cancel_opening();
