@@ -18,6 +18,7 @@
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -25,9 +26,8 @@ namespace {
 using nlohmann::json;
 using Rows = std::vector<std::vector<double>>;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-field";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("field");
   return folder;
 }
 

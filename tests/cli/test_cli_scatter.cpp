@@ -34,9 +34,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double radius = 5e-3;
 const double wave_number = 2 * pi * 40e3 / 343;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-scatter";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("scatter");
   return folder;
 }
 

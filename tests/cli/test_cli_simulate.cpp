@@ -27,9 +27,8 @@ namespace {
 
 using nlohmann::json;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-simulate";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("simulate");
   return folder;
 }
 

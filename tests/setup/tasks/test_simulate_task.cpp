@@ -42,8 +42,8 @@ geometry::Mesh tip(int divisions) {
 }
 
 std::string tip_file(int divisions) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / ("palpa-tip-" + std::to_string(divisions) + ".ply");
+  static const std::filesystem::path folder = scratch_folder("simulate-task");
+  const std::filesystem::path file = folder / ("tip-" + std::to_string(divisions) + ".ply");
   const geometry::Mesh mesh = tip(divisions);
   geometry::write_ply(file, mesh.positions, mesh.triangles);
   return file;
