@@ -33,6 +33,7 @@ std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
 
 LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own) {
   const std::vector<session::LinkKind> links = with_builtin(own);
+  session::check_board_files(options.link, links, options.board_files);
   take_layout_of_link(options.rig, options.link, links);
   take_method_of_link(options, links);
   return options;

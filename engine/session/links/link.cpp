@@ -1,9 +1,12 @@
 #include "session/links/link.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/links/record_link.hpp"
 #include "session/links/spec.hpp"
@@ -35,13 +38,22 @@ std::vector<LinkKind> builtin_links() {
           {"foci", "foci:udp:HOST:PORT: one JSON line per frame with the foci", open_foci_link}};
 }
 
-std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
+void check_board_files(const std::string& spec, std::span<const LinkKind> kinds, const std::string& folder) {
+  if (folder.empty()) return;
   const auto [name, argument] = parse_spec(spec);
-  const LinkKind& kind = find_kind(kinds, name, "link");
-  if (!setting.board_files.empty() && !kind.reads_board_files) {
+  if (!find_kind(kinds, name, "link").reads_board_files) {
     throw bad_usage("--board-files goes with a link to boards that have their own files, such as openmpd:SERIAL; " +
                     name + " has none");
   }
+  std::error_code ignored;  // the guard reports a folder that cannot be read
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    refuse_output_as_input(entry.path());
+}
+
+std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting) {
+  const auto [name, argument] = parse_spec(spec);
+  const LinkKind& kind = find_kind(kinds, name, "link");
+  check_board_files(spec, kinds, setting.board_files);
   return kind.open(argument, setting);
 }
 

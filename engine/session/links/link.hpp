@@ -79,6 +79,11 @@ struct LinkKind {
 /// `null`, `record`, `foci`.
 std::vector<LinkKind> builtin_links();
 
+/// Call before outputs are opened. `folder` has the boards' own files; "": none. The guard, another process, reads
+/// them, so this function remembers them as inputs. Throws bad_usage for a link that reads no such files, and for an
+/// output among them. open_link() does the same.
+void check_board_files(const std::string& spec, std::span<const LinkKind> kinds, const std::string& folder);
+
 /// Opens "name" or "name:argument". Throws bad_usage with the known names for an unknown one.
 std::unique_ptr<Link> open_link(const std::string& spec, std::span<const LinkKind> kinds, const LinkSetting& setting);
 

@@ -136,6 +136,16 @@ TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
   for (const std::string file :
        {"corners.bin", "mask.png", "layout.toml", "take/recording.toml", "take/times.csv", "take/depth-0.png"})
     expect_refused(with(live, {"--link", "record:" + path(file)}), read_);
+  // The guard, another process, reads these. Only the program knows links to boards.
+  fs::create_directories(folder_ / "boards");
+  write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+  for (const auto& [option, prefix] : outputs) {
+    if (option == "--link") continue;
+    first_ = true;
+    expect_refused(with(live, {"--link", "openmpd", "--board-files", path("boards"), option,
+                               prefix + path("boards/sonicsurface.txt")}),
+                   read_);
+  }
 }
 
 TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
