@@ -1,0 +1,128 @@
+#include "setup/run_line.hpp"
+
+#include <fmt/core.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/log.hpp"
+#include "base/start_thread.hpp"
+#include "base/text.hpp"
+#include "session/threads.hpp"
+#include "setup/progress.hpp"
+
+namespace palpa::setup {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::size_t columns_of_terminal() {
+  constexpr std::size_t usual = 80;
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
+}
+
+std::string fingers_text(const RunState& state) {
+  if (state.fingers == 0) return "no touch";
+  return fmt::format("{} finger{}, {:.1f} mm deep", state.fingers, state.fingers == 1 ? "" : "s", state.depth_m * 1e3);
+}
+
+std::string frames_text(const RunState& state) {
+  std::string text = state.of == 0 ? "" : fmt::format("{} of {} frames, ", state.frames, state.of);
+  if (state.rate_hz == 0) return text + "no frames now";
+  return text + fmt::format("{:.0f}{}/s, {:.1f} ms", state.rate_hz, state.of == 0 ? " frames" : "", state.latency_s * 1e3);
+}
+
+}  // namespace
+
+std::string run_line(const RunState& state, std::size_t columns) {
+  std::string line;
+  if (state.to_be_recorded > 0) {
+    line = fmt::format("silent | writing the recording: {} frame{} left | Ctrl-C stops", state.to_be_recorded,
+                       state.to_be_recorded == 1 ? "" : "s");
+  } else {
+    const std::string link = state.link == "null" ? "null (no array)" : shortened(printable(state.link), 30);
+    line = fmt::format("{} on {} | {} | {} | Ctrl-C stops", state.sounds ? "SOUNDING" : "silent", link,
+                       fingers_text(state), frames_text(state));
+  }
+  if (line.size() > columns) line.resize(columns);
+  return line;
+}
+
+bool RunLine::is_shown(bool quiet) {
+  return !quiet && isatty(STDERR_FILENO) != 0;
+}
+
+RunLine::RunLine(std::string link, std::uint64_t frames, bool quiet) {
+  state_.link = std::move(link);
+  state_.of = frames;
+  if (is_shown(quiet)) thread_ = try_thread([this] { show(); });  // the run continues without being shown
+}
+
+RunLine::~RunLine() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  end_.notify_one();
+  thread_.join();
+}
+
+void RunLine::planned(const session::FrameReport& frame) {
+  const std::lock_guard lock(mutex_);
+  ++state_.frames;
+  ++new_frames_;
+  new_latency_s_ += frame.planned_s - frame.arrived_s;
+  state_.fingers = frame.touch->finger_count;
+  state_.depth_m = 0;
+  for (std::uint32_t f = 0; f < frame.touch->finger_count; ++f)
+    state_.depth_m = std::max(state_.depth_m, double{frame.touch->fingers[f].depth_m});
+}
+
+void RunLine::sent(bool sounds) {
+  const std::lock_guard lock(mutex_);
+  state_.sounds = sounds;
+}
+
+void RunLine::recording_rest(std::uint64_t frames) {
+  const std::lock_guard lock(mutex_);
+  state_.to_be_recorded = frames;
+}
+
+/// With the mutex held.
+RunState RunLine::take_state(double elapsed_s) {
+  const auto count = static_cast<double>(std::exchange(new_frames_, 0));
+  const double latency_s = std::exchange(new_latency_s_, 0);
+  state_.rate_hz = count / elapsed_s;
+  if (count > 0) state_.latency_s = latency_s / count;
+  // A touch of a frame that is out of date is no touch.
+  if (count == 0) state_.fingers = 0;
+  return state_;
+}
+
+void RunLine::show() {
+  session::take_turns();  // the thread that started this one may have precedence
+  constexpr std::chrono::milliseconds moment(500);
+  bool drawn = false;
+  std::unique_lock lock(mutex_);
+  Clock::time_point last = Clock::now();
+  while (!end_.wait_for(lock, moment, [this] { return ending_; })) {
+    if (state_.frames == 0) continue;  // Preparing has the line
+    const Clock::time_point now = Clock::now();
+    const RunState state = take_state(std::chrono::duration<double>(now - std::exchange(last, now)).count());
+    lock.unlock();
+    if (is_in_foreground()) {
+      log::draw(fmt::format("\r{}\x1b[K", run_line(state, columns_of_terminal() - 1)));
+      drawn = true;
+    }
+    lock.lock();
+  }
+  // Carriage return, then erase to the end of the line.
+  if (drawn && is_in_foreground()) log::draw("\r\x1b[K");
+}
+
+}  // namespace palpa::setup
