@@ -1,5 +1,6 @@
-// make_depth FOLDER: writes what a depth camera sees of the pointing hand at the paper's objects: hand.png, one image of
-// the fingertip 3 mm below their top, with camera.toml; and take/, a recording in which it dips in and comes out again.
+// make_depth FOLDER: writes what a depth camera sees of the pointing hand at the paper's objects: hand.png, one image
+// of the fingertip 3 mm below their top, with camera.toml; and take/, a recording in which it dips in and comes out
+// again.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -65,8 +66,9 @@ void write_all(const std::filesystem::path& folder) {
 
   look(-3e-3, 0);
   sensing::write_png16(folder / "hand.png", camera.width, camera.height, set.frames[0].depth);
-  write_file(folder / "camera.toml", "# The camera of hand.png. The world is that of the paper's objects: +y up, their top at y = 0.\n\n" +
-                                         sensing::to_toml(sensing::Rig{"", {camera}, {}, {}}));
+  write_file(folder / "camera.toml",
+             "# The camera of hand.png. The world is that of the paper's objects: +y up, their top at y = 0.\n\n" +
+                 sensing::to_toml(sensing::Rig{"", {camera}, {}, {}}));
   sensing::RecordingWriter take(folder / "take", {camera}, sensing::Existing::replaced);
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     look(height_at(frame, frames), frame);

@@ -42,7 +42,8 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                  "number of frames that are averaged, 0 for 30; with --nudge, frames to run, 0 for no limit");
   frames.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
-  frames.text("--out", o.out, "FILE", "writes the rig with the poses that were found; must differ from --rig [no file]");
+  frames.text("--out", o.out, "FILE",
+              "writes the rig with the poses that were found; must differ from --rig [no file]");
   setup::add_rig_options(app, o.rig);
   add_nudge_options(app, o);
 }

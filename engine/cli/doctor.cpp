@@ -23,7 +23,8 @@ void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
   const setup::Group group(app, "Cameras");
   group.text("--write-rig", o.write_rig, "FILE",
              "writes a rig with the depth cameras that are plugged in; palpa calibrate then finds their poses");
-  group.text("--source", o.source, "SOURCE", "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
+  group.text("--source", o.source, "SOURCE",
+             "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
 }
 
 std::string driver_advice() {

@@ -36,7 +36,8 @@ void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help);
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
-  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(), "with --touch: slot of the schedule, counted from 0 [0]");
+  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
+                "with --touch: slot of the schedule, counted from 0 [0]");
   group.text("--rig", o.task.rig, "FILE", "with --touch: TOML file with the array's pose [the layout's default pose]");
   group.text("--mesh", o.task.mesh, "FILE",
              "with --transfer finger: the finger, a closed PLY or glTF mesh in the layout's frame");

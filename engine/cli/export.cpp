@@ -19,7 +19,8 @@ namespace {
 void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
   const setup::Group group(app, "What to export");
   add_frame_options(group, o, "number of frames to export; 0 exports all until the recording ends");
-  group.text("--foci", o.foci, "FILE", "writes the foci of each frame, as .csv or .json; --foci-count sets their number");
+  group.text("--foci", o.foci, "FILE",
+             "writes the foci of each frame, as .csv or .json; --foci-count sets their number");
   group.text("--drives", o.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
   add_session_options(app, o, "--foci-count");
 }

@@ -248,8 +248,10 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
              "feel it there, and --out gets the array's corrected place");
   group.text("--scene", o.scene, "FILE", "glTF model that the fingertip touches [assets/cube.glb]");
   group.text("--link", o.link, "LINK", "where drives go, as for palpa run");
-  group.text("--board-files", o.board_files, "DIR", "folder with the boards' own files, which say how their transducers differ [no differences]");
-  group.text("--keys", o.keys, "KEYS", "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
+  group.text("--board-files", o.board_files, "DIR",
+             "folder with the boards' own files, which say how their transducers differ [no differences]");
+  group.text("--keys", o.keys, "KEYS",
+             "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
   group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10),
                  "how long the newest frame sounds if no other comes");
   group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER", "multiplies every transducer's amplitude, 0 to 1");

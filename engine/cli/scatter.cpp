@@ -38,10 +38,12 @@ void add_options_of_scatter(CLI::App& app, ScatterCommand& o) {
   sound.text("--plane-wave", o.task.plane_wave, "X,Y,Z",
              "sounds a plane wave that travels in this direction: 1 Pa, phase 0 at the origin",
              [](const std::string& text) { setup::parse_direction("--plane-wave", text); });
-  sound.point("--point-source", o.task.point_source, "sounds a point source there: e^{ikr}/r Pa at a distance of r metres");
+  sound.point("--point-source", o.task.point_source,
+              "sounds a point source there: e^{ikr}/r Pa at a distance of r metres");
   sound.text("--layout", o.task.layout, "NAME|FILE", "the array that sounds --drive; the mesh is in its frame");
   sound.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
-  sound.choice("--directivity", o.task.directivity, array::directivity_words, "how a transducer's sound depends on direction [t4010a1]");
+  sound.choice("--directivity", o.task.directivity, array::directivity_words,
+               "how a transducer's sound depends on direction [t4010a1]");
   setup::add_place_options(app, o.task.place);
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",

@@ -37,8 +37,8 @@ Camera kept_camera(const Camera& camera, std::size_t index) {
   return kept;
 }
 
-/// The files of a recording that this writer wrote, `recording.toml` last: what is left after an interrupted deletion is
-/// still a folder that can be replaced. Throws bad_usage if there is anything else.
+/// The files of a recording that this writer wrote, `recording.toml` last: what is left after an interrupted deletion
+/// is still a folder that can be replaced. Throws bad_usage if there is anything else.
 std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path& folder) {
   static const std::regex ours(R"(times\.csv|mask-[0-9]+\.png|[0-9]{6,}-[0-9]+\.png)");
   std::vector<std::filesystem::path> files;
@@ -57,8 +57,7 @@ std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path&
   }
   if (fault) throw failure(fmt::format("{}: cannot be read: {}", folder.string(), fault.message()));
   if (!has_toml) {
-    throw bad_usage(
-        fmt::format("{} has no recording.toml, so it is no recording, name a new folder", folder.string()));
+    throw bad_usage(fmt::format("{} has no recording.toml, so it is no recording, name a new folder", folder.string()));
   }
   files.push_back(folder / "recording.toml");
   return files;

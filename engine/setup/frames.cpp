@@ -66,7 +66,8 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "number of the scene in that file [the file's default scene]");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000,
+                "number of the scene in that file [the file's default scene]");
   group.text("--source", o.source, "SOURCE",
              "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
              "realsense:SERIAL[,...] or bag:FILE");
@@ -103,7 +104,8 @@ void add_following_options(CLI::App& app, FrameOptions& o) {
   steadily.choice("--axes", o.axes, touch::axes_words,
                   "axes of a cross-section, turned as little as possible from frame to frame, or each frame's "
                   "principal axes");
-  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "filter that keeps foci from jumping from frame to frame");
+  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words,
+                  "filter that keeps foci from jumping from frame to frame");
 }
 
 void check(const FrameOptions& o) {

@@ -42,14 +42,17 @@ void add_common(CLI::App& app, CommonOptions& options) {
                "what computes, a GPU or the processor; the results are the same");
   group.text("--json", options.json, "FILE|-", "writes the results as JSON into a file, or with - to stdout [no JSON]");
   group.flag("--quiet", options.quiet, "prints no summary, no progress and no warnings");
-  group.choice("--log-level", options.log_level, log::level_words, "the least important messages that are printed on stderr [warning]");
-  group.integer("--seed", options.seed, 0, ~std::uint64_t{0}, "the start of all random numbers; the same seed gives the same results");
+  group.choice("--log-level", options.log_level, log::level_words,
+               "the least important messages that are printed on stderr [warning]");
+  group.integer("--seed", options.seed, 0, ~std::uint64_t{0},
+                "the start of all random numbers; the same seed gives the same results");
   group.choice("--validation", options.validation, gpu::validation_words,
                "how strictly the Vulkan calls are checked, for developers [$PALPA_VALIDATION, or off]");
 }
 
 void add_allow_outside(const Group& group, CommonOptions& options) {
-  group.flag("--allow-outside", options.allow_outside, "scenes and recordings may name files outside their own folders");
+  group.flag("--allow-outside", options.allow_outside,
+             "scenes and recordings may name files outside their own folders");
 }
 
 void apply_logging(const CommonOptions& options) {
@@ -105,11 +108,12 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.integer(foci, p.foci, 1, touch::max_foci, "how many foci a finger has");
   group.choice("--spacing", p.spacing, touch::spacing_words,
                "whether foci are equally far apart in angle, or along the outline of the cross-section");
-  group.integer("--stride", options.stride, 1, 1u << 20,
-                fmt::format("step between consecutive foci; must be coprime with {} [nearest to 0.3 of the foci]", foci));
+  group.integer(
+      "--stride", options.stride, 1, 1u << 20,
+      fmt::format("step between consecutive foci; must be coprime with {} [nearest to 0.3 of the foci]", foci));
   group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long each focus lasts");
-  group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci (docs/methods.md)",
-               &options.method_given);
+  group.choice("--method", options.method.method, touch::method_words,
+               "how a cross-section becomes foci (docs/methods.md)", &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
                "which quantity is a sine in time if foci stand still, as with single-focus and multi-focus");
   group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
@@ -181,7 +185,8 @@ array::Medium medium(const MediumOptions& options) {
 
 void add_air_options(CLI::App& app, AirOptions& options) {
   const Group group(app, "Air and tone");
-  group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT", "relative humidity of the air, which sets how much sound it absorbs");
+  group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT",
+               "relative humidity of the air, which sets how much sound it absorbs");
   group.quantity("--air-pressure", options.pressure_pa, Quantity::pressure,
                  {acoustics::least_air_pressure_pa, acoustics::most_air_pressure_pa},
                  "pressure of the air, which sets its density and how much sound it absorbs");
@@ -189,7 +194,8 @@ void add_air_options(CLI::App& app, AirOptions& options) {
     group.flag("--no-absorption", options.not_normally,
                "air absorbs no sound; without this option, it absorbs sound as in ISO 9613-1");
   } else {
-    group.flag("--absorption", options.not_normally, "air absorbs sound as in ISO 9613-1; without this option, it absorbs none");
+    group.flag("--absorption", options.not_normally,
+               "air absorbs sound as in ISO 9613-1; without this option, it absorbs none");
   }
 }
 
@@ -215,12 +221,13 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
                "how much a focus asks of a transducer, by its distance or of all the same");
-  group.choice("--solver", options.solver, solver_words,
-               mesh == FingerMesh::known
-                   ? "how foci that sound together share the array; adjoint is naive with --transfer finger [naive; for "
-                     "the method multi-focus gs-pat]"
-                   : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive and "
-                     "simulate have [naive; for the method multi-focus gs-pat]");
+  group.choice(
+      "--solver", options.solver, solver_words,
+      mesh == FingerMesh::known
+          ? "how foci that sound together share the array; adjoint is naive with --transfer finger [naive; for "
+            "the method multi-focus gs-pat]"
+          : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive and "
+            "simulate have [naive; for the method multi-focus gs-pat]");
   Group(app, mesh == FingerMesh::known ? "Drives" : "")
       .choice("--transfer", options.transfer, transfer_words,
               "whether foci are computed from the sound in free air, or from the sound around the finger [free]");

@@ -33,7 +33,8 @@ std::string fingers_text(const RunState& state) {
 std::string frames_text(const RunState& state) {
   std::string text = state.of == 0 ? "" : fmt::format("{} of {} frames, ", state.frames, state.of);
   if (state.rate_hz == 0) return text + "no frames now";
-  return text + fmt::format("{:.0f}{}/s, {:.1f} ms", state.rate_hz, state.of == 0 ? " frames" : "", state.latency_s * 1e3);
+  return text +
+         fmt::format("{:.0f}{}/s, {:.1f} ms", state.rate_hz, state.of == 0 ? " frames" : "", state.latency_s * 1e3);
 }
 
 }  // namespace

@@ -14,14 +14,14 @@ namespace palpa::setup {
 
 /// What the line says.
 struct RunState {
-  std::string link;                ///< as --link names it
-  std::uint64_t frames = 0;        ///< processed so far
-  std::uint64_t of = 0;            ///< of so many; 0: no end
-  double rate_hz = 0;              ///< frames per second
-  double latency_s = 0;            ///< mean, from a frame in memory to its drives; only if frames came
-  std::uint32_t fingers = 0;       ///< that touch in the newest frame
-  double depth_m = 0;              ///< of the deepest of them
-  bool sounds = false;             ///< the newest drive
+  std::string link;                  ///< as --link names it
+  std::uint64_t frames = 0;          ///< processed so far
+  std::uint64_t of = 0;              ///< of so many; 0: no end
+  double rate_hz = 0;                ///< frames per second
+  double latency_s = 0;              ///< mean, from a frame in memory to its drives; only if frames came
+  std::uint32_t fingers = 0;         ///< that touch in the newest frame
+  double depth_m = 0;                ///< of the deepest of them
+  bool sounds = false;               ///< the newest drive
   std::uint64_t to_be_recorded = 0;  ///< after the end: frames that still have to be written
 };
 

@@ -110,8 +110,9 @@ TEST(Help, SaysDefaults) {
   };
   EXPECT_TRUE(row(all, "--foci").ends_with("[default: 10]")) << row(all, "--foci");
   EXPECT_TRUE(row(all, "--dwell").ends_with("[default: 1.5ms]"));
-  EXPECT_EQ(row(all, "--stride"),
-            "--stride N step between consecutive foci; must be coprime with --foci [default: nearest to 0.3 of the foci]");
+  EXPECT_EQ(
+      row(all, "--stride"),
+      "--stride N step between consecutive foci; must be coprime with --foci [default: nearest to 0.3 of the foci]");
   EXPECT_NE(row(all, "--method").find(": cross-section|single-focus|"), std::string::npos) << row(all, "--method");
   EXPECT_TRUE(row(all, "--method").ends_with("[default: cross-section]"));
   EXPECT_TRUE(row(all, "--constraint").ends_with("[default: normalise]"));

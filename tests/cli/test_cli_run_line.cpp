@@ -19,7 +19,8 @@ TEST(RunLine, SaysWhatHappens) {
   RunState state{.link = "openmpd:A", .frames = 45, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};
   state.depth_m = 1.42e-3;
   state.sounds = true;
-  EXPECT_EQ(run_line(state, 100), "SOUNDING on openmpd:A | 2 fingers, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
+  EXPECT_EQ(run_line(state, 100),
+            "SOUNDING on openmpd:A | 2 fingers, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
   state.sounds = false;
   state.fingers = 1;
   state.of = 90;

@@ -59,7 +59,8 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   refused({"drive", "--colour", "red"}, "palpa drive has no option '--colour'" + drive_help);
   refused({"drive", "--lay", "autd3"}, "palpa drive has no option '--lay'");
   refused({"drive", "-x"}, "palpa drive has no option '-x'");
-  refused({"drive", "--layuot", "autd3"}, "palpa drive has no option '--layuot': did you mean --layout? see palpa drive --help");
+  refused({"drive", "--layuot", "autd3"},
+          "palpa drive has no option '--layuot': did you mean --layout? see palpa drive --help");
   refused({"drive", "--", "--layout", "autd3"}, "'--layout' is not read here: the argument before it ends the options");
 }
 

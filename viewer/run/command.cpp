@@ -25,7 +25,8 @@ const setup::HelpText help_text{
         "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm \\\n"
         "               --headless --screenshot touch.png",
     .notes =
-        "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse and "
+        "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
+        "and "
         "keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 wrong "
         "usage, 3 no usable Vulkan device or display, 4 bad or missing input.",
     .common = ""};

@@ -94,9 +94,8 @@ void wait_until_empty(FrameQueue& frames, Stopped stopped) {
 /// The maximum time to wait for a frame before checking for the end again.
 constexpr double most_wait_s = 0.1;
 
-void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue* recorded,
-             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options,
-             LoopStats& stats) {
+void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue* recorded, const LoopSetting& setting,
+             const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   SourceClock source_clock;
   const auto stopped = [&] { return stop.load(); };
   double looked_s = clock.now();  // time of the last frame, or of the last note that there was none
