@@ -25,16 +25,33 @@ std::size_t columns_of_terminal() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
 }
 
-std::string fingers_text(const RunState& state) {
-  if (state.fingers == 0) return "no touch";
-  return fmt::format("{} finger{}, {:.1f} mm deep", state.fingers, state.fingers == 1 ? "" : "s", state.depth_m * 1e3);
+std::string count_of(std::uint64_t count, const char* thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
-std::string frames_text(const RunState& state) {
-  std::string text = state.of == 0 ? "" : fmt::format("{} of {} frames, ", state.frames, state.of);
+/// How much of it is written out.
+enum class Words { all, few, fewest };
+
+std::string link_text(const RunState& state, Words words) {
+  const char* sound = state.sounds ? "SOUNDING" : "silent";
+  if (words == Words::fewest) return sound;
+  const char* note = words == Words::all && state.link == "null" ? " (no array)" : "";
+  return fmt::format("{} on {}{}", sound, shortened(printable(state.link), 30), note);
+}
+
+std::string fingers_text(const RunState& state, Words words) {
+  if (state.fingers == 0) return "no touch";
+  const char* deep = words == Words::all ? " deep" : "";
+  return fmt::format("{}, {:.1f} mm{}", count_of(state.fingers, "finger"), state.depth_m * 1e3, deep);
+}
+
+std::string frames_text(const RunState& state, Words words) {
+  const bool all = words == Words::all;
+  std::string text;
+  if (state.of > 0) text = fmt::format("{}{}{}{}, ", state.frames, all ? " of " : "/", state.of, all ? " frames" : "");
   if (state.rate_hz == 0) return text + "no frames now";
-  return text +
-         fmt::format("{:.0f}{}/s, {:.1f} ms", state.rate_hz, state.of == 0 ? " frames" : "", state.latency_s * 1e3);
+  const char* frames = all && state.of == 0 ? " frames" : "";
+  return text + fmt::format("{:.0f}{}/s, {:.1f} ms", state.rate_hz, frames, state.latency_s * 1e3);
 }
 
 }  // namespace
@@ -42,12 +59,14 @@ std::string frames_text(const RunState& state) {
 std::string run_line(const RunState& state, std::size_t columns) {
   std::string line;
   if (state.to_be_recorded > 0) {
-    line = fmt::format("silent | writing the recording: {} frame{} left | Ctrl-C stops", state.to_be_recorded,
-                       state.to_be_recorded == 1 ? "" : "s");
+    line =
+        fmt::format("silent | writing the recording: {} left | Ctrl-C stops", count_of(state.to_be_recorded, "frame"));
   } else {
-    const std::string link = state.link == "null" ? "null (no array)" : shortened(printable(state.link), 30);
-    line = fmt::format("{} on {} | {} | {} | Ctrl-C stops", state.sounds ? "SOUNDING" : "silent", link,
-                       fingers_text(state), frames_text(state));
+    for (const Words words : {Words::all, Words::few, Words::fewest}) {
+      line = fmt::format("{} | {} | {} | Ctrl-C stops", link_text(state, words), fingers_text(state, words),
+                         frames_text(state, words));
+      if (line.size() <= columns) break;
+    }
   }
   if (line.size() > columns) line.resize(columns);
   return line;

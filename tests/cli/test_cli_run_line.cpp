@@ -36,9 +36,14 @@ TEST(RunLine, SaysWhatHappens) {
 }
 
 TEST(RunLine, FitsIntoTheTerminal) {
+  RunState board{.link = "openmpd:EMU1", .frames = 45, .of = 300, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};
+  board.depth_m = 1.42e-3;
+  board.sounds = true;
+  EXPECT_EQ(run_line(board, 85), "SOUNDING on openmpd:EMU1 | 2 fingers, 1.4 mm | 45/300, 90/s, 4.2 ms | Ctrl-C stops");
+  EXPECT_EQ(run_line(board, 70), "SOUNDING | 2 fingers, 1.4 mm | 45/300, 90/s, 4.2 ms | Ctrl-C stops");
   RunState state{.link = std::string(300, 'x') + "\x1b[2J", .frames = 1, .rate_hz = 90, .fingers = 64};
   state.of = 1'000'000;
-  EXPECT_EQ(run_line(state, 79).size(), 79u);
+  EXPECT_EQ(run_line(state, 20).size(), 20u);
   EXPECT_EQ(run_line(state, 0), "");
   EXPECT_EQ(run_line(state, 300).find('\x1b'), std::string::npos);
 }
@@ -47,7 +52,7 @@ TEST(CliRunLine, IsShownOnATerminalUntilCtrlC) {
   PALPA_TERMINAL_OR_SKIP();
   const std::string cube = source_file("assets/cube.glb");
   Terminal terminal(with({"run", "--scene", cube, "--backend", "cpu"}, small_frames()));
-  EXPECT_TRUE(terminal.shows("\rSOUNDING on null (no array) | 1 finger, ")) << terminal.text();
+  EXPECT_TRUE(terminal.shows("\rSOUNDING on null | 1 finger, ")) << terminal.text();
   EXPECT_TRUE(terminal.shows("\rsilent on null (no array) | no touch")) << terminal.text();
   EXPECT_TRUE(terminal.shows("Ctrl-C stops")) << terminal.text();
   terminal.type("\x03");
