@@ -15,21 +15,22 @@ namespace palpa::viewer {
 
 namespace {
 
-const setup::HelpText help_text{
-    .name = "palpa-viewer",
-    .arguments = "",
-    .summary = "looks at a touch: object, skin, contacts, foci and array, in a window or as a picture",
-    .usual = "--scene --points --skin --penetration --layout --source --link --headless --screenshot --size",
-    .examples =
-        "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
-        "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm \\\n"
-        "               --headless --screenshot touch.png",
-    .notes =
-        "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
-        "and "
-        "keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 wrong "
-        "usage, 3 no usable Vulkan device or display, 4 bad or missing input.",
-    .common = ""};
+setup::HelpText help_text() {
+  return {
+      .name = "palpa-viewer",
+      .arguments = "",
+      .summary = "looks at a touch: object, skin, contacts, foci and array, in a window or as a picture",
+      .usual = "--scene --points --skin --penetration --layout --source --link --headless --screenshot --size",
+      .examples =
+          "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
+          "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm \\\n"
+          "               --headless --screenshot touch.png",
+      .notes =
+          "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
+          "and keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 "
+          "wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input.",
+      .common = ""};
+}
 
 }  // namespace
 
@@ -43,7 +44,7 @@ std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
   try {
     setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_file("-", setup::help_page(app, help_text, setup::help_length(argc, argv)));
+    write_file("-", setup::help_page(app, help_text(), setup::help_length(argc, argv)));
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
     write_file("-", "palpa-viewer " PALPA_VERSION "\n");
