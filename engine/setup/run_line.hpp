@@ -25,8 +25,8 @@ struct RunState {
   std::uint64_t to_be_recorded = 0;  ///< after the end: frames that still have to be written
 };
 
-/// "SOUNDING on openmpd:A | 2 fingers, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops". With fewer words if it has more
-/// than `columns`, or else cut.
+/// "SOUNDING on openmpd:A | 2 fingers, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops". With fewer words if it has
+/// more than `columns`, or else cut.
 std::string run_line(const RunState& state, std::size_t columns);
 
 /// While this object lives, the line is shown twice a second. Nothing is shown if `quiet`, if stderr is no terminal, or
