@@ -2,9 +2,8 @@
 // transducers need to sound alike.
 //
 // A text of tokens, with any spaces, line breaks, commas and brackets between them: the serial number, the number of
-// transducers (256), the phase steps (128); then, per transducer in layout order, its position (x y z, metres), its
-// pin, its phase offset in whole degrees, its amplitude factor (0 to 1; 0: it is dead), all of one kind before the
-// next.
+// transducers (256), the phase steps (128). Four lists follow, each in layout order: positions (x y z, metres), pins,
+// phase offsets in whole degrees, and amplitude factors (0 to 1; 0: the transducer is dead).
 #pragma once
 
 #include <array>

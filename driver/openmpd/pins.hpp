@@ -1,5 +1,5 @@
 // Which of a board's 256 wire slots, its pins, drives which transducer. Transducer t = 16 x + y stands in column x from
-// the left and row y from the top (docs/layouts.md); Every board is wired alike, and no board undoes this:
+// the left and row y from the top (docs/layouts.md). Every board is wired alike, and no firmware undoes this:
 //
 //   pin = 64 (3 - x / 4) + 8 (7 - y / 2) + within[x mod 4][y mod 2]
 #pragma once

@@ -71,7 +71,7 @@ void refuse_pair(const Placed& a, const Placed& b) {
     throw bad_usage(fmt::format("{} name the same file, {}: give each its own", both, b.place.name));
   }
   if (lies_within(a, b) || lies_within(b, a)) {
-    throw bad_usage(fmt::format("{}: one lies in the folder of the other: give it another place", both));
+    throw bad_usage(fmt::format("{}: one lies in the folder of the other: give one of them another place", both));
   }
 }
 

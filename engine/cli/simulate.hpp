@@ -18,7 +18,7 @@ struct SimulateCommand {
   bool force = false;
   std::string csv, vtu, png;
   setup::SolidOptions solids;
-  setup::SimulateOptions task;
+  setup::SimulateTask task;
 };
 
 /// The finger given by --finger, for the air of the options.

@@ -26,7 +26,7 @@ namespace {
 struct TouchCommand {
   setup::CommonOptions common;
   setup::TouchInputOptions input;
-  setup::TouchSceneOptions task;
+  setup::TouchTask task;
   std::string csv;
 };
 

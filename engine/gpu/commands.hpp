@@ -40,9 +40,9 @@ class Timeline {
   /// Submits to the device's queue and returns the value that its completion signals. Without `commands`, the value is
   /// signalled when everything that was submitted to the queue before, by any code, is complete.
   std::uint64_t submit(VkCommandBuffer commands = VK_NULL_HANDLE);
-  /// Blocks until `value` is signalled. Throws Error (Exit::failed) if the device is lost or has had `timeout_s` (for a
-  /// software device: seconds of processor time, gpu/patience.hpp). After such a timeout the device counts as lost and
-  /// as abandoned (gpu/handle.hpp).
+  /// Blocks until `value` is signalled. Throws Error (Exit::failed) if the device is lost, or if it does not finish
+  /// within `timeout_s` (for a software device: seconds of processor time, gpu/patience.hpp). After such a timeout the
+  /// device counts as lost and as abandoned (gpu/handle.hpp).
   void wait(std::uint64_t value, double timeout_s = 60.0) const;
   bool done(std::uint64_t value) const;
   /// The value of the newest submit.

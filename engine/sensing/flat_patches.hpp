@@ -21,8 +21,8 @@ struct FlatOptions {
 };
 
 /// Regions of neighbouring pixels that lie in one plane within the image's own noise, grown from the flattest places. A
-/// plane is linear in 1 / z over the rays, and so is a stereo camera's noise, so planes are fitted in 1 / z. Each pixel
-/// belongs to at most one patch; the largest come first. The same image gives the same patches.
+/// plane is linear in 1 / z over the rays, and a stereo camera's noise is even in 1 / z. Planes are therefore fitted in
+/// 1 / z. Each pixel belongs to at most one patch; the largest come first. The same image gives the same patches.
 std::vector<FlatPatch> find_flat_patches(const StillImage& image, const FlatOptions& options = {});
 
 }  // namespace palpa::sensing

@@ -1,4 +1,4 @@
-// If nothing is touched: the distance that is missing.
+// The distance from the skin to the nearest solid, to report when nothing is touched.
 #pragma once
 
 #include <cstddef>

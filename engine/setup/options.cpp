@@ -19,6 +19,9 @@ constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
+constexpr Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = positive(1);
+constexpr Range tuned_dwell_range{1e-4, 20e-3};
+
 array::Solver solver_of(SolverChoice choice) {
   switch (choice) {
     case SolverChoice::gs_pat:
@@ -111,17 +114,17 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.integer(
       "--stride", options.stride, 1, 1u << 20,
       fmt::format("step between consecutive foci; must be coprime with {} [nearest to 0.3 of the foci]", foci));
-  group.quantity("--dwell", options.dwell_s, Quantity::time, {1e-6, 10}, "how long each focus lasts");
+  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range, "how long each focus lasts");
   group.choice("--method", options.method.method, touch::method_words,
                "how a cross-section becomes foci (docs/methods.md)", &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
                "which quantity is a sine in time if foci stand still, as with single-focus and multi-focus");
-  group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, {0, 1000},
+  group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range,
                  "how fast foci that stand still are modulated; 0 does not modulate them");
   group.flag("--tune", options.tune,
              "chooses foci and stride for each finger's perimeter, so that the skin feels as much vibration as "
              "possible; a live run chooses the stride only");
-  group.quantity("--spot", options.spot_m, Quantity::length, positive(1),
+  group.quantity("--spot", options.spot_m, Quantity::length, spot_range,
                  "for --spectrum and --tune: a focus is a Gaussian spot of this width at half its height, and not "
                  "the array's field [3.8mm without an array]");
 }
@@ -129,9 +132,9 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
 void add_felt_options(CLI::App& app, FeltOptions& options) {
   const Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "prints the spectrum of the pressure on each finger's skin");
-  group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, {1e-4, 20e-3},
+  group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-longest: the shortest dwell that --tune may choose [--dwell]");
-  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, {1e-4, 20e-3},
+  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-shortest: the longest dwell that --tune may choose [--dwell]");
 }
 
@@ -142,6 +145,8 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
   }
   if (!options.shortest_dwell_s) return;
   if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
+  check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
+  check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
   constexpr double tenth_ms = 1e-4;
   const double first = std::ceil(*options.shortest_dwell_s / tenth_ms * (1 - 1e-12));
   if (first * tenth_ms > *options.longest_dwell_s * (1 + 1e-12)) {
@@ -154,6 +159,9 @@ void check(const TouchOptions& options) {
     const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
     if (!fault.empty()) throw bad_usage(fmt::format("--stride and {}: {}", options.foci_name, fault));
   }
+  check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
+  check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
+  if (options.spot_m) check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
   warn_of_dwell(options);
 }
 

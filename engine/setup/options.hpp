@@ -83,8 +83,8 @@ struct TouchOptions {
 };
 /// `foci`: name of the option for the number of foci.
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci = "--foci");
-/// Throws bad_usage, suggesting a valid stride, if stride and foci share a divisor (geometry::stride_fault). Warns of a
-/// long dwell.
+/// Throws bad_usage, suggesting a valid stride, if stride and foci share a divisor (geometry::stride_fault), and if
+/// dwell, modulation frequency or spot is out of range. Warns of a long dwell.
 void check(const TouchOptions& options);
 /// Throws bad_usage if --finger-width is given, which has an effect only with depth images. `goes_with` names the
 /// option that gives them.
@@ -96,7 +96,8 @@ struct FeltOptions {
   std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: the range for --tune
 };
 void add_felt_options(CLI::App& app, FeltOptions& options);
-/// Throws bad_usage if a range is incomplete, empty, or given without --tune, and if nothing uses the spot.
+/// Throws bad_usage if a range is incomplete, empty, out of range, or given without --tune, and if nothing uses the
+/// spot.
 void check(const FeltOptions& options, const TouchOptions& touch);
 
 /// The air and the tone: --temperature or --sound-speed, --frequency.

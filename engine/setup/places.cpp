@@ -166,7 +166,7 @@ Places line_places(const Vec3& from, const Vec3& to, std::uint32_t samples) {
   check_near("the line's end", from);
   check_near("the line's end", to);
   if (from == to) throw bad_usage("both ends of the line are the same point; give two");
-  if (samples < 2) throw bad_usage("a line has two samples or more");
+  if (samples < 2) throw bad_usage("a line needs at least 2 samples: give a larger --samples");
   check_room(samples);
   Places places;
   places.line = true;

@@ -30,13 +30,16 @@ bool within(double value, const Range& range) {
   return (range.open ? value > range.low : value >= range.low) && value <= range.high;
 }
 
+[[noreturn]] void refuse_quantity(const std::string& name, const std::string& text, Quantity quantity,
+                                  const Range& range) {
+  throw bad_usage(fmt::format("{}: '{}' is out of range, give a value {}", name, shown(text),
+                              range_words(range, [&](double v) { return format_quantity(v, quantity); })));
+}
+
 double take_quantity(const std::string& name, const std::string& text, Quantity quantity, const Range& range) {
   const std::optional<double> value = parse_quantity(text, quantity);
   if (!value) throw bad_usage(fmt::format("{}: '{}' is not {}", name, shown(text), quantity_hint(quantity)));
-  if (!within(*value, range)) {
-    throw bad_usage(fmt::format("{}: '{}' is out of range, give a value {}", name, shown(text),
-                                range_words(range, [&](double v) { return format_quantity(v, quantity); })));
-  }
+  if (!within(*value, range)) refuse_quantity(name, text, quantity, range);
   return *value;
 }
 
@@ -309,6 +312,10 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
         }
         throw bad_usage(fmt::format("{}: '{}' is not one of {}", name, shown(text), list));
       });
+}
+
+void check_quantity(const std::string& option, double value, Quantity quantity, const Range& range) {
+  if (!within(value, range)) refuse_quantity(option, format_quantity(value, quantity), quantity, range);
 }
 
 }  // namespace palpa::setup

@@ -119,6 +119,10 @@ class Group {
 /// "1.5mm", "1.5ms", "40kHz", "343m/s": the shortest text that reads back as `value`, in a common unit.
 std::string format_quantity(double value, Quantity quantity);
 
+/// Throws bad_usage naming the option if `value`, which a C++ caller set, is outside of the option's range or not
+/// finite.
+void check_quantity(const std::string& option, double value, Quantity quantity, const Range& range);
+
 /// Limit for Group::point; beyond it, results are not exact.
 inline constexpr double farthest_point_m = 1e4;
 /// Three numbers "x,y,z" with optional length units; throws bad_usage naming the option.

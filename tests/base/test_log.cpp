@@ -178,7 +178,7 @@ class FullStderr {
   int before_;
 };
 
-TEST(LogRelay, NobodyWaitsForWhoeverDoesNotRead) {
+TEST(LogRelay, NobodyWaitsForAReaderThatDoesNotRead) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   {

@@ -14,9 +14,9 @@
 
 #include "array/board_mesh.hpp"
 #include "array/layout.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"

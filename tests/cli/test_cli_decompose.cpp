@@ -6,17 +6,17 @@
 #include <csignal>
 #include <fstream>
 
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/parts/vhacd.hpp"
 #include "geometry/parts_solid.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

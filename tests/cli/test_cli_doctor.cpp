@@ -1,7 +1,7 @@
 // `palpa doctor` on any machine: with or without a GPU, with or without USB.
 #include <gtest/gtest.h>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 #include "support/json.hpp"
 
 namespace palpa::test {

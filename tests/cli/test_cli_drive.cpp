@@ -8,8 +8,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 

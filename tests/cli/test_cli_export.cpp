@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "array/drive.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "driver/cameras/made_up_bag.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "session/links/record_link.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"

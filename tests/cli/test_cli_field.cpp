@@ -10,14 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
-#include "terminal.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -25,9 +26,8 @@ namespace {
 using nlohmann::json;
 using Rows = std::vector<std::vector<double>>;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-field";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("field");
   return folder;
 }
 

@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "boxes.hpp"
+#include "cli/support/boxes.hpp"
+#include "cli/support/touch_json.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
 #include "session/session.hpp"
@@ -23,7 +24,6 @@
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
-#include "touch_json.hpp"
 
 namespace palpa::test {
 namespace {

@@ -5,11 +5,11 @@
 #include <fstream>
 #include <vector>
 
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 

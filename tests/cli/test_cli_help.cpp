@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "every_command.hpp"
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/every_command.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "setup/help.hpp"
 #include "setup/nearest_word.hpp"
 

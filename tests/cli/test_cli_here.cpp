@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
+#include "cli/support/here.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 

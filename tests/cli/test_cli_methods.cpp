@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "session/links/record_link.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

@@ -13,17 +13,17 @@
 #include <vector>
 
 #include "acoustics/bodies/sphere_series.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
@@ -34,9 +34,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double radius = 5e-3;
 const double wave_number = 2 * pi * 40e3 / 343;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-scatter";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("scatter");
   return folder;
 }
 

@@ -11,25 +11,24 @@
 #include <string>
 #include <vector>
 
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {
 
 using nlohmann::json;
 
-std::filesystem::path folder() {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "palpa-simulate";
-  std::filesystem::create_directories(folder);
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("simulate");
   return folder;
 }
 

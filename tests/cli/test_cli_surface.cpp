@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/support/touch_json.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
@@ -24,7 +25,6 @@
 #include "support/mesh_oracle.hpp"
 #include "support/shared_data.hpp"
 #include "touch/types.hpp"
-#include "touch_json.hpp"
 
 namespace palpa::test {
 namespace {
@@ -198,7 +198,7 @@ void PrintTo(const Model& model, std::ostream* out) {
 /// The contacts of the points of a file with the solids of another file, as the command computes them.
 std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& solids, const std::string& scene,
                                         const std::string& cloud, setup::Backend backend, double delta) {
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = backend;
   options.touch.parameters.delta_m = delta;
   options.touch.parameters.finger_gap_m = 0.02;  // a thin cloud would have more fingers than palpa handles

@@ -8,13 +8,13 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
+#include "cli/support/here.hpp"
+#include "cli/support/touch_here.hpp"
+#include "cli/support/touch_json.hpp"
 #include "geometry/files/ply.hpp"
-#include "here.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "touch_here.hpp"
-#include "touch_json.hpp"
 
 namespace palpa::test {
 namespace {

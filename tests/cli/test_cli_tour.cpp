@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

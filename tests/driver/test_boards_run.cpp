@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "cli/live_run.hpp"
-#include "cli/process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/json.hpp"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "driver/umockdev_device.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"

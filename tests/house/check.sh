@@ -124,6 +124,15 @@ paths() {
   return 1
 }
 
+# Two users may run the tests on one machine: a test writes only into folders that scratch_folder gives it.
+scratch() {
+  local hits
+  hits=$(files 'tests/*.?pp' | grep -v '^tests/support/shared_data' | xargs -r grep -nE 'TempDir\(|temp_directory_path|tmpnam')
+  [[ -z $hits ]] && return
+  printf '%s\n' "$hits"
+  return 1
+}
+
 # No pass without its shared header, no shader without a user.
 shaders() {
   local shader name found=0
@@ -203,7 +212,7 @@ tree() {
 tree_of() {
   awk -F/ '{ path = ""; for (i = 1; i < NF; i++) { path = path $i "/"; print path } }' | sort -u | while read -r folder; do
     case $folder in
-      tests/ | tests/tools/ | tests/support/ | tests/house/ | tests/bare/ | tests/usb/ | tests/package/*) printf '%s\n' "$folder" ;;
+      tests/ | tests/cli/ | tests/tools/ | tests/support/ | tests/house/ | tests/bare/ | tests/usb/ | tests/package/*) printf '%s\n' "$folder" ;;
       tests/*) mirrored "${folder#tests/}" || echo "$folder" ;;
       *) printf '%s\n' "$folder" ;;
     esac
@@ -222,6 +231,7 @@ step "includes" includes
 step "register of files" registered
 step "file sizes" sizes
 step "machine paths" paths
+step "scratch folders" scratch
 step "shaders in use" shaders
 step "shellcheck" shell
 if [[ ${1-} != quick ]]; then

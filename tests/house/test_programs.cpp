@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "house/elf_file.hpp"
 #include "house/small_body.hpp"
 #include "support/shared_data.hpp"

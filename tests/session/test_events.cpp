@@ -127,7 +127,7 @@ TEST_F(Events, AFingerThatChangesItsSolidReleasesTheOldOne) {
   EXPECT_EQ(told(tracker.end()), "release 5@knob");
 }
 
-TEST_F(Events, TheEndReleasesWhoeverTouches) {
+TEST_F(Events, TheEndReleasesEachFingerThatTouches) {
   frame({{0}, {1, 1}});
   const auto events = tracker.end();
   EXPECT_EQ(told(events), "release 0@button, release 1@knob");
@@ -147,7 +147,7 @@ TEST_F(Events, FramesThatStopComingAreARelease) {
   EXPECT_EQ(events[1].time_s, time_s);
 }
 
-TEST_F(Events, AClockThatIsSetBackReleasesWhoeverTouchesFirst) {
+TEST_F(Events, AClockThatIsSetBackFirstReleasesEachFingerThatTouches) {
   frame({{0}, {1, 1}});
   const double last_s = time_s;
   time_s = -1000;

@@ -439,7 +439,7 @@ TEST(SourceClock, FollowsAClockThatRunsSlow) {
   EXPECT_LT(age, 1e-3);
 }
 
-TEST(SourceClock, StartsAnewWhenTheSourcesClockStepsBack) {
+TEST(SourceClock, StartsAgainWhenTheSourcesClockStepsBack) {
   SourceClock clock;
   clock.capture_time(1000.0, 5.0);
   EXPECT_DOUBLE_EQ(clock.capture_time(0.0, 6.0), 6.0);

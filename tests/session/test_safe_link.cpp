@@ -206,7 +206,7 @@ TEST(SafeLink, GoesUpTheRampAndDownAgainAndThenIsSilent) {
   EXPECT_TRUE(p.spy.ended_silent());
 }
 
-TEST(SafeLink, TellsAPlanAnewWhileTheRampMoves) {
+TEST(SafeLink, GivesAPlanAgainWhileTheRampMoves) {
   Player p;
   SafeLink safe(p.spy, 3, {.ramp_s = 30 * slot_s});
   safe.plan(p.at(p.touch, 0));

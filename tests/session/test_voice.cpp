@@ -124,7 +124,7 @@ TEST(Voice, TogetherLeavesEmptySectorsOut) {
   EXPECT_EQ(voice.modulation_hz, 200) << "nothing moves";
 }
 
-TEST(Voice, AreMadeAnewWithoutAllocating) {
+TEST(Voice, AreMadeAgainWithoutAllocating) {
   Schedule schedule;
   std::vector<SlotFocus> foci;
   const touch::Finger finger = finger_with(std::vector<std::uint32_t>(10, 1));

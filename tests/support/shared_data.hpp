@@ -14,7 +14,8 @@ std::filesystem::path shared_data(const std::string& relative);
 /// A file of the source tree, e.g. source_file("assets/cube.glb").
 std::filesystem::path source_file(const std::string& relative);
 
-/// A fresh empty folder below the build directory, removed at exit.
+/// A fresh empty folder among the temporary files of the system, removed at exit. No other process has the same folder,
+/// so other users and other copies of the project can run the same tests at the same time.
 std::filesystem::path scratch_folder(const std::string& name);
 
 }  // namespace palpa::test

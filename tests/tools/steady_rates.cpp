@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "cli/steady_films.hpp"
+#include "cli/support/steady_films.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

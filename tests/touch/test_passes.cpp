@@ -146,7 +146,7 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
       {b.total.ref(), b.parents.ref(), b.contact_texels.ref(), b.header.ref(), b.grouped_texels.ref(), b.fingers.ref()},
       b.sections_scratch, b.room);
   gpu::compute_to_compute(commands);
-  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_anew, {});
+  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_restart, {});
   gpu::compute_to_compute(commands);
   foci.record(
       commands,

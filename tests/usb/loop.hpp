@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/live_run.hpp"
-#include "cli/process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 

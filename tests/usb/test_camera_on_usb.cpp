@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

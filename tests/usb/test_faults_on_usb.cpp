@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "support/files.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"

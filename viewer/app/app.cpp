@@ -224,7 +224,7 @@ void App::advance(double now_s, const Size& whole_size) {
   do_asked(now_s, size);
   if (run_.session()) advance_live(now_s, size);
   show_doing();
-  if (const std::string scene = desk_.edit.options().scene; scene_watch_.look(scene, now_s)) open(scene, now_s);
+  if (const std::string scene = desk_.edit.options().scene; scene_watch_.look(scene, now_s)) open_again(scene, now_s);
   advance_slots(now_s);
   listen(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) stale_.redraw();

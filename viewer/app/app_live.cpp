@@ -28,6 +28,7 @@ void App::begin_run() {
   setup::check(run_.next());
   sounds_.set_finger(finger_mesh(options_.skin, run_.next().source));
   const auto lines = run_.begin();
+  live_.fresh = false;
   if (!lines) return void(quitting_ = true);
   for (const std::string& line : *lines)
     say(log::Level::info, line, now_s_);

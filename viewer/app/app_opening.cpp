@@ -37,6 +37,14 @@ void App::open_scene(const std::string& path) {
   opening_.begin_touch(touch, same);
 }
 
+/// Opens a scene that was written again. A run that has ended stays silent until a person starts it. A run that failed
+/// before it had a scene has never sounded, and the new file is probably the repair, so this run begins again.
+void App::open_again(const std::string& scene, double now_s) {
+  const bool over = run_.state() == RunState::ended || (run_.state() == RunState::failed && run_.scene());
+  if (!desk_.live || !over) return open(scene, now_s);
+  say(log::Level::info, fmt::format("{}: was written again; Start begins a run with it", scene), now_s);
+}
+
 void App::advance_opening(double now_s) {
   desk_.opening = opening_.busy();
   std::optional<Opened> opened = opening_.take();

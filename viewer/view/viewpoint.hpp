@@ -22,8 +22,8 @@ struct Viewpoint {
   /// Shares of the picture's width that something else covers. The target lies in the middle of the rest, undistorted
   /// (a shifted lens).
   double covered_left = 0, covered_right = 0;
-  /// Replaces all of the above except the distance, at which the scale holds. Anything that moves the viewpoint leaves
-  /// the frustum, and the orbit goes on from there.
+  /// Replaces all of the above except the distance: the picture's scale bar is right at this distance. Anything that
+  /// moves the viewpoint leaves the frustum, and the orbit goes on from there.
   std::optional<Frustum> frustum;
 };
 

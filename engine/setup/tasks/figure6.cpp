@@ -31,8 +31,8 @@ std::vector<geometry::Solid> solids_of(const Object& object) {
 
 }  // namespace
 
-std::vector<Figure6Touch> figure6(const SimulateOptions& options, FingerBody& finger) {
-  SimulateOptions o = options;
+std::vector<Figure6Touch> figure6(const SimulateTask& options, FingerBody& finger) {
+  SimulateTask o = options;
   o.bare_elongation = true;
   std::vector<Figure6Touch> touches;
   for (const auto& [word, method] : touch::method_words) {

@@ -17,7 +17,7 @@ struct Figure6Touch {
 
 /// The results of simulate(), method by method and object by object; the objects are palpa's own assets. In `options`,
 /// the method and the request for the bare elongation are ignored.
-std::vector<Figure6Touch> figure6(const SimulateOptions& options, FingerBody& finger);
+std::vector<Figure6Touch> figure6(const SimulateTask& options, FingerBody& finger);
 
 /// The output of `palpa simulate --figure6 --json`: an array of objects.
 std::string to_json(std::span<const Figure6Touch> touches);

@@ -29,7 +29,7 @@
 
 namespace palpa::setup {
 
-void check(const SimulateOptions& options) {
+void check(const SimulateTask& options) {
   check(options.compute);
   check(options.touch);
   check(options.in_time, options.touch);
@@ -72,7 +72,7 @@ TouchInput skin_of(const geometry::Mesh& finger, double dy) {
 }
 
 /// The points of the mesh that the rig's cameras see; the array's boards hide parts of it.
-TouchInput seen_skin(const SimulateOptions& o, const PosedRig& rig, const FingerBody& finger, double dy) {
+TouchInput seen_skin(const SimulateTask& o, const PosedRig& rig, const FingerBody& finger, double dy) {
   if (rig.rig.cameras.empty()) throw bad_input(rig.rig.file, "has no [[camera]]; --skin cameras needs one");
   sensing::FrameSet seen;
   const sensing::Posed posed{&finger.as_given(), glm::translate(Transform(1.0), Vec3(0, dy, 0)), finger.name()};
@@ -119,7 +119,7 @@ struct OnFinger {
   std::optional<acoustics::FingerField> field;        ///< for spectra and tuning, unless spots are requested
 
   /// All in the world; the layout must outlive it.
-  OnFinger(const SimulateOptions& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
+  OnFinger(const SimulateTask& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
            const acoustics::Air& air, const array::DriveOptions& drive)
       : body(std::move(standing)) {
     // Without absorption, as in the solvers.
@@ -151,7 +151,7 @@ session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, 
 
 }  // namespace
 
-SimulateResult simulate(const SimulateOptions& o, FingerBody& finger, const std::string& scene,
+SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::string& scene,
                         std::vector<geometry::Solid> solids) {
   if (solids.empty()) throw bad_input(scene, "has no solid to touch");
   SimulateResult result;

@@ -2,7 +2,7 @@
 // a live run. The result is the radiation pressure of linear sound, scattered by the finger, on the finger
 // (acoustics/bodies/radiation.hpp has the equations). simulate_result.hpp defines the result.
 //
-//   setup::SimulateOptions options{.penetration_m = 2e-3};
+//   setup::SimulateTask options{.penetration_m = 2e-3};
 //   setup::check(options);
 //   setup::FingerBody finger("finger.ply", setup::air(options.drive.medium, options.air));
 //   setup::SimulateResult result = setup::simulate(options, finger, "cube.glb", setup::load_solids("cube.glb"));
@@ -26,11 +26,11 @@ namespace palpa::setup {
 /// The skin points of the touch: the finger's vertices, or the points that the rig's cameras see.
 enum class Skin { vertices, cameras };
 
-/// Limit of SimulateOptions::penetration_m, in both directions.
+/// Limit of SimulateTask::penetration_m, in both directions.
 inline constexpr double most_penetration_m = 10;
 
 /// The defaults are the command line's.
-struct SimulateOptions {
+struct SimulateTask {
   ComputeOptions compute;       ///< its seed is used for the cameras' noise
   double penetration_m = 3e-3;  ///< depth of the finger's lowest point below the solids' top
   Skin skin = Skin::vertices;
@@ -43,7 +43,7 @@ struct SimulateOptions {
   AirOptions air;
 };
 /// Throws bad_usage if the options do not fit together; warns of unusual values.
-void check(const SimulateOptions& options);
+void check(const SimulateTask& options);
 
 /// A finger's mesh, and its scattering at its current place. For one thread at a time.
 class FingerBody {
@@ -70,7 +70,7 @@ class FingerBody {
 /// `options` must have passed check(), and the finger must be made for their air. The equations are reused while the
 /// finger stays in the same place. Throws bad_input, naming `scene`, if nothing is touched and if the finger intersects
 /// the array; otherwise as load_posed_rig, drive_options and touch_once do. Warns of unusual values.
-SimulateResult simulate(const SimulateOptions& options, FingerBody& finger, const std::string& scene,
+SimulateResult simulate(const SimulateTask& options, FingerBody& finger, const std::string& scene,
                         std::vector<geometry::Solid> solids);
 
 }  // namespace palpa::setup

@@ -20,7 +20,7 @@
 
 namespace palpa::setup {
 
-void check(const TouchSceneOptions& options, bool depth_images) {
+void check(const TouchTask& options, bool depth_images) {
   check(options.compute);
   check(options.touch);
   check(options.felt, options.touch);
@@ -40,7 +40,7 @@ bool TouchResult::beyond_linear() const {
 
 namespace {
 
-TouchArray load_array(const TouchSceneOptions& o, std::span<const geometry::Solid> solids) {
+TouchArray load_array(const TouchTask& o, std::span<const geometry::Solid> solids) {
   TouchArray array{.layout = {},
                    .drive = drive_options(o.array.drive, o.touch.method.method),
                    .pressure_pa = o.array.drive.pressure_pa};
@@ -54,7 +54,7 @@ TouchArray load_array(const TouchSceneOptions& o, std::span<const geometry::Soli
 
 }  // namespace
 
-TouchResult touch_scene(const TouchSceneOptions& options, const std::string& scene, std::vector<geometry::Solid> solids,
+TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since) {
   Stopwatch whole = since;
   StepTimes times;

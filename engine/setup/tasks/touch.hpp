@@ -1,7 +1,7 @@
 // The computation of `palpa touch`: one touch of a scene by skin points or depth images, from contacts to the schedule
 // of the foci, and an array's pressures at the foci. touch/stage.hpp names the paper's equations.
 //
-//   setup::TouchSceneOptions options{.array = {.layout = "paper"}};
+//   setup::TouchTask options{.array = {.layout = "paper"}};
 //   setup::check(options, false);
 //   std::vector<geometry::Solid> solids = setup::load_solids("cube.glb");
 //   setup::TouchInput skin = setup::skin_points("my skin", points);
@@ -24,7 +24,7 @@
 namespace palpa::setup {
 
 /// The options for finding a touch and for its results. The defaults are the command line's.
-struct TouchSceneOptions {
+struct TouchTask {
   ComputeOptions compute;
   TouchOptions touch;
   FeltOptions felt;
@@ -32,7 +32,7 @@ struct TouchSceneOptions {
 };
 /// Throws bad_usage if the options do not fit together; warns of unusual values. `depth_images`: the skin comes from
 /// depth images; a finger's width has an effect only with them.
-void check(const TouchSceneOptions& options, bool depth_images);
+void check(const TouchTask& options, bool depth_images);
 
 /// A touch and the requested results. Lengths in metres, coordinates in the world.
 struct TouchResult {
@@ -57,7 +57,7 @@ struct TouchResult {
 /// fingers; that is not an error. `options` must have passed check(). Times are measured from `since`, so that they can
 /// include earlier loading. Warns if there are more fingers than are played. Throws bad_input for an invalid layout,
 /// bad_usage for options that do not fit the scene, otherwise as touch_once does.
-TouchResult touch_scene(const TouchSceneOptions& options, const std::string& scene, std::vector<geometry::Solid> solids,
+TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since = {});
 
 /// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.

@@ -255,7 +255,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   Track t{};
   t.id = new_id;
   t.home = new_home;
-  t.since_us = shader::follow_anew;
+  t.since_us = shader::follow_restart;
   t.solid = finger.solid;
   t.carrier = none;
   t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
@@ -313,9 +313,10 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
 
 void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch) {
   const std::uint32_t elapsed_us = tracks.clock.elapsed_us(time_s);
-  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == shader::follow_anew ? 0 : elapsed_us,
-                setting.memory_us(), setting.axes == Axes::steady};
-  if (elapsed_us == shader::follow_anew) {
+  Follow follow{std::span(touch.fingers).first(touch.finger_count),
+                elapsed_us == shader::follow_restart ? 0 : elapsed_us, setting.memory_us(),
+                setting.axes == Axes::steady};
+  if (elapsed_us == shader::follow_restart) {
     tracks.count = 0;
     tracks.next_id = 0;
   }

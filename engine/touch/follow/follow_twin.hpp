@@ -22,8 +22,8 @@ struct Tracks {
 /// C++ twin of FollowPass. Gives ids to the first `finger_count` fingers of a frame, whose sections come from
 /// find_sections(). If the setting has steady axes, turns their axes as little as possible from those of the previous
 /// frame. Ids count up from 0 in the order of the fingers and are never reused. In the first frame, the ids are the
-/// fingers' order. Afterwards, the first tracks are those of the fingers. Uses the pass's single-precision arithmetic.
-/// Allocates nothing.
+/// fingers' order. After each call, the first tracks are those of the frame's fingers, in their order. Uses the pass's
+/// single-precision arithmetic. Allocates nothing.
 void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch);
 
 }  // namespace palpa::touch

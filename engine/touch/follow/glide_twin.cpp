@@ -30,7 +30,7 @@ shader::Axes frame_of(const Float3& w1, const Float3& w3) {
 
 void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger) {
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
-  const bool anew = track.since_us == shader::follow_anew || home.foci != count;
+  const bool restart = track.since_us == shader::follow_restart || home.foci != count;
   const float frame_s = shader::in_seconds(track.since_us);
   const Float3 centre = float3(finger.section.centroid), old_centre = float3(home.centre);
   const shader::Axes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));
@@ -46,7 +46,7 @@ void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger
     const std::uint32_t near = nearest_filled(n, count, [&](std::uint32_t i) { return sectors[i].points != 0; });
     Float3 target = float3(sectors[near < count ? near : n].position);
     Gliding now{target, {0, 0, 0}};
-    if (anew) {
+    if (restart) {
       focus.empty_us = empty ? shader::hold_us + 1 : 0;
     } else {
       const Float3 offset = minus({focus.x, focus.y, focus.z}, old_centre);

@@ -228,7 +228,7 @@ Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_u
   const Sym3 spread = covariance_of(axes);
   Track t;
   t.id = first_id + born;
-  t.since_us = follow_anew;
+  t.since_us = follow_restart;
   t.solid = record.solid;
   t.contacts = record.contacts;
   t.flags = record.point_like == 0u ? track_has_axes : 0u;
@@ -294,10 +294,10 @@ Track followed(uint finger, uint first_id, uint born, uint known, uint elapsed_u
 void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = min(header.fingers, fingers_most);
-  const bool anew = push.elapsed_us == follow_anew;
-  const uint elapsed_us = anew ? 0u : push.elapsed_us;
-  const uint known = anew ? 0u : min(table.count, most);
-  const uint first_id = anew ? 0u : table.next_id;
+  const bool restart = push.elapsed_us == follow_restart;
+  const uint elapsed_us = restart ? 0u : push.elapsed_us;
+  const uint known = restart ? 0u : min(table.count, most);
+  const uint first_id = restart ? 0u : table.next_id;
   const float frame_s = in_seconds(elapsed_us);
   const float scale = reach_of(frame_s, 0.0, 0.0);
 

@@ -10,7 +10,7 @@ PALPA_CONST follow_none = 0xffffffffu;
 
 // In FollowPush::elapsed_us: there is no frame before this one, and no id has been given. In Track::since_us: the
 // finger is new, was in another's cluster since it was last seen by itself, or was missing for longer than it coasts.
-PALPA_CONST follow_anew = 0xffffffffu;
+PALPA_CONST follow_restart = 0xffffffffu;
 
 struct FollowPush {
   uint elapsed_us;  // from the frame before to this frame
@@ -35,7 +35,7 @@ struct Track {
   uint flags;
   uint home;      // 0 to follow_most_tracks - 1, fixed as long as the track is known: passes keep their data on it
                   // there
-  uint since_us;  // of this frame's fingers: time since it was last seen by itself, or follow_anew
+  uint since_us;  // of this frame's fingers: time since it was last seen by itself, or follow_restart
   vec4 place;     // where its centroid is, or is expected; w: its distance from the centroid of its cluster
   vec4 velocity;  // m/s
   vec4 axis1;     // steady w1

@@ -43,7 +43,7 @@ void main() {
   const uint count = min(fingers[finger].foci, foci_most);
   const uint home = table.tracks[finger].home;
   const uint since_us = table.tracks[finger].since_us;
-  const bool anew = since_us == follow_anew || homes[home].foci != count;
+  const bool restart = since_us == follow_restart || homes[home].foci != count;
   const vec4 axis1 = fingers[finger].axis1, axis3 = fingers[finger].axis3, centre = fingers[finger].centre;
   const Float3 old_centre = xyz(homes[home].centre);
   const Float3 velocity = xyz(homes[home].velocity);
@@ -60,7 +60,7 @@ void main() {
     Gliding now;
     now.place = target;
     now.speed = Float3(0.0, 0.0, 0.0);
-    if (anew) {
+    if (restart) {
       focus.empty_us = empty ? hold_us + 1u : 0u;
     } else {
       const float frame_s = in_seconds(since_us);

@@ -99,9 +99,9 @@ void grow(uint count) {
   const uint thread = gl_LocalInvocationIndex;
   uint found = fingers_nothing;
   SplitLink found_link = SplitLink(0u, 0u);
-  bool anew = thread < count;
+  bool search_again = thread < count;
   for (uint round = 1u; round < count; ++round) {
-    if (anew) {
+    if (search_again) {
       found = fingers_nothing;
       for (uint b = thread + 1u; b < count; ++b) {
         const SplitLink link = link_between(thread, b);
@@ -125,10 +125,10 @@ void grow(uint count) {
     const uint keeps = joined, goes = best[joined];
     join();
     const bool stays = thread < count && head[thread] == thread;
-    anew = stays && (thread == keeps || found == keeps || found == goes);
+    search_again = stays && (thread == keeps || found == keeps || found == goes);
     if (!stays) {
       found = fingers_nothing;
-    } else if (!anew && thread < keeps) {
+    } else if (!search_again && thread < keeps) {
       const SplitLink link = link_between(thread, keeps);
       const bool is_first = found == fingers_nothing || (keeps < found && !surer(found_link, link));  // if both are
                                                                                                       // equally certain

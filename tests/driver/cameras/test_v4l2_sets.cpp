@@ -51,7 +51,7 @@ TEST(V4l2Sets, FramesOfSeveralCamerasAreWithinHalfAFrame) {
   EXPECT_GT(sets, 890u) << "of 900 frames";
 }
 
-TEST(V4l2Sets, ACameraThatStopsIsLeftOutAndStartedAnew) {
+TEST(V4l2Sets, ACameraThatStopsIsLeftOutAndStartedAgain) {
   Machine machine;
   machine.plug("/dev/video0", "A");
   const auto camera = machine.plug("/dev/video2", "B");

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "cli/live_run.hpp"
-#include "cli/process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -168,7 +168,7 @@ TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
   side_by_side(3, std::vector{SIGXFSZ, SIGPIPE, SIGTERM}, ends);
 }
 
-TEST(SignalsRun, WhatWhoeverStartedItIgnoresStaysIgnored) {
+TEST(SignalsRun, SignalsThatItsParentIgnoresStayIgnored) {
   PALPA_TERMINAL_OR_SKIP();
   const auto goes_on = [](int signal) {
     SCOPED_TRACE(strsignal(signal));

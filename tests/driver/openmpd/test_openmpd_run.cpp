@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "cli/live_run.hpp"
-#include "cli/process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "driver/openmpd/openmpd_files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"

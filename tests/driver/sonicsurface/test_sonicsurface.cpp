@@ -285,7 +285,7 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
   rig.expect_silent_end();
 }
 
-TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAnew) {
+TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAgain) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
   rig.board = rig.make(12e-3, true);

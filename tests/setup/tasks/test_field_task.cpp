@@ -131,7 +131,7 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   bad.centre.x = std::numeric_limits<double>::quiet_NaN();
   refused([&] { (void)setup::plane_places(bad); }, "the plane's centre (nan, 0, 0.12) is not within 100 m");
   refused([] { (void)setup::line_places({0, 0, 0}, {0, 0, 0}, 5); }, "both ends of the line are the same point");
-  refused([] { (void)setup::line_places({0, 0, 0}, {0, 0, 1}, 1); }, "a line has two samples or more");
+  refused([] { (void)setup::line_places({0, 0, 0}, {0, 0, 1}, 1); }, "a line needs at least 2 samples");
   refused([] { (void)setup::line_places({0, 0, 0}, {0, 0, 101}, 2); }, "the line's end (0, 0, 101) is not within");
   refused([] { (void)setup::point_places({}); }, "there are no points to look at");
   refused([] { (void)setup::point_places({{0, 0, 0}, {0, 200, 0}}); }, "point 1, (0, 200, 0) is not within 100 m");

@@ -42,15 +42,15 @@ geometry::Mesh tip(int divisions) {
 }
 
 std::string tip_file(int divisions) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / ("palpa-tip-" + std::to_string(divisions) + ".ply");
+  static const std::filesystem::path folder = scratch_folder("simulate-task");
+  const std::filesystem::path file = folder / ("tip-" + std::to_string(divisions) + ".ply");
   const geometry::Mesh mesh = tip(divisions);
   geometry::write_ply(file, mesh.positions, mesh.triangles);
   return file;
 }
 
-setup::SimulateOptions options_of(const std::string& layout) {
-  setup::SimulateOptions options;
+setup::SimulateTask options_of(const std::string& layout) {
+  setup::SimulateTask options;
   options.compute.backend = setup::Backend::cpu;
   options.penetration_m = 1.5e-3;
   options.rig.layout = layout;
@@ -63,14 +63,14 @@ std::vector<std::string> command(const std::vector<std::string>& more) {
               more);
 }
 
-setup::SimulateResult simulate(const setup::SimulateOptions& options) {
+setup::SimulateResult simulate(const setup::SimulateTask& options) {
   setup::check(options);
   setup::FingerBody finger(tip_file(5), setup::air(options.drive.medium, options.air));
   return setup::simulate(options, finger, cube(), setup::load_solids(cube()));
 }
 
 TEST(SimulateTask, HasTheCommandsBytes) {
-  setup::SimulateOptions options = options_of("openmpd");
+  setup::SimulateTask options = options_of("openmpd");
   expect_same_json(to_json(simulate(options)), command({}));
   options.in_time.spectrum = options.touch.tune = true;
   options.drive.transfer = setup::TransferChoice::finger;
@@ -98,7 +98,7 @@ TEST(SimulateTask, ItsTableModelAndPicturesAreTheCommands) {
 }
 
 TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
-  const setup::SimulateOptions options = options_of("openmpd");
+  const setup::SimulateTask options = options_of("openmpd");
   setup::FingerBody finger("a ball", geometry::load_triangles(tip_file(5)),
                            setup::air(options.drive.medium, options.air));
   const setup::SimulateResult result = setup::simulate(options, finger, cube(), setup::load_solids(cube()));
@@ -107,7 +107,7 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
   EXPECT_NEAR(result.tip.y, -1.5e-3, 1e-12);
   EXPECT_EQ(finger.standing(result.tip.y).get(), finger.standing(result.tip.y).get());
   // If nothing is touched, it says how much is missing.
-  setup::SimulateOptions above = options;
+  setup::SimulateTask above = options;
   above.penetration_m = -2e-3;
   EXPECT_REFUSED(setup::simulate(above, finger, cube(), setup::load_solids(cube())),
                  "the finger touches nothing there: its skin is 2.0 mm away from the surface of cube");
@@ -118,7 +118,7 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
 }
 
 TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
-  setup::SimulateOptions options;
+  setup::SimulateTask options;
   options.noise_free = true;
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--skin cameras");
   options.skin = setup::Skin::cameras;
@@ -131,7 +131,7 @@ TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
 }
 
 TEST(SimulateTask, TheFigureHasTheCommandsBytes) {
-  setup::SimulateOptions options = options_of("openmpd");
+  setup::SimulateTask options = options_of("openmpd");
   setup::FingerBody finger(tip_file(8), setup::air({}, {}));
   options.penetration_m = 3e-3;
   const std::vector<setup::Figure6Touch> touches = setup::figure6(options, finger);

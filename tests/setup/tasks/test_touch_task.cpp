@@ -1,6 +1,8 @@
 // setup/tasks/touch.hpp: the same bytes as `palpa touch`, from values in memory as well as from files.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +25,7 @@ std::string finger() {
   return source_file("assets/finger.ply");
 }
 
-setup::TouchResult touch(const setup::TouchSceneOptions& options, double penetration_m) {
+setup::TouchResult touch(const setup::TouchTask& options, double penetration_m) {
   setup::check(options, false);
   std::vector<geometry::Solid> solids = setup::load_solids(cube());
   setup::TouchInputOptions input;
@@ -38,7 +40,7 @@ std::vector<std::string> command(const std::vector<std::string>& more) {
 }
 
 TEST(TouchTask, HasTheCommandsBytes) {
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu"}));
   options.compute.backend = setup::Backend::gpu;
@@ -52,7 +54,7 @@ TEST(TouchTask, HasTheCommandsBytes) {
 }
 
 TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   options.felt.spectrum = options.touch.tune = true;
   const setup::TouchResult result = touch(options, 3e-3);
@@ -63,7 +65,7 @@ TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
 TEST(TouchTask, ItsTableIsTheCommands) {
   const std::string csv = scratch_folder("touch-task") / "contacts.csv";
   ASSERT_EQ(palpa(command({"--backend", "cpu", "--csv", csv})).exit_code, 0);
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   const setup::TouchResult result = touch(options, 3e-3);
   EXPECT_EQ(to_csv(result), read_text(csv));
@@ -78,7 +80,7 @@ TEST(TouchTask, TakesSkinFromMemory) {
   const double dy = setup::lowering(solids, points, 3e-3);
   for (Vec3& point : points)
     point.y += dy;
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   const setup::TouchResult result =
       setup::touch_scene(options, cube(), std::move(solids), setup::skin_points("skin", points));
@@ -90,7 +92,7 @@ TEST(TouchTask, TakesSkinFromMemory) {
 }
 
 TEST(TouchTask, NothingTouchedIsNoError) {
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   options.array.layout = "openmpd";
   const setup::TouchResult result = touch(options, -1e-3);
@@ -100,7 +102,7 @@ TEST(TouchTask, NothingTouchedIsNoError) {
 }
 
 TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
-  setup::TouchSceneOptions options;
+  setup::TouchTask options;
   options.array.drive.weighting = array::Weighting::uniform;
   EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "go with --layout");
   options = {};
@@ -109,6 +111,25 @@ TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
   options = {};
   options.compute = {.gpu = "1", .backend = setup::Backend::cpu};
   EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "--backend cpu uses no GPU");
+}
+
+TEST(TouchTask, ChecksTheRangesThatTheCommandLineHas) {
+  const auto refused = [](const auto& change, const char* option) {
+    setup::TouchTask options;
+    options.touch.tune = true;
+    options.felt.spectrum = true;
+    change(options);
+    EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), std::string(option) + ": '");
+  };
+  for (const double wrong : {-1.0, 1e9, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    refused([&](setup::TouchTask& options) { options.touch.dwell_s = wrong; }, "--dwell");
+    refused([&](setup::TouchTask& options) { options.touch.modulation_hz = wrong; }, "--modulation-frequency");
+    refused([&](setup::TouchTask& options) { options.touch.spot_m = wrong; }, "--spot");
+    refused([&](setup::TouchTask& options) { options.felt = {false, wrong, 5e-3}; }, "--tune-shortest");
+    refused([&](setup::TouchTask& options) { options.felt = {false, 1e-3, wrong}; }, "--tune-longest");
+  }
+  setup::TouchTask options;
+  EXPECT_NO_THROW(setup::check(options, false));
 }
 
 }  // namespace

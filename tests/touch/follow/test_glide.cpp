@@ -301,7 +301,7 @@ TEST_P(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
   }
 }
 
-TEST_P(Glide, AFingerThatComesBackSoonGoesOnAndLaterBeginsAnew) {
+TEST_P(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
   Stream stream(GetParam(), {cube()}, setting_of(10, Smoothing::one_euro));
   Stream fresh(GetParam(), {cube()}, setting_of(10, Smoothing::none));
   const auto at = [](double x, unsigned seed) { return fingertip(1500, 3e-3, x, 0, seed); };

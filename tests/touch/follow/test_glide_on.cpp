@@ -17,7 +17,7 @@ namespace {
 class GlideOn : public OnBothBackends {};
 INSTANTIATE_TEST_SUITE_P(, GlideOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
-TEST_P(GlideOn, AFingerThatWasInAnothersClusterBeginsAnewEvenIfItWasLostInBetween) {
+TEST_P(GlideOn, AFingerThatWasInAnothersClusterRestartsEvenIfItWasLostInBetween) {
   const auto skin_at = [](double a, double b) {
     std::vector<glm::vec3> skin = fingertip(1500, 3e-3, a, 0, 1);
     const std::vector<glm::vec3> other = fingertip(1500, 3e-3, b, 0, 2);
@@ -85,7 +85,7 @@ TEST_P(GlideOn, WhereTimesStandStillOrStutterFociKeepUpWithTheFinger) {
   }
 }
 
-TEST_P(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorBeginsAnew) {
+TEST_P(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorRestarts) {
   const auto ring = [](double radius) {
     std::vector<glm::vec3> points;
     for (int i = 0; i < 720; ++i) {

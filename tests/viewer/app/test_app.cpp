@@ -119,7 +119,7 @@ class LiveApp : public testing::Test {
   bool opens_other() {
     return goes_round_until([&] { return options().scene == other_; });
   }
-  static void write_anew(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
+  static void write_again(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
   const setup::LiveOptions& options() const { return app_->desk().edit.options(); }
 
   const bool panels_;
@@ -138,7 +138,7 @@ TEST_F(LiveApp, AllOffLastsWhateverChanges) {
   ASSERT_TRUE(comes_to(LiveState::ended));
   EXPECT_TRUE(stays_off());
   EXPECT_FALSE(heard_->last_sounds);
-  write_anew(scene_);
+  write_again(scene_);
   EXPECT_TRUE(stays_off()) << "the scene was written again";
   drop(other_);
   EXPECT_TRUE(stays_off()) << "another scene";
@@ -162,19 +162,44 @@ TEST_F(LiveApp, AllOffWinsOverWhatIsAskedForWithIt) {
   EXPECT_TRUE(stays_off());
 }
 
-TEST_F(LiveApp, ASceneThatIsWrittenAnewBeginsAnewAndKeepsItsOptions) {
+TEST_F(LiveApp, ASceneThatIsWrittenAgainRestartsAndKeepsItsOptions) {
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(11);
-  write_anew(scene_);
+  write_again(scene_);
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_TRUE(options().gltf_scene);
 }
 
-TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAnew) {
+TEST_F(LiveApp, ASceneThatIsWrittenAgainStartsNoRunThatIsOver) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  heard_->breaks = true;
+  ASSERT_TRUE(comes_to(LiveState::failed));
+  heard_->breaks = false;
+  const int runs = heard_->opened;
+  go_round(11);
+  write_again(scene_);
+  go_round(50);
+  EXPECT_EQ(app_->desk().live_state, LiveState::failed);
+  EXPECT_EQ(heard_->opened, runs) << "nobody chose Start";
+  EXPECT_TRUE(app_->desk().log.back().text.ends_with("cube.glb: was written again; Start begins a run with it"));
+}
+
+TEST_F(LiveApp, ASceneThatIsRepairedBeginsTheRunThatFailedOnIt) {
+  const std::string whole = test::read_text(scene_);
+  std::ofstream(scene_, std::ios::binary) << whole.substr(0, whole.size() / 2);
+  begin("synthetic");
+  ASSERT_TRUE(comes_to(LiveState::failed));
+  go_round(11);
+  std::ofstream(scene_, std::ios::binary) << whole;
+  write_again(scene_);
+  EXPECT_TRUE(comes_to(LiveState::running));
+}
+
+TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAgain) {
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(11);
-  write_anew(other_);
+  write_again(other_);
   drop(other_);
   ASSERT_TRUE(opens_other());
   EXPECT_FALSE(options().gltf_scene) << "that was of the one before";
@@ -369,7 +394,7 @@ TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
   EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.empty(); }));
 }
 
-TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
+TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
   begin("synthetic", "slice");
   ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
   const auto middle = [&] {
@@ -378,7 +403,7 @@ TEST_F(LiveApp, AHandleThatIsLetGoOfWhileARunBeginsAnewIsLetGoOf) {
   };
   const Projected at = middle();
   button(WindowEvent::Kind::press, at.x, at.y);
-  write_anew(scene_);
+  write_again(scene_);
   ASSERT_TRUE(goes_round_until([&] { return !app_->desk().state.slice_handles; }));
   button(WindowEvent::Kind::release, at.x, at.y);
   ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));

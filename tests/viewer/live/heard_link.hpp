@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/error.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 #include "support/shared_data.hpp"
@@ -20,6 +21,8 @@ namespace palpa::test {
 /// Everything that a link was given; it outlives the link.
 struct Heard {
   std::atomic<std::uint64_t> drives{0}, sounding{0};
+  std::atomic<int> opened{0};
+  std::atomic<bool> breaks{false};  ///< set by a test: the link fails
   std::atomic<bool> last_sounds{false}, finished{false};
 
   bool sounded() const { return sounding > 0; }
@@ -27,9 +30,10 @@ struct Heard {
 
 class HeardLink final : public session::Link {
  public:
-  explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) {}
+  explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) { ++heard_->opened; }
   void plan(const session::PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    if (heard_->breaks) throw failure("heard: broken");
     const bool sounds = std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
     ++heard_->drives;
     heard_->last_sounds = sounds;

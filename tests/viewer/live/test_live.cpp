@@ -280,7 +280,7 @@ TEST(Live, AFaultIsToldAndNothingSounds) {
   EXPECT_EQ(live.scene(), nullptr);
 }
 
-TEST(Starter, DoesNotGiveWayWithWhoeverMadeIt) {
+TEST(Starter, DoesNotGiveWayWithItsMaker) {
   const auto niceness = [] { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
   const int before = niceness();
   int maker = 0, started = 0;
@@ -328,7 +328,7 @@ TEST(DrawingThreads, GiveWayThoughTheyHaveBegun) {
   another.join();
 }
 
-TEST(NextOutputs, ARunThatBeginsAnewWritesOverNothing) {
+TEST(NextOutputs, ARunThatRestartsOverwritesNothing) {
   const auto folder = test::scratch_folder("live-next-outputs");
   const std::string events = (folder / "events.jsonl").string(), drives = (folder / "drives").string(),
                     take = (folder / "take.1").string();

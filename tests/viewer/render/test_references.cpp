@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "drawing_test.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/run/viewer_here.hpp"

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "cli/process.hpp"
-#include "cli/tiny_files.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/tiny_files.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer_here.hpp"

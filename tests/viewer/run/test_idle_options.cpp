@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "support/shared_data.hpp"
 #include "viewer_here.hpp"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <span>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "drawing/png.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"

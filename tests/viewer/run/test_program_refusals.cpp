@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
 #include "support/shared_data.hpp"

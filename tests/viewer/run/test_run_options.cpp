@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 #include "viewer/live/live_line.hpp"
 
 namespace palpa::viewer {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/every_command.hpp"
-#include "cli/process.hpp"
+#include "cli/support/every_command.hpp"
+#include "cli/support/process.hpp"
 #include "drawing/png.hpp"
 #include "geometry/hostile_models.hpp"
 #include "support/files.hpp"

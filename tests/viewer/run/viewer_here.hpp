@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/process.hpp"
+#include "cli/support/process.hpp"
 
 namespace palpa::test {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <thread>
 
-#include "cli/live_run.hpp"
-#include "cli/process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "drawing/png.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"

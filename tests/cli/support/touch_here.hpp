@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "touch_json.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/touch_json.hpp"
 
 namespace palpa::test {
 

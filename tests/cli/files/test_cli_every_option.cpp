@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "array/layout.hpp"
-#include "every_command.hpp"
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/every_command.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "setup/drive_file.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"

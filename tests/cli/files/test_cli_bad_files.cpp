@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/write.hpp"
-#include "process.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"

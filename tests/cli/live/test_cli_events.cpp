@@ -17,7 +17,7 @@
 #include <fstream>
 #include <thread>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "session/links/record_link.hpp"
 #include "support/files.hpp"

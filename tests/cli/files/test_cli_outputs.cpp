@@ -14,10 +14,11 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
-#include "here.hpp"
-#include "process.hpp"
 #include "sensing/grey_png.hpp"
 #include "session/links/record_link.hpp"
 #include "support/file_size_limit.hpp"
@@ -28,7 +29,6 @@
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

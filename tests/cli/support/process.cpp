@@ -1,4 +1,4 @@
-#include "process.hpp"
+#include "cli/support/process.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -134,7 +134,7 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 }
 
 std::vector<std::string> small_frames() {
-  return {"--rig", source_file("tests/cli/small_rig.toml").string(), "--noise-free"};
+  return {"--rig", source_file("tests/cli/support/small_rig.toml").string(), "--noise-free"};
 }
 
 void expect_failure(const Result& result, int code, const std::string& part) {

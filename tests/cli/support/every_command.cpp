@@ -1,4 +1,4 @@
-#include "every_command.hpp"
+#include "cli/support/every_command.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <iterator>
 #include <sstream>
 
+#include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "process.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -85,7 +85,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
         folder_ / "foci.csv"}},
       {"link",
        {"link", "test", "--layout", "openmpd", "--link", "null", "--each", "1ms", "--rest", "0", "--last", "1"}},
-      {"calibrate", {"calibrate", "--rig", source_file("tests/cli/small_rig.toml"), "--frames", "2"}},
+      {"calibrate", {"calibrate", "--rig", source_file("tests/cli/support/small_rig.toml"), "--frames", "2"}},
       {"drive", {"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--backend", "cpu"}},
       {"field",
        {"field", "--layout", "openmpd", "--focus", "0,0,100mm", "--plane", "xz", "--size", "20mm,20mm", "--pixels",

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {

@@ -12,8 +12,8 @@
 #include <fstream>
 #include <thread>
 
-#include "boxes.hpp"
-#include "process.hpp"
+#include "cli/support/boxes.hpp"
+#include "cli/support/process.hpp"
 #include "session/links/record_link.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
@@ -217,7 +217,7 @@ json first_finger(const std::vector<json>& lines) {
   return nullptr;
 }
 
-TEST(CliRun, StreamsFociToWhoeverListens) {
+TEST(CliRun, StreamsFociToItsListeners) {
   const std::vector<json> lines = foci_lines({"--frames", "40"});
   ASSERT_GT(lines.size(), 5u);
   EXPECT_TRUE(lines.back()["fingers"].empty());

@@ -1,4 +1,4 @@
-#include "terminal.hpp"
+#include "cli/support/terminal.hpp"
 
 #include <poll.h>
 #include <pty.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 
 namespace palpa::test {
 

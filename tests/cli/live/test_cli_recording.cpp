@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "session/watch/stats.hpp"
 #include "setup/live_run.hpp"

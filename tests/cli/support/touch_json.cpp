@@ -1,4 +1,4 @@
-#include "touch_json.hpp"
+#include "cli/support/touch_json.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
-#include "cli/tiny_files.hpp"
-#include "live_run.hpp"
-#include "process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/tiny_files.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 

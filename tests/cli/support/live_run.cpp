@@ -1,4 +1,4 @@
-#include "live_run.hpp"
+#include "cli/support/live_run.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <csignal>
 #include <thread>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 #include "support/files.hpp"
 
 namespace palpa::test {

@@ -20,11 +20,11 @@
 #include <thread>
 #include <vector>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
-#include "terminal.hpp"
 
 extern char** environ;
 

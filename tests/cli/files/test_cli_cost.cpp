@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cost.hpp"
+#include "cli/support/cost.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/hostile_models.hpp"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "cost.hpp"
+#include "cli/support/cost.hpp"
 #include "geometry/hostile_models.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"

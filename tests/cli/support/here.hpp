@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 
 namespace palpa::test {
 

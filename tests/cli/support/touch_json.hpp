@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/math.hpp"
-#include "process.hpp"
+#include "cli/support/process.hpp"
 
 namespace palpa::test {
 

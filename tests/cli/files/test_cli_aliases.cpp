@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/tiny_files.hpp"
-#include "here.hpp"
-#include "process.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/tiny_files.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 

@@ -1,4 +1,4 @@
-#include "here.hpp"
+#include "cli/support/here.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>

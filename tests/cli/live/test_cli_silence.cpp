@@ -10,8 +10,8 @@
 #include <functional>
 #include <thread>
 
-#include "live_run.hpp"
-#include "process.hpp"
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
 #include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "steady_films.hpp"
+#include "cli/support/steady_films.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 

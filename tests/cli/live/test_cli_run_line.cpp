@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "setup/run_line.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

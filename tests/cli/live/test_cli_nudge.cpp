@@ -14,8 +14,9 @@
 
 #include "array/drive.hpp"
 #include "array/layout.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
-#include "process.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
@@ -25,7 +26,6 @@
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "terminal.hpp"
 
 namespace palpa::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/support/process.hpp"
 #include "geometry/gltf/write.hpp"
-#include "process.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "process.hpp"
+#include "cli/support/process.hpp"
 
 namespace palpa::test {
 

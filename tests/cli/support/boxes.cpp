@@ -1,4 +1,4 @@
-#include "boxes.hpp"
+#include "cli/support/boxes.hpp"
 
 #include <glm/geometric.hpp>
 

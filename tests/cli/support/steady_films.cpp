@@ -1,4 +1,4 @@
-#include "steady_films.hpp"
+#include "cli/support/steady_films.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "array/board_mesh.hpp"
+#include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
-#include "process.hpp"
 #include "sensing/recording.hpp"
 #include "session/session.hpp"
 #include "setup/load.hpp"
