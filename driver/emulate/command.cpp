@@ -23,17 +23,17 @@ void add_options(CLI::App& app, Options& o) {
   for (const Kind& kind : kinds())
     names += (names.empty() ? "" : ", ") + kind.name + ": " + kind.help;
   board.text("board", o.board, "BOARD", names);
-  board.text("--serial", o.serials, "SERIAL,...", "of USB boards, one board for each [EMU1]");
-  board.flag("--uart", o.uart,
-             "USB boards as they come from the shop: their FT232H is a serial port, and palpa refuses it");
-  board.integer("--port", o.port, 0, 65535, fmt::format("of an AUTD3 server; 0: one that is free [{}]", usual_port));
-  board.flag("--tactile", o.tactile, "a SonicSurface with the tactile firmware");
+  board.text("--serial", o.serials, "SERIAL,...", "serial numbers of USB boards, one board for each [EMU1]");
+  board.flag("--uart", o.uart, "USB boards as they are delivered: their FT232H is a serial port, which palpa refuses");
+  board.integer("--port", o.port, 0, 65535,
+                fmt::format("port of an AUTD3 server; 0 takes a free one [{}]", usual_port));
+  board.flag("--tactile", o.tactile, "emulates a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",
-             "with the boards' own files, board_NAME.pat: how their transducers differ");
+             "folder with the boards' own files, board_NAME.pat, which say how their transducers differ [none]");
   const setup::Group shown(app, "What it tells");
-  shown.text("--trace", o.trace, "FILE", "all that comes over the wire, as JSON lines");
-  shown.flag("--view", o.view, "twice a second, the focus that the bytes on the wire make");
+  shown.text("--trace", o.trace, "FILE", "writes all that comes over the wire, as lines of JSON [no trace]");
+  shown.flag("--view", o.view, "shows the focus that the bytes on the wire make, twice a second");
 }
 
 /// Throws bad_usage for an option that this board would ignore.
@@ -108,11 +108,12 @@ void conclude(const Options& options, const Outputs& outputs, const Outcome& out
 void add_emulate(cli::Program& program) {
   cli::add_subcommand<Options>(program,
                                {"emulate", "a board made of software, as strict as the real one",
-                                "  palpa emulate openmpd --serial EMU1 --view     and beside it: palpa run ... "
-                                "--layout openmpd --link openmpd:EMU1\n"
-                                "  palpa emulate openmpd --serial A,B --trace wire.jsonl\n"
-                                "  palpa emulate autd3 --layout paper     and beside it: palpa run ... --link "
-                                "autd3:127.0.0.1:8080"},
+                                "  palpa emulate openmpd --serial EMU1 --view\n"
+                                "  palpa emulate autd3 --layout paper",
+                                "",
+                                "Leave it running, and start palpa run --link openmpd:EMU1 or --link "
+                                "autd3:127.0.0.1:8080 in another terminal. Ctrl-C ends it.",
+                                "BOARD"},
                                add_options, run);
 }
 

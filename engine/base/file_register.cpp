@@ -102,6 +102,15 @@ bool covers(const Claim& claim, const OutputPlace& place, const Entry& entry) {
   return false;
 }
 
+/// A file in a folder that was read; empty if there is none.
+std::string read_inside(const Register& r, const OutputPlace& folder) {
+  std::error_code fault;
+  for (fs::recursive_directory_iterator file(folder.path, fault), end; !fault && file != end; file.increment(fault)) {
+    if (was_read(r, output_place(file->path()))) return file->path().string();
+  }
+  return {};
+}
+
 Error read_by_this_command(const std::string& option, const std::string& name) {
   return bad_usage(fmt::format("{}: {} is read by this command, name another file", option, name));
 }
@@ -117,6 +126,8 @@ void claim(std::vector<Claim> claims) {
   const std::lock_guard lock(r.mutex);
   for (const Claim& mine : claims) {
     if (was_read(r, mine.place)) throw read_by_this_command(mine.option, mine.place.name);
+    if (const std::string inside = mine.is_replaced ? read_inside(r, mine.place) : std::string(); !inside.empty())
+      throw read_by_this_command(mine.option, inside);
     for (const Claim& other : r.claims) {
       if (other.owner == mine.owner || other.option == mine.option || !is_same(other, mine)) continue;
       throw bad_usage(fmt::format("{} and {} name the same file, {}: give each its own", other.option, mine.option,
@@ -140,7 +151,8 @@ bool is_in_use() {
 
 void reads(const fs::path& file, const FileIdentity& identity) {
   Register& r = the_register();
-  const Entry entry = entry_of(output_place(file));
+  const OutputPlace place = output_place(file);
+  const Entry entry = entry_of(place);
   const std::int64_t born = is_known(identity) ? birth_of(file) : 0;
   const std::lock_guard lock(r.mutex);
   // Files that this program wrote may be written again, even if they were read meanwhile. Refused reads are remembered,
@@ -148,6 +160,7 @@ void reads(const fs::path& file, const FileIdentity& identity) {
   if (r.keepers > 0 && is_known(identity) && !r.own.contains(entry) && !r.written.contains(entry))
     r.inputs[identity] = {file.string(), born};
   for (const Claim& claim : r.claims) {
+    if (claim.is_replaced && covers(claim, place, entry)) throw read_by_this_command(claim.option, file.string());
     if (claim.is_folder || claim.place.kind == OutputPlace::Kind::other) continue;
     const bool same = can_be_lost(claim.place) && claim.place.identity == identity && !is_other(claim.born, born);
     if (same || claim.entry == entry) throw read_by_this_command(claim.option, file.string());

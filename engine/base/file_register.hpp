@@ -51,7 +51,8 @@ struct Claim {
   const void* owner;   ///< claims of one owner end together
   std::string option;  ///< "--json", for messages
   OutputPlace place;
-  bool is_folder = false;  ///< everything inside it is declared, too
+  bool is_folder = false;    ///< everything inside it is declared, too
+  bool is_replaced = false;  ///< for a folder: nothing inside it may be read, because it will be deleted
   // Filled in by claim():
   Entry entry{};
   std::int64_t born = 0;

@@ -37,8 +37,11 @@ void refuse_unusable(const Placed& one) {
     return refuse_unwritable(place);
   }
   std::error_code fault;
-  if (!fs::is_empty(place.path, fault) && !fault) {
-    throw bad_usage(fmt::format("{}: {} is not empty, name a new folder", one.output->option, place.name));
+  if (one.output->full != Output::Full::replaced && !fs::is_empty(place.path, fault) && !fault) {
+    throw bad_usage(fmt::format("{}: {} is not empty, name a new folder{}", one.output->option, place.name,
+                                one.output->full == Output::Full::may_be_replaced
+                                    ? ", or give --overwrite to replace the recording in it"
+                                    : ""));
   }
 }
 
@@ -90,7 +93,8 @@ Outputs::Outputs(const std::vector<Output>& outputs) {
   std::vector<file_register::Claim> claims;
   claims.reserve(all.size());
   for (Placed& one : all)
-    claims.push_back({this, one.output->option, std::move(one.place), one.output->kind == Output::Kind::folder});
+    claims.push_back({this, one.output->option, std::move(one.place), one.output->kind == Output::Kind::folder,
+                      one.output->full == Output::Full::replaced});
   file_register::claim(std::move(claims));
 }
 

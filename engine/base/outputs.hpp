@@ -14,10 +14,17 @@ namespace palpa {
 /// One of a command's outputs, as the command line gave it.
 struct Output {
   enum class Kind { file, folder };
+  /// For a folder that is not empty.
+  enum class Full {
+    refused,
+    may_be_replaced,  ///< refused, with a message that names --overwrite
+    replaced,         ///< its files will be deleted, so none of them may be an input
+  };
 
   std::string option;  ///< "--json", for messages
   std::string target;  ///< a file, "-" for stdout, a new or empty folder; "" if there is no output
   Kind kind = Kind::file;
+  Full full = Full::refused;
 };
 
 /// The outputs of a command, declared in the register of files (base/file_register.hpp). While this object lives, they
@@ -27,7 +34,7 @@ class Outputs {
  public:
   /// Throws, before anything is changed, failure() for an output that cannot be written there; bad_usage for a folder
   /// that is not empty, two outputs that are the same file, an output that was read, an output inside another's folder,
-  /// and two outputs on stdout.
+  /// and two outputs on stdout. For a folder that will be replaced, every file in it counts as an output.
   explicit Outputs(const std::vector<Output>& outputs);
   ~Outputs();
   Outputs(const Outputs&) = delete;

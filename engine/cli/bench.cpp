@@ -34,12 +34,12 @@ void add_options_of_bench(CLI::App& app, BenchCommand& o) {
                 {"acoustics", Suite::acoustics},
                 {"loop", Suite::loop},
                 {"links", Suite::links}},
-               "touch: points to foci; surface: solids of many faces; array: drives; acoustics: what they sound like; "
-               "loop: depth frames to drives; links: drives to the wire, on the host");
-  group.text("--scene", o.scene, "FILE", "glTF model that the surface suite measures, too");
+               "what is measured: points to foci (touch), solids of many faces (surface), drives (array), their sound "
+               "(acoustics), depth frames to drives (loop), drives to the wire (links)");
+  group.text("--scene", o.scene, "FILE", "with --suite surface or all: glTF model that is measured as well [no model]");
   add_allow_outside(group, o.common);
-  group.integer("--runs", o.runs, 3, 100'000, "timed runs of each case, after a warm-up");
-  group.text("--csv", o.csv, "FILE|-", "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
+  group.integer("--runs", o.runs, 3, 100'000, "number of timed runs of each case, after a warm-up");
+  group.text("--csv", o.csv, "FILE|-", "writes the table as CSV, with the names of its columns in the first line");
 }
 
 std::string bench_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
@@ -136,10 +136,9 @@ void run_bench(const BenchCommand& o, const Extensions& extensions) {
 
 void add_bench(Program& program) {
   add_subcommand<BenchCommand>(program,
-                               {"bench", "how fast this machine is, correctness checked first",
+                               {"bench", "how fast this machine is, after a check that its results are correct",
                                 "  palpa bench\n"
-                                "  palpa bench --suite loop --runs 1000 --csv loop.csv\n"
-                                "  palpa bench --gpu 1 --json -"},
+                                "  palpa bench --suite loop --runs 1000 --csv loop.csv"},
                                add_options_of_bench,
                                [&extensions = program.extensions](const BenchCommand& o) { run_bench(o, extensions); });
 }

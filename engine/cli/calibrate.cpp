@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "array/layout.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
@@ -27,23 +28,35 @@ constexpr double degree = std::numbers::pi / 180;
 void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   const setup::Group target(app, "The target");
   target.text("--target", o.target, "FILE",
-              "write the model, .stl for a printer (millimetres, as it lies) or .glb for a viewer (the world, on "
-              "its mount), and do no more");
+              "only writes the model of the target: .stl for a printer (millimetres), or .glb for a viewer (on its "
+              "mount, in the world)");
   target.point("--at", o.at,
-               "where the middle of the target's underside is, in the array's frame [its mount on the layout]");
+               "place of the middle of the target's underside, in the array's frame [its mount on the layout]");
   target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
-                "of the target about its own z, from above counter-clockwise");
+                "angle of the target about its own z axis, counter-clockwise as seen from above");
   const setup::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
-              "synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or "
-              "bag:FILE [a rehearsal]");
+              "where depth frames come from: synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], "
+              "realsense:SERIAL[,...] or bag:FILE [synthetic]");
   add_allow_outside(frames, o.common);
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
-                 "how many are taken together, 0: 30; with --nudge when to stop, 0: never");
-  frames.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
-  frames.text("--out", o.out, "FILE", "write the rig with what was found; another file than --rig");
+                 "number of frames that are averaged, 0 for 30; with --nudge, frames to run, 0 for no limit");
+  frames.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
+  frames.text("--out", o.out, "FILE",
+              "writes the rig with the poses that were found; must differ from --rig [no file]");
   setup::add_rig_options(app, o.rig);
   add_nudge_options(app, o);
+}
+
+/// What was written for a printer, and the next steps.
+std::string after_printing(const CalibrateCommand& o, const array::Layout& layout) {
+  const std::string rig = o.rig.rig.empty() ? "RIG" : o.rig.rig;
+  return fmt::format(
+      "{}: the target for {}, in millimetres, as it lies on the printer\n"
+      "next: print it, put it on the array where all cameras see it, and run\n"
+      "  palpa calibrate --rig {} --layout {} --source SOURCE --out calibrated.toml\n{}",
+      o.target, layout.name, rig, o.rig.layout.empty() ? layout.name : o.rig.layout,
+      o.rig.rig.empty() ? "palpa doctor --write-rig RIG writes a rig of the cameras that are plugged in\n" : "");
 }
 
 void write_target(const CalibrateCommand& o) {
@@ -60,12 +73,20 @@ void write_target(const CalibrateCommand& o) {
         "--at and --turn place a model in the world, so they go with .glb: a printer's .stl lies as it is printed");
   setup::refuse_gpu_options(o.common, "palpa calibrate --target uses no GPU");
   const Outputs outputs({{"--target", o.target}});
+  const bool prints = setup::shows_summary(o.common, outputs);
   const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
   if (kind == ".stl") {
     geometry::write_stl(o.target, setup::target_to_print(placed.layout));
+    if (prints) write_file("-", after_printing(o, placed.layout));
   } else {
     const geometry::SceneMesh node{"target", setup::target_in_world({o.at, o.turn_deg}, placed)};
     geometry::write_glb(o.target, std::span(&node, 1));
+    if (prints) {
+      write_file("-", fmt::format("{}: the target on its mount on {}, in the world\n"
+                                  "next: look at it with palpa-viewer --scene {} --layout {}; --target FILE.stl writes "
+                                  "it for a printer\n",
+                                  o.target, placed.layout.name, o.target, placed.layout.name));
+    }
   }
 }
 
@@ -125,9 +146,10 @@ void add_calibrate(Program& program) {
       program,
       {"calibrate", "where the cameras are, from what they see of a printed target",
        "  palpa calibrate --target target.stl --layout openmpd\n"
-       "  palpa calibrate --rig rig.toml --layout openmpd --source v4l2:/dev/video0,/dev/video4 --out calibrated.toml\n"
-       "  palpa calibrate --nudge --rig calibrated.toml --source v4l2:/dev/video0,/dev/video4 --link openmpd:FT43NK5M "
-       "--out nudged.toml"},
+       "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
+       "--target --rig --layout --source --out --frames --at --turn --nudge --link",
+       "palpa doctor --write-rig writes a rig to begin with. With --nudge, you correct the array's place by what you "
+       "feel (docs/calibration.md)."},
       add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 

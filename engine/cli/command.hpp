@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,18 +38,22 @@ struct Extensions {
 /// Does a subcommand's work; throws Error for every failure. Returning means exit code 0.
 using Action = std::function<void()>;
 
+/// The texts of a subcommand in its help (setup/help.hpp). No line may have more than setup::help_columns.
+struct CommandText {
+  const char* name;
+  const char* summary;         ///< one line, also in `palpa --help`
+  const char* examples;        ///< shown below the options, one command per line, indented by two spaces
+  const char* usual = "";      ///< the ten options that people use, separated by spaces; "": all of its own
+  const char* notes = "";      ///< a sentence or two below the examples
+  const char* arguments = "";  ///< placeholders of words that are not options, "BOARD"
+};
+
 struct Program {
   CLI::App& app;
   const Extensions& extensions;
   Action action;                                 ///< the action of the subcommand on the line
   const setup::CommonOptions* common = nullptr;  ///< its common options
-};
-
-/// The texts of a subcommand in --help.
-struct CommandText {
-  const char* name;
-  const char* summary;   ///< one line, also in `palpa --help`
-  const char* examples;  ///< shown below the options, one command per line
+  std::map<std::string, CommandText> texts{};    ///< of all subcommands, by name
 };
 
 /// Adds a subcommand; its options go on the returned app. The command has its own struct of options, with a member

@@ -29,18 +29,19 @@ struct DecomposeCommand {
 
 void add_options_of_decompose(CLI::App& app, DecomposeCommand& o) {
   const setup::Group group(app, "What to take apart");
-  group.text("--scene", o.task.scene, "FILE", "glTF model; each of its meshes that can be touched becomes parts");
-  group.integer("--gltf-scene", o.task.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
+  group.text("--scene", o.task.scene, "FILE", "glTF model; each mesh that can be touched is cut into parts");
+  group.integer("--gltf-scene", o.task.gltf_scene, 0, 1'000'000,
+                "number of the scene in that file [the file's default scene]");
   add_allow_outside(group, o.common);
-  group.text("--out", o.out, "FILE.glb|-", "the parts as glTF, which touch, run and palpa-viewer read as --scene");
+  group.text("--out", o.out, "FILE.glb|-", "writes the parts as glTF, which other commands read as --scene");
   const setup::Group how(app, "How");
   geometry::DecomposeOptions& options = o.task.options;
-  how.integer("--parts", options.parts, 1, geometry::most_parts, "convex parts per solid, at most");
+  how.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
   how.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
-            "voxels that V-HACD looks at");
+            "number of voxels that V-HACD divides a mesh into");
   o.error_percent = options.error_percent;
   how.number("--error", o.error_percent, {0, 100, true}, "PERCENT",
-             "volume by which a part may exceed its voxels before it is cut again");
+             "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
 }
 
 std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<setup::Decomposed>& all) {
@@ -79,9 +80,9 @@ void add_decompose(Program& program) {
   add_subcommand<DecomposeCommand>(
       program,
       {"decompose", "convex parts of a concave model, as glTF",
-       "  palpa decompose --scene bunny.glb --parts 32 --out parts.glb\n"
-       "  palpa touch --scene parts.glb --points assets/finger.ply --penetration 3mm\n"
-       "V-HACD cuts the model; the report says how far the parts' surface lies from the model's."},
+       "  palpa decompose --scene assets/cube.glb --parts 32 --out parts.glb\n"
+       "  palpa touch --scene parts.glb --points assets/finger.ply --penetration 3mm",
+       "", "V-HACD cuts the model. The report says how far the parts' surface is from the model's."},
       add_options_of_decompose, run_decompose);
 }
 

@@ -22,8 +22,9 @@ struct DoctorOptions {
 void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
   const setup::Group group(app, "Cameras");
   group.text("--write-rig", o.write_rig, "FILE",
-             "write a rig with the depth cameras that are plugged in, to be calibrated; poses are left open");
-  group.text("--source", o.source, "SOURCE", "with --write-rig: recording:DIR or bag:FILE, the cameras of that");
+             "writes a rig with the depth cameras that are plugged in; palpa calibrate then finds their poses");
+  group.text("--source", o.source, "SOURCE",
+             "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
 }
 
 std::string driver_advice() {
@@ -148,8 +149,9 @@ void add_doctor(Program& program) {
   add_subcommand<DoctorOptions>(
       program,
       {"doctor", "what works on this machine, and what to do about the rest",
-       "  palpa doctor\n  palpa doctor --json -\n  palpa doctor --write-rig rig.toml\n"
-       "Exit code 0 when there is a GPU that palpa can use (the CPU driver of Mesa counts), else 3."},
+       "  palpa doctor\n"
+       "  palpa doctor --write-rig rig.toml",
+       "", "The exit code is 0 if there is a GPU that palpa can use, else 3. Mesa's driver for the processor counts."},
       add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); });
 }
 

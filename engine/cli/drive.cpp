@@ -32,17 +32,18 @@ struct DriveCommand {
 void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   const setup::Group group(app, "What to drive");
   group.text("--layout", o.task.layout, "NAME|FILE",
-             "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+             "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help);
   group.text("--touch", o.task.touch, "FILE",
-             "in place of --focus: what sounds of the touch that palpa touch --json wrote");
-  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(), "of that touch's order [0]");
-  group.text("--rig", o.task.rig, "FILE", "where the array stands for that touch [where --layout stands by default]");
+             "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
+  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
+                "with --touch: slot of the schedule, counted from 0 [0]");
+  group.text("--rig", o.task.rig, "FILE", "with --touch: TOML file with the array's pose [the layout's default pose]");
   group.text("--mesh", o.task.mesh, "FILE",
-             "with --transfer finger: that finger, a closed PLY or glTF mesh in the layout's frame");
+             "with --transfer finger: the finger, a closed PLY or glTF mesh in the layout's frame");
   add_allow_outside(group, o.common);
-  group.flag("--force", o.task.force, "focus on a finger that is too coarse for the wavelength, too");
-  group.text("--csv", o.csv, "FILE|-", "index,x,y,z,nx,ny,nz,amplitude,phase of every transducer");
+  group.flag("--force", o.task.force, "also takes a finger whose faces are too coarse for the wavelength");
+  group.text("--csv", o.csv, "FILE|-", "writes every transducer: index,x,y,z,nx,ny,nz,amplitude,phase");
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
 }
 
@@ -92,7 +93,7 @@ std::string summary_of_drive(const setup::DriveResult& result) {
   if (!result.unresolved.empty()) text += unresolved_line(result);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
                  least, most);
-  return text + (result.pressure_asked && result.beyond_linear() ? setup::linear_line() : "");
+  return text + (result.beyond_linear() ? setup::linear_line() : "");
 }
 
 void run_drive(const DriveCommand& o) {
@@ -114,12 +115,11 @@ void run_drive(const DriveCommand& o) {
 void add_drive(Program& program) {
   add_subcommand<DriveCommand>(
       program,
-      {"drive", "amplitude and phase of every transducer for one focus or several at once",
+      {"drive", "amplitude and phase of every transducer, for one focus or several at once",
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
-       "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -\n"
-       "  palpa drive --layout paper --touch touch.json --slot 3 --csv drive.csv\n"
-       "  palpa drive --layout paper --focus 0,0.2mm,0 --transfer finger --mesh assets/finger.ply\n"
-       "Phases are delays in radians (time factor e^-iwt), amplitudes lie in 0..1."},
+       "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
+       "--layout --focus --touch --slot --solver --constraint --pressure --temperature --frequency --csv",
+       "Phases are delays in radians (time factor e^-iwt). Amplitudes are 0 to 1."},
       add_options_of_drive, run_drive);
 }
 

@@ -18,9 +18,10 @@ namespace {
 
 void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
   const setup::Group group(app, "What to export");
-  add_frame_options(group, o, "stop after that many frames; 0: at the recording's end");
-  group.text("--foci", o.foci, "FILE", "foci of each frame, .csv or .json; how many: --foci-count");
-  group.text("--drives", o.drives, "FILE", "every slot's drive, as run's --link record:FILE has them");
+  add_frame_options(group, o, "number of frames to export; 0 exports all until the recording ends");
+  group.text("--foci", o.foci, "FILE",
+             "writes the foci of each frame, as .csv or .json; --foci-count sets their number");
+  group.text("--drives", o.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
   add_session_options(app, o, "--foci-count");
 }
 
@@ -62,9 +63,9 @@ void add_export(Program& program) {
   add_subcommand<setup::ExportTask>(
       program,
       {"export", "a recording's foci, events and drives as files, on its own clock",
-       "  palpa export --scene assets/cube.glb --source recording:take1 --foci foci.csv\n"
-       "  palpa export --scene assets/cube.glb --source recording:take1 --drives drives.bin --events events.jsonl\n"
-       "  palpa export --scene assets/cube.glb --frames 90 --foci foci.json --foci-count 8"},
+       "  palpa export --scene assets/cube.glb --source recording:assets/depth/take --foci foci.csv\n"
+       "  palpa export --scene assets/cube.glb --frames 90 --foci foci.json --events events.jsonl",
+       "--scene --source --rig --foci --foci-count --drives --events --frames --method --pressure"},
       add_options_of_export, [&extensions](const setup::ExportTask& o) { run_export(extensions, o); });
 }
 

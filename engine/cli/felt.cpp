@@ -35,14 +35,16 @@ std::string spectrum_table(std::uint32_t finger, double perimeter_m, const acous
                                ? fmt::format("perimeter {:.1f} mm, {}", perimeter_m * 1e3, field_text(spectrum.field))
                                : "its foci stand still";
   fmt::format_to(out, "finger {}: {}: {}\n", finger, what, shares(acoustics::felt(spectrum)));
-  fmt::format_to(out, "      Hz  pressure   phase  around    felt\n");
+  // Pressures are relative to their mean over time; felt is weighted by the skin's sensitivity.
+  fmt::format_to(out, "  frequency  pressure   phase  around    felt\n");
+  fmt::format_to(out, "         Hz    x mean     rad  x mean  x mean\n");
   double most = 0;
   for (const acoustics::Line& line : spectrum.lines)
     most = std::max(most, acoustics::felt_as_vibration(line));
   // Lines that are not felt at all would only hide the others.
   for (const acoustics::Line& line : spectrum.lines) {
     if (acoustics::felt_as_vibration(line) < 0.02 * most) continue;
-    fmt::format_to(out, "  {:6.1f}  {:8.3f}  {:6.2f}  {:6.3f}  {:6.3f}\n", line.frequency_hz, line.amplitude,
+    fmt::format_to(out, "  {:9.1f}  {:8.3f}  {:6.2f}  {:6.3f}  {:6.3f}\n", line.frequency_hz, line.amplitude,
                    line.phase_rad, line.around, acoustics::felt_as_vibration(line));
   }
   return text;

@@ -35,14 +35,14 @@ struct FieldCommand {
 void add_options_of_field(CLI::App& app, FieldCommand& o) {
   const setup::Group group(app, "What sounds");
   group.text("--layout", o.task.layout, "NAME|FILE",
-             "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
-  group.text("--drive", o.task.drive_file, "FILE", "the drive of that layout, as palpa drive --csv writes it");
-  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("in place of --drive: {}", setup::focus_help));
+             "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+  group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
+  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help));
   setup::add_place_options(app, o.task.place);
   const setup::Group results(app, "Results");
-  results.text("--csv", o.csv, "FILE|-", "x,y,z,re,im of every point: metres, Pa");
-  results.text("--vtu", o.vtu, "FILE", "the same for ParaView, with amplitude and phase");
-  results.text("--png", o.png, "FILE", "a picture of the plane: |p|, a bar in Pa, axes in mm");
+  results.text("--csv", o.csv, "FILE|-", "writes every point: x,y,z,re,im in metres and Pa");
+  results.text("--vtu", o.vtu, "FILE", "writes the same for ParaView, with amplitude and phase");
+  results.text("--png", o.png, "FILE", "draws |p| on the plane, with a bar in Pa and axes in mm");
   setup::add_drive_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
 }
@@ -139,13 +139,13 @@ void run_field(const FieldCommand& o) {
 void add_field(Program& program) {
   add_subcommand<FieldCommand>(
       program,
-      {"field", "the sound field of an array on a plane, a line or at points",
-       "  palpa field --layout openmpd --focus 0,0,150mm --plane xz --centre 0,0,120mm --size 120mm,160mm --png "
-       "field.png\n"
-       "  palpa field --layout paper --drive drive.csv --line 0,0,-20mm 0,0,20mm --samples 401 --csv -\n"
-       "  palpa field --layout autd3 --focus 0,0,200mm --points assets/finger.ply --vtu finger.vtu --directivity "
-       "piston\n"
-       "In the layout's own frame. Pressures are peak, time factor e^-iwt; free field, no finger in the way."},
+      {"field", "the sound field of an array on a plane, along a line or at points",
+       "  palpa field --layout openmpd --focus 0,0,15cm --plane xz --centre 0,0,12cm --size 12cm,16cm \\\n"
+       "              --png field.png\n"
+       "  palpa field --layout openmpd --drive drive.csv --line 0,0,10cm 0,0,20cm --csv -",
+       "--layout --drive --focus --plane --centre --size --line --points --csv --png",
+       "Coordinates are in the layout's own frame. Pressures are peak values in free air, without a finger in the "
+       "way (time factor e^-iwt)."},
       add_options_of_field, run_field);
 }
 

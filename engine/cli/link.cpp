@@ -40,18 +40,19 @@ struct LinkCommand {
 void add_options_of_link(CLI::App& app, LinkCommand& o) {
   const setup::Group group(app, "What to try out");
   group.text("what", o.what, "test",
-             "test: one transducer after the other, so that one sees, hears or measures which is which");
-  group.text("--link", o.link, "LINK", "as of palpa run");
+             "the word test: sounds one transducer after the other, so that you can see, hear or measure each");
+  group.text("--link", o.link, "LINK", "the board or other link to test, as for palpa run");
   group.text("--layout", o.layout, "NAME|FILE",
-             "autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML [that of the link's own board]");
-  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
+             "the link's array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [the board's own]");
+  group.text("--board-files", o.board_files, "DIR",
+             "folder with the boards' own files, which say how their transducers differ [no differences]");
   constexpr std::uint32_t most = array::max_transducers - 1;
-  group.integer("--first", o.first, 0, most, "transducer, in layout order");
-  group.integer("--last", o.last, 0, most, "transducer [the layout's last]");
-  group.quantity("--each", o.each_s, Quantity::time, setup::positive(3600), "how long each sounds");
-  group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "silence after each");
-  group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "between two drives");
-  group.number("--amplitude", o.amplitude, {0, 1}, "A", "of the one that sounds");
+  group.integer("--first", o.first, 0, most, "first transducer to sound, by its number in the layout");
+  group.integer("--last", o.last, 0, most, "last transducer to sound [the layout's last]");
+  group.quantity("--each", o.each_s, Quantity::time, setup::positive(3600), "how long each transducer sounds");
+  group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "how long it is silent after each transducer");
+  group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "time from one drive to the next");
+  group.number("--amplitude", o.amplitude, {0, 1}, "A", "amplitude of the transducer that sounds, 0 to 1");
 }
 
 /// Sounds one transducer, or none, for some slots. Returns false once the end is requested.
@@ -149,8 +150,9 @@ void add_link(Program& program) {
   const Extensions& extensions = program.extensions;
   add_subcommand<LinkCommand>(program,
                               {"link", "try a link out: one transducer after the other",
-                               "  palpa link test --layout openmpd --link openmpd:FT43NK5M --each 1s\n"
-                               "  palpa link test --layout openmpd --link openmpd:EMU1 --first 16 --last 31"},
+                               "  palpa link test --link openmpd:FT43NK5M --each 1s\n"
+                               "  palpa link test --link openmpd:EMU1 --first 16 --last 31",
+                               "", "", "test"},
                               add_options_of_link, [&extensions](const LinkCommand& o) { run_link(extensions, o); });
 }
 

@@ -244,16 +244,19 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
 void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
   const setup::Group group(app, "With --nudge");
   group.flag("--nudge", o.nudge,
-             "a focus at the fingertip that is seen, moved by arrows, PageUp and PageDown until it is felt there; "
-             "--out has the array where that says it is");
-  group.text("--scene", o.scene, "FILE", "what the fingertip touches [assets/cube.glb]");
-  group.text("--link", o.link, "LINK", "as of palpa run");
-  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
-  group.text("--keys", o.keys, "KEYS", "in place of a terminal's, one with each frame: \"right*3 shift+up enter\"");
-  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10), "silence when no frame came for that long");
-  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER", "multiplies every transducer's amplitude");
+             "plays a focus at the fingertip that cameras see; move it with the arrows, PageUp and PageDown until you "
+             "feel it there, and --out gets the array's corrected place");
+  group.text("--scene", o.scene, "FILE", "glTF model that the fingertip touches [assets/cube.glb]");
+  group.text("--link", o.link, "LINK", "where drives go, as for palpa run");
+  group.text("--board-files", o.board_files, "DIR",
+             "folder with the boards' own files, which say how their transducers differ [no differences]");
+  group.text("--keys", o.keys, "KEYS",
+             "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
+  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10),
+                 "how long the newest frame sounds if no other comes");
+  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER", "multiplies every transducer's amplitude, 0 to 1");
   group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
-                 "how long amplitudes take up when a touch begins, and down when it ends");
+                 "time in which sound gets to full strength when a touch begins, and to silence when it ends");
   setup::add_medium_options(app, o.drive.medium);
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
+#include "setup/run_line.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -28,7 +30,7 @@ struct RunCommand : setup::LiveOptions {
 
 void add_options_of_run(CLI::App& app, RunCommand& o) {
   const setup::Group group(app, "What to run");
-  add_frame_options(group, o, "stop after that many frames; 0: at the source's end or Ctrl-C");
+  add_frame_options(group, o, "number of frames to run; 0 runs until the source ends or Ctrl-C");
   add_link_options(group, o);
   setup::add_stats_option(group, o.stats);
   add_session_options(app, o);
@@ -46,7 +48,7 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
   } else if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", setup::summary(stats));
+    write_file("-", setup::summary(stats, o.record));
   }
 }
 
@@ -60,8 +62,10 @@ std::string late_line(const RunCommand& o) {
   return fmt::format("ended without finishing, one second after the signal: one of these did not answer: {}", waits);
 }
 
-void run_live(const Extensions& extensions, const RunCommand& o) {
-  check(o);
+void run_live(const Extensions& extensions, const RunCommand& given) {
+  check(given);
+  RunCommand o = given;
+  o.watched = setup::RunLine::is_shown(o.common.quiet);  // the line says how deep fingers are
   const Outputs outputs(outputs_of(o, setup::with_builtin(extensions.links)));
   setup::LiveRun live(o, extensions.sources, extensions.links, setup::Interrupt::flag());
 
@@ -69,16 +73,18 @@ void run_live(const Extensions& extensions, const RunCommand& o) {
   std::optional<setup::Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
-  setup::Progress progress("frames", o.frames, o.common.quiet);
+  std::optional<setup::RunLine> line(std::in_place, o.link, o.frames, o.common.quiet);
   session::RunOptions looking;
-  looking.planned = [&, warned = false, frames = std::uint64_t{0}](const session::FrameReport& frame,
-                                                                   const session::Plan&) mutable {
+  looking.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
     preparing.reset();
     setup::warn_of_left_out_fingers(*frame.touch, warned);
-    progress.set(++frames);
+    line->planned(frame);
   };
+  looking.sent = [&](bool sounds) { line->sent(sounds); };
+  looking.recording_rest = [&](std::uint64_t frames) { line->recording_rest(frames); };
   const session::LoopStats stats = live.run(looking);
   preparing.reset();
+  line.reset();
   interrupt.reset();
   relay.reset();  // its last lines must not be mixed with those of the results
   report(o, outputs, stats);
@@ -90,10 +96,11 @@ void add_run(Program& program) {
   const Extensions& extensions = program.extensions;
   add_subcommand<RunCommand>(
       program,
-      {"run", "the live loop: frames in, drives out, until Ctrl-C",
-       "  palpa run --scene assets/cube.glb --source synthetic --link null --frames 300 --stats json\n"
-       "  palpa run --scene assets/cube.glb --link foci:udp:127.0.0.1:9000 --events - --pressure 8kPa --record take1\n"
-       "  palpa run --scene assets/cube.glb --source recording:take1 --link record:drives.bin"},
+      {"run", "the live loop: depth frames in, drives out, until Ctrl-C",
+       "  palpa run --scene assets/cube.glb --frames 300 --stats json\n"
+       "  palpa run --scene assets/cube.glb --source recording:assets/depth/take --events -",
+       "--scene --source --rig --link --frames --method --pressure --ceiling --events --record",
+       "On a terminal, a line shows the state of the run. Whatever ends a run, palpa silences the array."},
       add_options_of_run, [&extensions](const RunCommand& o) { run_live(extensions, o); });
 }
 

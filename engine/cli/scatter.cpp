@@ -31,21 +31,24 @@ struct ScatterCommand {
 
 void add_options_of_scatter(CLI::App& app, ScatterCommand& o) {
   const setup::Group body(app, "What scatters");
-  body.text("--mesh", o.task.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh");
-  body.flag("--force", o.task.force, "scatter by a mesh that is too coarse for the wavelength, or for the source, too");
+  body.text("--mesh", o.task.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh, in metres");
+  body.flag("--force", o.task.force, "also takes a mesh whose faces are too coarse for the wavelength or the source");
   add_allow_outside(body, o.common);
   const setup::Group sound(app, "What sounds");
   sound.text("--plane-wave", o.task.plane_wave, "X,Y,Z",
-             "the plane wave that travels along it: 1 Pa, phase 0 at the origin",
+             "sounds a plane wave that travels in this direction: 1 Pa, phase 0 at the origin",
              [](const std::string& text) { setup::parse_direction("--plane-wave", text); });
-  sound.point("--point-source", o.task.point_source, "e^{ikr}/r Pa, r metres from there");
-  sound.text("--layout", o.task.layout, "NAME|FILE", "the array of --drive; the mesh is in its frame");
-  sound.text("--drive", o.task.drive_file, "FILE", "the drive of that layout, as palpa drive --csv writes it");
-  sound.choice("--directivity", o.task.directivity, array::directivity_words, "of the array's transducers [t4010a1]");
+  sound.point("--point-source", o.task.point_source,
+              "sounds a point source there: e^{ikr}/r Pa at a distance of r metres");
+  sound.text("--layout", o.task.layout, "NAME|FILE", "the array that sounds --drive; the mesh is in its frame");
+  sound.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
+  sound.choice("--directivity", o.task.directivity, array::directivity_words,
+               "how a transducer's sound depends on direction [t4010a1]");
   setup::add_place_options(app, o.task.place);
   const setup::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
-               "face,x,y,z,re,im: total pressure at each face's centroid; of places x,y,z,re,im, nan inside");
+               "writes the total pressure at each face's centroid: face,x,y,z,re,im; or with --plane, --line or "
+               "--points, at these places: x,y,z,re,im, nan inside the body");
   setup::add_medium_options(app, o.task.medium);
   setup::add_air_options(app, o.task.air);
 }
@@ -113,11 +116,11 @@ void add_scatter(Program& program) {
   add_subcommand<ScatterCommand>(
       program,
       {"scatter", "sound scattered by a rigid body, by boundary elements",
-       "  palpa scatter --mesh sphere.ply --plane-wave 0,0,1 --csv surface.csv\n"
-       "  palpa scatter --mesh assets/finger.ply --layout paper --drive drive.csv --json -\n"
-       "  palpa scatter --mesh sphere.ply --point-source 0,0,100mm --plane xz --centre 0,0,0 --size 60mm,60mm --csv "
-       "f.csv\n"
-       "Total pressures, peak, time factor e^-iwt; force and torque, about the origin, of the radiation pressure."},
+       "  palpa scatter --mesh assets/finger.ply --plane-wave 0,0,1 --csv surface.csv\n"
+       "  palpa scatter --mesh assets/finger.ply --layout paper --drive drive.csv --json -",
+       "--mesh --plane-wave --point-source --layout --drive --plane --size --line --points --csv",
+       "Pressures are total pressures, peak values (time factor e^-iwt). Force and torque are those of the radiation "
+       "pressure, the torque about the origin."},
       add_options_of_scatter, run_scatter);
 }
 

@@ -28,23 +28,25 @@ constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices},
 
 void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   const setup::Group group(app, "What touches what");
-  group.text("--scene", o.scene, "FILE", "glTF model: the solids, in world coordinates");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
-  group.text("--finger", o.finger, "FILE", "the finger, a closed PLY or glTF mesh: tip at the origin, body along +y");
+  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30,
+                "number of the scene in that file [the file's default scene]");
+  group.text("--finger", o.finger, "FILE",
+             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y");
   add_allow_outside(group, o.common);
   group.quantity("--penetration", o.task.penetration_m, Quantity::length,
                  {-setup::most_penetration_m, setup::most_penetration_m},
-                 "how far below the solids' top the finger's lowest point is");
+                 "how far the finger's lowest point is below the solids' top");
   group.choice("--skin", o.task.skin, skin_words,
-               "what touches: the mesh's vertices, or what the rig's cameras see of it, simulated");
-  group.flag("--noise-free", o.task.noise_free, "cameras without the sensor's noise");
+               "which skin touches, the mesh's vertices or what the rig's cameras would see of the mesh");
+  group.flag("--noise-free", o.task.noise_free, "with --skin cameras: cameras without the sensor's noise");
   group.flag("--figure6", o.figure6,
-             "in place of --scene: the paper's four objects, by every method, with the paper's finger");
-  group.flag("--force", o.force, "take a finger that is too coarse for the wavelength, too");
+             "simulates the paper's four objects with the paper's finger and every method, instead of --scene");
+  group.flag("--force", o.force, "also takes a finger whose faces are too coarse for the wavelength");
   const setup::Group results(app, "Results");
-  results.text("--csv", o.csv, "FILE|-", "face,x,y,z,area,langevin,squared of every face: time averages in Pa");
-  results.text("--vtu", o.vtu, "FILE", "the same on the finger for ParaView");
-  results.text("--png", o.png, "FILE", "pictures from below: where the foci are, and the pressure");
+  results.text("--csv", o.csv, "FILE|-", "writes every face: face,x,y,z,area,langevin,squared, time averages in Pa");
+  results.text("--vtu", o.vtu, "FILE", "writes the same on the finger, for ParaView");
+  results.text("--png", o.png, "FILE", "draws the finger from below, with its foci and its pressure");
   setup::add_solid_options(app, o.solids);
   setup::add_touch_options(app, o.task.touch);
   setup::add_felt_options(app, o.task.in_time);
@@ -131,10 +133,12 @@ void add_simulate(Program& program) {
   add_subcommand<SimulateCommand>(
       program,
       {"simulate", "the radiation pressure on a finger that touches a model",
-       "  palpa simulate --scene assets/cube.glb --finger assets/finger.ply --penetration 3mm --csv pressure.csv\n"
-       "  palpa simulate --scene assets/pyramid.glb --finger assets/finger.ply --method single-focus --json -\n"
-       "  palpa simulate --figure6 --png figure6.png --json figure6.json\n"
-       "A rigid finger, linear sound; pressures are time averages over the schedule. Coordinates in the world."},
+       "  palpa simulate --scene assets/cube.glb --finger assets/finger.ply --penetration 3mm \\\n"
+       "                 --png pressure.png\n"
+       "  palpa simulate --figure6 --png figure6.png --json figure6.json",
+       "--scene --finger --penetration --method --foci --layout --skin --spectrum --csv --png",
+       "The finger is rigid and the sound linear. Pressures are averages over the schedule. Coordinates are in the "
+       "world."},
       add_options_of_simulate, run_simulate);
 }
 

@@ -34,7 +34,7 @@ void add_options_of_touch(CLI::App& app, TouchCommand& o) {
   setup::add_touch_input(app, o.input);
   const setup::Group group(app, "What touches what");
   add_allow_outside(group, o.common);
-  group.text("--csv", o.csv, "FILE|-", "the contacts: index,x,y,z,depth,finger,solid");
+  group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
   setup::add_touch_options(app, o.task.touch);
   setup::add_felt_options(app, o.task.felt);
   setup::add_array_options(app, o.task.array);
@@ -121,11 +121,11 @@ void run_touch(const TouchCommand& given) {
 void add_touch(Program& program) {
   add_subcommand<TouchCommand>(
       program,
-      {"touch", "one touch: where skin meets a model, which fingers, where the foci go",
+      {"touch", "one touch: where skin meets a model, which fingers touch, where the foci go",
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
-       "  palpa touch --scene model.glb --depth hand.png --camera camera.toml --json touch.json\n"
-       "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --layout paper\n"
-       "Depths and coordinates are metres in the world (glTF's axes, +y up)."},
+       "  palpa touch --scene assets/cube.glb --depth assets/depth/hand.png --camera assets/depth/camera.toml",
+       "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
+       "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
       add_options_of_touch, run_touch);
 }
 

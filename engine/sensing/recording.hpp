@@ -13,13 +13,19 @@
 
 namespace palpa::sensing {
 
+/// For a folder that already has a recording.
+enum class Existing { refused, replaced };
+
 /// Writes a recording frame by frame. The frames written so far stay readable, whatever happens later.
 class RecordingWriter {
  public:
   /// Creates `folder` (its parent must exist; the folder itself may exist if it is empty) and writes `recording.toml`
-  /// and the cameras' masks into it. Images keep everything that a camera sees, including ignored pixels. Throws
-  /// failure() if that fails, bad_usage if the folder is not empty or there is no camera.
-  RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras);
+  /// and the cameras' masks into it. Images keep everything that a camera sees, including ignored pixels. If a
+  /// recording in the folder is to be replaced, it stays as it is until the first frame comes. Throws failure() if the
+  /// folder cannot be written, bad_usage if there is no camera, and if the folder is not empty or, when replacing, has
+  /// anything else in it than a recording of palpa's.
+  RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras,
+                  Existing existing = Existing::refused);
 
   /// Writes the images, then their line in `times.csv`. Writes nothing and returns false if the set's time or number
   /// does not come after the previous one, for example after a camera was reset: a recording's times increase. Throws
@@ -30,10 +36,13 @@ class RecordingWriter {
   void discard();
 
  private:
+  void begin();
+
   std::filesystem::path folder_;
   bool made_folder_ = false;
   std::vector<Camera> cameras_;
-  std::optional<StreamWriter> times_;
+  std::vector<std::filesystem::path> old_;  ///< files of the recording that is replaced
+  std::optional<StreamWriter> times_;       ///< once it has begun
   std::uint64_t frames_ = 0;
   double last_time_ = 0;
   std::uint64_t last_sequence_ = 0;

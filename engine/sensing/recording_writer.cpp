@@ -1,9 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <regex>
+#include <string>
+#include <system_error>
 
 #include "base/error.hpp"
+#include "base/file_register.hpp"
 #include "base/output_file.hpp"
+#include "base/output_place.hpp"
+#include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig_toml.hpp"
@@ -31,30 +37,69 @@ Camera kept_camera(const Camera& camera, std::size_t index) {
   return kept;
 }
 
+/// The files of a recording that this writer wrote, `recording.toml` last: what is left after an interrupted deletion
+/// is still a folder that can be replaced. Throws bad_usage if there is anything else.
+std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path& folder) {
+  static const std::regex ours(R"(times\.csv|mask-[0-9]+\.png|[0-9]{6,}-[0-9]+\.png)");
+  std::vector<std::filesystem::path> files;
+  bool has_toml = false;
+  std::error_code fault;
+  for (std::filesystem::directory_iterator file(folder, fault), end; !fault && file != end; file.increment(fault)) {
+    const std::string name = file->path().filename().string();
+    const bool is_toml = name == "recording.toml";
+    std::error_code ignored;
+    if (file->is_directory(ignored) || !(is_toml || std::regex_match(name, ours))) {
+      throw bad_usage(fmt::format("{} has {}, which is not part of a recording, name a new folder", folder.string(),
+                                  printable(name, 60)));
+    }
+    if (!is_toml) files.push_back(file->path());
+    has_toml = has_toml || is_toml;
+  }
+  if (fault) throw failure(fmt::format("{}: cannot be read: {}", folder.string(), fault.message()));
+  if (!has_toml) {
+    throw bad_usage(fmt::format("{} has no recording.toml, so it is no recording, name a new folder", folder.string()));
+  }
+  files.push_back(folder / "recording.toml");
+  return files;
+}
+
 }  // namespace
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras)
+RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std::vector<Camera>& cameras,
+                                 Existing existing)
     : folder_(folder), cameras_(cameras) {
   if (cameras.empty()) throw bad_usage("a recording needs a camera");
   std::error_code error;
   made_folder_ = std::filesystem::create_directory(folder, error);
   if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
-  if (!std::filesystem::is_empty(folder, error)) {
-    throw bad_usage(fmt::format("{} is not empty, name a new folder", folder.string()));
+  if (std::filesystem::is_empty(folder, error)) {
+    begin();
+    return;
   }
+  if (existing == Existing::refused)
+    throw bad_usage(fmt::format("{} is not empty, name a new folder", folder.string()));
+  old_ = files_to_replace(folder);
+}
 
+void RecordingWriter::begin() {
+  for (const std::filesystem::path& file : old_) {
+    file_register::writes(output_place(file));  // refuses a file that was read, under whatever name
+    std::error_code error;
+    std::filesystem::remove(file, error);
+    if (error) throw failure(fmt::format("{}: cannot be replaced: {}", file.string(), error.message()));
+  }
   std::string text = "[recording]\nfiles = [";
-  for (std::size_t i = 0; i < cameras.size(); ++i)
+  for (std::size_t i = 0; i < cameras_.size(); ++i)
     text += fmt::format("{}\"%06d-{}.png\"", i == 0 ? "" : ", ", i);
   text += "]\ntimes = \"times.csv\"\n\n";
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const Camera kept = kept_camera(cameras[i], i);
-    if (kept.mask) write_png8(folder / kept.mask->file, kept.width, kept.height, kept.mask->pixels);
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const Camera kept = kept_camera(cameras_[i], i);
+    if (kept.mask) write_png8(folder_ / kept.mask->file, kept.width, kept.height, kept.mask->pixels);
     text += to_toml(kept) + "\n";
   }
-  write_file(folder / "recording.toml", text);
-  times_.emplace((folder / "times.csv").string(), most_waiting);
-  put(*times_, times_heading(cameras.size()) + "\n");
+  write_file(folder_ / "recording.toml", text);
+  times_.emplace((folder_ / "times.csv").string(), most_waiting);
+  put(*times_, times_heading(cameras_.size()) + "\n");
 }
 
 bool RecordingWriter::write(const FrameSet& set) {
@@ -68,6 +113,7 @@ bool RecordingWriter::write(const FrameSet& set) {
     oldest = std::min(oldest, frame.time_s);
   }
   if (frames_ > 0 && !(oldest > last_time_ && set.sequence > last_sequence_)) return false;
+  if (!times_) begin();
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     write_png16(folder_ / fmt::format("{:06}-{}.png", frames_, i), cameras_[i].width, cameras_[i].height,
                 set.frames[i].depth);
@@ -81,7 +127,7 @@ bool RecordingWriter::write(const FrameSet& set) {
 }
 
 void RecordingWriter::discard() {
-  if (frames_ > 0) return;
+  if (frames_ > 0 || !times_) return;
   times_.reset();
   std::error_code ignored;
   for (const char* file : {"recording.toml", "times.csv"})

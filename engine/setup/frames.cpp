@@ -66,9 +66,11 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000, "scene of the file (default: the file's own)");
+  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000,
+                "number of the scene in that file [the file's default scene]");
   group.text("--source", o.source, "SOURCE",
-             "synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
+             "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
+             "realsense:SERIAL[,...] or bag:FILE");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
   add_allow_outside(group, o.common);
   add_loop_options(group, o);
@@ -76,17 +78,17 @@ void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
 
 void add_loop_options(const Group& group, FrameOptions& o) {
   group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
-                         "silence when no frame came for that long; auto: the default, and up to 200 ms where frames "
-                         "take too long");
+                         "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
+                         "frames are late");
   group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
                "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
   group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
-                 "how long amplitudes take up when a touch begins, and down when it ends");
-  group.flag("--noise-free", o.noise_free, "synthetic frames without the sensor's noise");
+                 "time in which sound gets to full strength when a touch begins, and to silence when it ends");
+  group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
-             "a JSON line when a finger touches, moves on, presses past a solid's press depth, releases");
+             "writes a line of JSON when a finger touches, moves on, presses or releases (docs/files.md) [no events]");
   group.quantity("--event-move", o.event.move_m, Quantity::length, {0, 1},
-                 "how far a finger moves before that is an event; 0: every frame");
+                 "with --events: how far a finger moves before this is an event; 0 writes every frame");
 }
 
 void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
@@ -100,8 +102,10 @@ void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
 void add_following_options(CLI::App& app, FrameOptions& o) {
   const Group steadily(app, "From frame to frame");
   steadily.choice("--axes", o.axes, touch::axes_words,
-                  "which way cross-sections face: turned the least that they must, or each frame's principal axes");
-  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words, "what keeps foci from jumping");
+                  "axes of a cross-section, turned as little as possible from frame to frame, or each frame's "
+                  "principal axes");
+  steadily.choice("--smoothing", o.smoothing, touch::smoothing_words,
+                  "filter that keeps foci from jumping from frame to frame");
 }
 
 void check(const FrameOptions& o) {

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/memory.hpp"
 #include "base/open_output.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/hand_over.hpp"
@@ -19,6 +20,9 @@
 
 namespace palpa::setup {
 namespace {
+
+/// Room for frames that wait for the recorder: a few seconds of the paper's cameras.
+constexpr std::uint64_t most_waiting_bytes = std::uint64_t{1} << 30;
 
 /// Calls both, one after the other; only `first` if there is no second.
 template <typename... Arguments>
@@ -51,22 +55,31 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 
 void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
-             "null, record:FILE, foci:udp:HOST:PORT, or a board; any other name lists them all");
-  group.text("--board-files", o.board_files, "DIR", "with the boards' own files: how their transducers differ");
-  group.flag("--every-frame", o.every_frame, "look at every frame, however long it takes, instead of the newest");
-  group.text("--record", o.record, "DIR", "write every frame into a new folder, to be replayed as recording:DIR");
+             "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
+  group.text("--board-files", o.board_files, "DIR",
+             "folder with the boards' own files, which say how their transducers differ [no differences]");
+  group.flag("--every-frame", o.every_frame, "processes every frame, however long it takes, and not only the newest");
+  group.text("--record", o.record, "DIR",
+             "writes every depth frame into a new folder, for --source recording:DIR [no recording]");
+  group.flag("--overwrite", o.overwrite, "with --record: replaces the recording that is already in that folder");
 }
 
 void add_stats_option(const Group& group, StatsFormat& stats) {
   group.choice("--stats", stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
-               "what the loop measured, on stdout; --json writes the same");
+               "prints the measurements of the loop on stdout; --json writes the same into a file");
 }
 
 std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::LinkKind> links) {
   return {{"--json", o.common.json},
           {"--events", o.events.starts_with("udp:") ? "" : o.events},
           {"--link", session::file_of_link(o.link, links)},
-          {"--record", o.record, Output::Kind::folder}};
+          {"--record", o.record, Output::Kind::folder,
+           o.overwrite ? Output::Full::replaced : Output::Full::may_be_replaced}};
+}
+
+void check(const LiveOptions& o) {
+  check(static_cast<const FrameOptions&>(o));
+  if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links) {
@@ -110,7 +123,10 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
   }
-  if (!options_.record.empty()) recorder_.emplace(options_.record, source().cameras());
+  if (!options_.record.empty()) {
+    recorder_.emplace(options_.record, source().cameras(),
+                      options_.overwrite ? sensing::Existing::replaced : sensing::Existing::refused);
+  }
   link_ = open_link(links);
 }
 
@@ -137,6 +153,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   if (recorder_) write_frames = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };
   options.events = both(std::move(write_events), looking.events);
   options.record = both(std::move(write_frames), looking.record);
+  if (recorder_) options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
   session::LoopStats stats;
   try {
     stats = session().run(source(), *link_, *stop_, options);
@@ -147,7 +164,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   finish(sink_.get(), false);
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
   if (recorder_ && stats.unrecorded > 0) {
-    log::warning(fmt::format("{}: {} of {} frames came too fast to be written; --every-frame waits for each",
+    log::warning(fmt::format("{}: {} of {} frames came faster than they could be written; --every-frame waits for each",
                              options_.record, stats.unrecorded, stats.captured));
   }
   if (out_of_order > 0) {
@@ -158,8 +175,15 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   return stats;
 }
 
-std::string summary(const session::LoopStats& stats) {
-  const std::string text = fmt::format(
+std::string summary(const session::LoopStats& stats, const std::string& recording) {
+  std::string text;
+  if (!recording.empty() && stats.unrecorded == 0) {
+    text = fmt::format("{}: all {} frames are recorded\n", recording, stats.captured);
+  } else if (!recording.empty()) {
+    text = fmt::format("{}: {} of {} frames are missing; --every-frame waits until each is written\n", recording,
+                       stats.unrecorded, stats.captured);
+  }
+  text += fmt::format(
       "{} frames, {} with a touch, {} left out for newer ones\n"
       "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
       stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,

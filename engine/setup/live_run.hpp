@@ -25,7 +25,11 @@ struct LiveOptions : FrameOptions {
   std::string board_files;
   bool every_frame = false;
   std::string record;
+  bool overwrite = false;  ///< the folder of `record` may have a recording, which is replaced
 };
+/// Throws bad_usage if options of the link or of the recording are unused; and as check() of the FrameOptions.
+void check(const LiveOptions& options);
+
 /// The report on stdout at the end of a run, beside --json.
 enum class StatsFormat { none, json };
 void add_stats_option(const Group& group, StatsFormat& stats);
@@ -69,8 +73,9 @@ class LiveRun {
   std::unique_ptr<session::Link> link_;
 };
 
-/// The measurements of a run as text, one per line, including every finger's pressure.
-std::string summary(const session::LoopStats& stats);
+/// The measurements of a run as text, one per line, including every finger's pressure. If the run was recorded, the
+/// first line says how many frames are in the `recording`, and how many are missing.
+std::string summary(const session::LoopStats& stats, const std::string& recording = {});
 
 /// palpa's own links and the given ones, which replace those of the same name.
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links);

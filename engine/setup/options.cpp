@@ -39,18 +39,23 @@ array::Solver solver_of(SolverChoice choice) {
 
 void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
-  group.text("--gpu", options.gpu, "NAME|INDEX", "GPU to use, as `palpa doctor` lists them");
-  group.choice("--backend", options.backend, {{"gpu", Backend::gpu}, {"cpu", Backend::cpu}}, "where to compute");
-  group.text("--json", options.json, "FILE|-", "write the results as JSON, - for stdout");
-  group.flag("--quiet", options.quiet, "no summary, no progress, no warnings");
-  group.choice("--log-level", options.log_level, log::level_words, "what goes to stderr, normally warnings");
-  group.integer("--seed", options.seed, 0, ~std::uint64_t{0}, "for whatever is random");
+  group.text("--gpu", options.gpu, "NAME|INDEX",
+             "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
+  group.choice("--backend", options.backend, {{"gpu", Backend::gpu}, {"cpu", Backend::cpu}},
+               "what computes, a GPU or the processor; the results are the same");
+  group.text("--json", options.json, "FILE|-", "writes the results as JSON into a file, or with - to stdout [no JSON]");
+  group.flag("--quiet", options.quiet, "prints no summary, no progress and no warnings");
+  group.choice("--log-level", options.log_level, log::level_words,
+               "the least important messages that are printed on stderr [warning]");
+  group.integer("--seed", options.seed, 0, ~std::uint64_t{0},
+                "the start of all random numbers; the same seed gives the same results");
   group.choice("--validation", options.validation, gpu::validation_words,
-               "of Vulkan calls, normally $PALPA_VALIDATION");
+               "how strictly the Vulkan calls are checked, for developers [$PALPA_VALIDATION, or off]");
 }
 
 void add_allow_outside(const Group& group, CommonOptions& options) {
-  group.flag("--allow-outside", options.allow_outside, "scenes and recordings may name files elsewhere");
+  group.flag("--allow-outside", options.allow_outside,
+             "scenes and recordings may name files outside their own folders");
 }
 
 void apply_logging(const CommonOptions& options) {
@@ -82,53 +87,55 @@ void check(const ComputeOptions& options) {
 void add_solid_options(CLI::App& app, SolidOptions& options) {
   const Group group(app, "Solids");
   group.choice("--surface", options.surface, geometry::surface_words,
-               "the mesh's own, exactly, or that of convex parts of it");
+               "what counts as a solid's surface, the mesh itself or convex parts that are cut from it");
   group.integer("--parts", options.parts, 1, geometry::most_parts,
-                "with --surface parts: how many per solid, at most [64]");
+                "with --surface parts: the most parts that a solid is cut into [64]");
   group.choice("--internal-faces", options.internal_faces, geometry::internal_faces_words,
-               "of parts: whether cuts count as surface, normally dropped");
+               "with --surface parts: whether the cuts between parts count as surface [drop]");
 }
 
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   const Group group(app, "Touch");
   touch::Parameters& p = options.parameters;
   group.quantity("--delta", p.delta_m, Quantity::length, positive(1),
-                 "thickness of the shell: how deep a contact may be");
+                 "thickness of the shell under a solid's surface: how deep a contact may be");
   group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, positive(1),
-                 "contacts no farther apart than this are in one finger");
-  group.integer("--min-points", p.min_points, 1, 1u << 30, "contacts that make a finger");
+                 "contacts belong to one finger if they are no farther apart than this");
+  group.integer("--min-points", p.min_points, 1, 1u << 30, "the fewest contacts that count as a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
-                 "depth cameras: wider clusters are split at valleys, patches of one finger are joined, flying pixels "
-                 "are dropped; 0: all three off");
+                 "the widest finger that depth cameras see: palpa splits wider clusters, joins patches of one finger, "
+                 "and drops flying pixels; 0 does none of these");
   group.choice("--cluster", p.cluster, touch::cluster_words,
-               "what is clustered into fingers: contacts, or all skin inside a solid");
+               "which skin is clustered into fingers, the contacts or all skin inside a solid");
   options.foci_name = foci;
-  group.integer(foci, p.foci, 1, touch::max_foci, "foci per finger");
+  group.integer(foci, p.foci, 1, touch::max_foci, "how many foci a finger has");
   group.choice("--spacing", p.spacing, touch::spacing_words,
-               "foci at equal angles, or at equal lengths along the cross-section");
-  group.integer("--stride", options.stride, 1, 1u << 20,
-                "step from a focus to the next; coprime to the number of foci, normally the nearest to 0.3 of it");
-  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range, "how long a focus lasts");
-  group.choice("--method", options.method.method, touch::method_words, "how a cross-section becomes foci",
-               &options.method_given);
+               "whether foci are equally far apart in angle, or along the outline of the cross-section");
+  group.integer(
+      "--stride", options.stride, 1, 1u << 20,
+      fmt::format("step between consecutive foci; must be coprime with {} [nearest to 0.3 of the foci]", foci));
+  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range, "how long each focus lasts");
+  group.choice("--method", options.method.method, touch::method_words,
+               "how a cross-section becomes foci (docs/methods.md)", &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
-               "what is a sine where foci stand still, as under single-focus and multi-focus");
+               "which quantity is a sine in time if foci stand still, as with single-focus and multi-focus");
   group.quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range,
-                 "of foci that stand still; 0: none");
+                 "how fast foci that stand still are modulated; 0 does not modulate them");
   group.flag("--tune", options.tune,
-             "choose foci and stride by each finger's perimeter, so that skin feels most of the vibration; "
-             "while running, the stride alone");
+             "chooses foci and stride for each finger's perimeter, so that the skin feels as much vibration as "
+             "possible; a live run chooses the stride only");
   group.quantity("--spot", options.spot_m, Quantity::length, spot_range,
-                 "a focus' pressure is a Gaussian so wide at half its height, in place of the array's field "
-                 "[3.8mm where there is no array]");
+                 "for --spectrum and --tune: a focus is a Gaussian spot of this width at half its height, and not "
+                 "the array's field [3.8mm without an array]");
 }
 
 void add_felt_options(CLI::App& app, FeltOptions& options) {
   const Group group(app, "What skin feels in time");
-  group.flag("--spectrum", options.spectrum, "the spectrum of the pressure on each finger's skin");
+  group.flag("--spectrum", options.spectrum, "prints the spectrum of the pressure on each finger's skin");
   group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, tuned_dwell_range,
-                 "with --tune-longest: dwells that --tune may choose, normally --dwell alone");
-  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range, "see --tune-shortest");
+                 "with --tune-longest: the shortest dwell that --tune may choose [--dwell]");
+  group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range,
+                 "with --tune-shortest: the longest dwell that --tune may choose [--dwell]");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
@@ -166,11 +173,12 @@ void refuse_finger_width(const TouchOptions& options, const char* goes_with) {
 void add_medium_options(CLI::App& app, MediumOptions& options) {
   const Group group(app, "Air and tone");
   group.number("--temperature", options.celsius, {array::least_celsius, array::most_celsius}, "CELSIUS",
-               "of the air, which says how fast sound is [20]");
+               "temperature of the air, which sets the speed of sound [20]");
   group.quantity("--sound-speed", options.sound_speed, Quantity::speed,
-                 {array::least_sound_speed, array::most_sound_speed}, "to be used in place of the temperature's");
+                 {array::least_sound_speed, array::most_sound_speed},
+                 "speed of sound, instead of --temperature [343.2m/s, that of 20 degrees]");
   group.quantity("--frequency", options.frequency, Quantity::frequency, {array::least_frequency, array::most_frequency},
-                 "of the transducers");
+                 "frequency of the transducers' sound");
 }
 
 array::Medium medium(const MediumOptions& options) {
@@ -185,15 +193,17 @@ array::Medium medium(const MediumOptions& options) {
 
 void add_air_options(CLI::App& app, AirOptions& options) {
   const Group group(app, "Air and tone");
-  group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT", "of the air, relative: what it absorbs");
+  group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT",
+               "relative humidity of the air, which sets how much sound it absorbs");
   group.quantity("--air-pressure", options.pressure_pa, Quantity::pressure,
                  {acoustics::least_air_pressure_pa, acoustics::most_air_pressure_pa},
-                 "which says how dense air is and what it absorbs");
+                 "pressure of the air, which sets its density and how much sound it absorbs");
   if (options.absorption) {
     group.flag("--no-absorption", options.not_normally,
-               "air takes nothing from the sound, normally as ISO 9613-1 says");
+               "air absorbs no sound; without this option, it absorbs sound as in ISO 9613-1");
   } else {
-    group.flag("--absorption", options.not_normally, "air takes from the sound what ISO 9613-1 says, normally nothing");
+    group.flag("--absorption", options.not_normally,
+               "air absorbs sound as in ISO 9613-1; without this option, it absorbs none");
   }
 }
 
@@ -217,22 +227,24 @@ void refuse_idle_air(const AirOptions& options) {
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
   const Group group(app, "Drives");
-  group.choice("--amplitude", options.weighting, array::weighting_words, "what a focus asks of a transducer");
-  group.choice("--solver", options.solver, solver_words,
-               mesh == FingerMesh::known
-                   ? "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint: naive with "
-                     "--transfer finger"
-                   : "how several foci share the array [naive; gs-pat for the method multi-focus]; adjoint needs a "
-                     "finger's mesh, as drive and simulate have");
+  group.choice("--amplitude", options.weighting, array::weighting_words,
+               "how much a focus asks of a transducer, by its distance or of all the same");
+  group.choice(
+      "--solver", options.solver, solver_words,
+      mesh == FingerMesh::known
+          ? "how foci that sound together share the array; adjoint is naive with --transfer finger [naive; for "
+            "the method multi-focus gs-pat]"
+          : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive and "
+            "simulate have [naive; for the method multi-focus gs-pat]");
   Group(app, mesh == FingerMesh::known ? "Drives" : "")
       .choice("--transfer", options.transfer, transfer_words,
-              "foci are made of the sound in free air, or of that around the finger [free]");
+              "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
   group.choice("--constraint", options.constraint, array::constraint_words,
-               "how amplitudes come into 0..1 [normalise]");
+               "how amplitudes get into the range 0 to 1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),
-                 "peak at each focus whatever else sounds, in place of --constraint");
+                 "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
   group.choice("--directivity", options.directivity, array::directivity_words,
-               "of a transducer, for pressures and for all solvers but naive");
+               "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
   add_medium_options(app, options.medium);
 }
 
@@ -274,8 +286,8 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
 void add_array_options(CLI::App& app, ArrayOptions& options) {
   Group(app, "Array")
       .text("--layout", options.layout, "NAME|FILE",
-            "array that sounds: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML; says what "
-            "pressure it gives at the foci");
+            "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML; palpa then prints the pressure "
+            "at the foci [no array]");
   add_drive_options(app, options.drive);
 }
 
@@ -286,9 +298,9 @@ void check(const ArrayOptions& options) {
 
 void add_rig_options(CLI::App& app, RigOptions& options) {
   const Group group(app, "Rig");
-  group.text("--rig", options.rig, "FILE", "cameras, array and screen as TOML [the paper's]");
+  group.text("--rig", options.rig, "FILE", "TOML file of cameras, array and screen [the paper's rig]");
   group.text("--layout", options.layout, "NAME|FILE",
-             "array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+             "array instead of the rig's: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [the rig's]");
 }
 
 }  // namespace palpa::setup

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "setup/nearest_word.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -36,6 +37,21 @@ std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
   return left.empty() ? std::string() : left.front();
 }
 
+/// What a mistyped word stands for, as a question; empty if nothing is near.
+std::string guess(const std::string& word, const std::vector<std::string>& known) {
+  const std::string nearest = nearest_word(word, known);
+  return nearest.empty() ? nearest : fmt::format(": did you mean {}?", nearest);
+}
+
+std::vector<std::string> options_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames())
+      names.push_back("--" + name);
+  }
+  return names;
+}
+
 bool is_option_of(const CLI::App& command, const std::string& word) {
   return command.get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
 }
@@ -52,10 +68,11 @@ std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
   const bool option = word.size() > 1 && word.front() == '-';
   const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
   const CLI::App& command = reading(app);
-  if (!option && has_commands && &command == &app) return fmt::format("unknown subcommand '{}'", shown(word));
+  if (!option && has_commands && &command == &app) return unknown_subcommand(app, word);
   if (!option) return fmt::format("'{}' does not belong to an option: each value follows its own option", shown(word));
   if (&command == &app || !is_option_of(command, word))
-    return fmt::format("{} has no option '{}'", name_of(app, command), shown(word));
+    return fmt::format("{} has no option '{}'{}", name_of(app, command), shown(word),
+                       guess(word.substr(0, word.find('=')), options_of(command)));
   if (comes_before_subcommand(command, word, argc, argv))
     return fmt::format("'{}' comes before the subcommand: give it after", shown(word));
   return fmt::format("'{}' is not read here: the argument before it ends the options", shown(word));
@@ -75,9 +92,17 @@ std::string mismatch(const CLI::App& command, const std::string& sentence) {
 
 }  // namespace
 
+std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return fmt::format("unknown subcommand '{}'{}", shown(word), guess(word, names));
+}
+
 void parse(CLI::App& app, int argc, const char* const* argv) {
   const auto fail = [&](const std::string& fault) {
-    throw bad_usage(fmt::format("{}; see {} --help", fault, name_of(app, reading(app))));
+    const char* mark = fault.ends_with('?') ? "" : ";";
+    throw bad_usage(fmt::format("{}{} see {} --help", fault, mark, name_of(app, reading(app))));
   };
   try {
     app.parse(argc, argv);

@@ -1,11 +1,16 @@
 // Parses the command line and reports errors in palpa's own words.
 #pragma once
 
+#include <string>
+
 namespace CLI {
 class App;
 }
 
 namespace palpa::setup {
+
+/// "unknown subcommand 'tuoch': did you mean touch?", without the question if no subcommand of `app` is near.
+std::string unknown_subcommand(const CLI::App& app, const std::string& word);
 
 /// Reads a line with `app`, the program. Throws bad_usage with one line that names the option or the word, the valid
 /// values, and the --help with more information. Also throws the parser's own CLI::CallForHelp and CLI::CallForVersion.

@@ -197,17 +197,21 @@ Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles)
 
 void add_place_options(CLI::App& app, PlaceOptions& options) {
   const Group group(app, "Where");
-  group.choice("--plane", options.plane, plane_words, "a plane: the axes that run to the right and up");
-  group.point("--centre", options.centre, "of the plane [0,0,0]");
-  group.text("--size", options.size, "W,H", "of the plane, such as 60mm,60mm", parse_size);
-  group.text("--pixels", options.pixels, "N,M", "of the plane: samples are at their centres [256 on the longer side]",
+  group.choice("--plane", options.plane, plane_words,
+               "computes on a plane; its two letters are the axes that point right and up");
+  group.point("--centre", options.centre, "centre of the plane [0,0,0]");
+  group.text("--size", options.size, "W,H", "width and height of the plane, such as 60mm,60mm", parse_size);
+  group.text("--pixels", options.pixels, "N,M",
+             "columns and rows of the plane; samples are at the pixels' centres [256 on the longer side]",
              [](const std::string& text) {
                Grid grid;
                set_pixels(text, grid);
              });
-  group.pair("--line", options.line, "X,Y,Z", "a line: its two ends, both included");
-  group.integer("--samples", options.samples, 2, 100'000'000, fmt::format("of the line [{}]", usual_samples));
-  group.text("--points", options.points, "FILE", "points, or the vertices of a surface, as PLY");
+  group.pair("--line", options.line, "X,Y,Z", "computes on a line between two points, both included");
+  group.integer("--samples", options.samples, 2, 100'000'000,
+                fmt::format("number of points on the line [{}]", usual_samples));
+  group.text("--points", options.points, "FILE",
+             "computes at the points of a PLY file, or at the vertices of its surface");
 }
 
 void refuse_without_place(const PlaceOptions& options) {

@@ -14,11 +14,6 @@
 namespace palpa::setup {
 namespace {
 
-/// The terminal of a background program belongs to another program.
-bool in_foreground() {
-  return tcgetpgrp(STDERR_FILENO) == getpgrp();
-}
-
 /// The text for a line of a terminal.
 std::string shown(const Doing& doing) {
   constexpr std::size_t width = 70;
@@ -27,6 +22,10 @@ std::string shown(const Doing& doing) {
 }
 
 }  // namespace
+
+bool is_in_foreground() {
+  return tcgetpgrp(STDERR_FILENO) == getpgrp();
+}
 
 Progress::Progress(std::string what, std::uint64_t total, bool quiet)
     : what_(std::move(what)), total_(total), on_(!quiet && isatty(STDERR_FILENO) != 0) {}
@@ -37,7 +36,7 @@ Progress::~Progress() {
 }
 
 void Progress::set(std::uint64_t done) {
-  if (!on_ || !in_foreground()) return;
+  if (!on_ || !is_in_foreground()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
@@ -81,13 +80,13 @@ void Preparing::watch() {
     if (!terminal_) {
       if (now->what != last) log::info(now->what);
       last = now->what;
-    } else if (in_foreground()) {
+    } else if (is_in_foreground()) {
       drawn = true;
       log::draw(fmt::format("\r{}\x1b[K", shown(*now)));
     }
   }
   // Carriage return, then erase to the end of the line.
-  if (drawn && in_foreground()) log::draw("\r\x1b[K");
+  if (drawn && is_in_foreground()) log::draw("\r\x1b[K");
 }
 
 }  // namespace palpa::setup

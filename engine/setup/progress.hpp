@@ -12,6 +12,10 @@
 
 namespace palpa::setup {
 
+/// Whether stderr is a terminal that this program may write to. The terminal of a background program belongs to
+/// another program.
+bool is_in_foreground();
+
 class Progress {
  public:
   /// `total` steps of `what`; 0 shows a count without a bar. Draws nothing if `quiet`.

@@ -105,14 +105,16 @@ TouchInput load_depths(const TouchInputOptions& options) {
 
 void add_touch_input(CLI::App& app, TouchInputOptions& options) {
   const Group group(app, "What touches what");
-  group.text("--scene", options.scene, "FILE", "glTF model: the solids, in world coordinates");
-  group.integer("--gltf-scene", options.gltf_scene, 0, 1u << 30, "scene of that file, if not its default one");
-  group.text("--points", options.points, "FILE", "skin points as PLY, world coordinates");
-  group.texts("--depth", options.depths, "FILE", "16-bit PNG in place of --points; again for several cameras");
-  group.texts("--camera", options.cameras, "FILE", "camera TOML of each --depth, in their order");
-  group.text("--rig", options.rig, "FILE", "rig TOML in place of --camera [the paper's]");
+  group.text("--scene", options.scene, "FILE", "glTF model whose meshes can be touched");
+  group.integer("--gltf-scene", options.gltf_scene, 0, 1u << 30,
+                "number of the scene in that file [the file's default scene]");
+  group.text("--points", options.points, "FILE", "PLY file with points of the skin, in metres, world coordinates");
+  group.texts("--depth", options.depths, "FILE",
+              "16-bit depth image (PNG), instead of --points; give it again for more cameras");
+  group.texts("--camera", options.cameras, "FILE", "TOML file of the camera of each --depth, in the same order");
+  group.text("--rig", options.rig, "FILE", "TOML file of all cameras, instead of --camera [the paper's rig]");
   group.quantity("--penetration", options.penetration_m, Quantity::length, {-10, 10},
-                 "shift --points along y: lowest that far below the solids' top");
+                 "moves --points along y, so that the lowest is this far below the solids' top [no move]");
   add_solid_options(app, options.solids);
 }
 

@@ -300,8 +300,12 @@ void Group::pick(const std::string& name, std::vector<std::string> words, std::s
   std::string list;
   for (const std::string& word : words)
     list += (list.empty() ? "" : "|") + word;
-  const std::string shown_initial = initial < words.size() ? words[initial] : "";
-  add(name, "WORD", shown_initial, fmt::format("{}: {}", help, list),
+  std::string plain = help, shown_initial = initial < words.size() ? words[initial] : "";
+  if (const std::size_t open = help.rfind(" ["); shown_initial.empty() && help.ends_with(']') && open != help.npos) {
+    shown_initial = help.substr(open + 2, help.size() - open - 3);
+    plain.resize(open);
+  }
+  add(name, "WORD", shown_initial, fmt::format("{}: {}", plain, list),
       [name, words = std::move(words), list, chosen = std::move(chosen)](const std::string& text) {
         for (std::size_t i = 0; i < words.size(); ++i) {
           if (words[i] == text) return chosen(i);

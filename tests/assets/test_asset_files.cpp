@@ -3,11 +3,16 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
+#include "sensing/grey_png.hpp"
+#include "sensing/recording.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -19,8 +24,9 @@ int run(const char* program, const std::string& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-void expect_as_committed(const std::filesystem::path& folder, const std::string& name) {
-  const std::string committed = test::read_text(test::source_file("assets/" + name));
+/// `below`: the folder of the committed file in assets/.
+void expect_as_committed(const std::filesystem::path& folder, const std::string& name, const std::string& below = "") {
+  const std::string committed = test::read_text(test::source_file("assets/" + below + name));
   ASSERT_FALSE(committed.empty()) << name;
   EXPECT_TRUE(test::read_text(folder / name) == committed)
       << name << " differs: build assets_regenerate and commit, or mend";
@@ -68,6 +74,36 @@ TEST(AssetFiles, Hands) {
     EXPECT_LT(std::filesystem::file_size(folder / name), 1000000U);
   }
   EXPECT_EQ(geometry::load_gltf(folder / "hand.glb").meshes.at(0).name, "hand");
+}
+
+/// Images are compared by their pixels, because versions of zlib may pack them differently. A C library may round a
+/// sine differently, so a few pixels of an edge may differ.
+void expect_same_image(const std::filesystem::path& made, const std::filesystem::path& committed) {
+  constexpr std::uint32_t width = 424, height = 240;
+  std::vector<std::uint16_t> a, b;
+  sensing::read_png16(made, width, height, a);
+  sensing::read_png16(committed, width, height, b);
+  std::size_t different = 0, skin = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    different += a[i] != b[i];
+    skin += b[i] != 0;
+  }
+  EXPECT_LE(different, 20U) << committed << " differs: build assets_regenerate and commit, or mend";
+  EXPECT_GT(skin, 5000U) << committed;
+}
+
+TEST(AssetFiles, DepthImages) {
+  const auto folder = test::scratch_folder("assets-depth");
+  ASSERT_EQ(run(MAKE_DEPTH, "'" + folder.string() + "'"), 0);
+  expect_as_committed(folder, "camera.toml", "depth/");
+  expect_as_committed(folder / "take", "recording.toml", "depth/take/");
+  expect_as_committed(folder / "take", "times.csv", "depth/take/");
+  expect_same_image(folder / "hand.png", test::source_file("assets/depth/hand.png"));
+  const sensing::Recording take = sensing::load_recording(test::source_file("assets/depth/take"));
+  EXPECT_EQ(take.entries.size(), 12U);
+  for (const sensing::Recording::Entry& entry : take.entries)
+    expect_same_image(folder / "take" / entry.files.at(0).filename(), entry.files.at(0));
+  EXPECT_EQ(run(MAKE_DEPTH, "'" + folder.string() + "'"), 0) << "the recording is replaced";
 }
 
 TEST(AssetFiles, GeneratorsSayWhatIsWrong) {

@@ -107,6 +107,37 @@ TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
   EXPECT_NO_THROW(write_file("-", ""));
 }
 
+TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
+  fs::create_directory(path("take"));
+  test::write_text(path("take/one"), "one");
+  fs::create_symlink(path("take"), path("same"));
+  const std::vector<Output> replaced{{"--record", path("take"), Output::Kind::folder, Output::Full::replaced}};
+  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::folder}}).find("name a new folder"), std::string::npos);
+  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::folder, Output::Full::may_be_replaced}})
+                .find("give --overwrite"),
+            std::string::npos);
+  {
+    const KeptRegister kept;
+    const Outputs outputs(replaced);
+    for (const char* name : {"take/one", "same/one", "deep/../take/one"})
+      EXPECT_EQ(test::thrown_by([&] { read_file(path(name), 100); }).code(), Exit::usage) << name;
+    EXPECT_EQ(read_file(path("input"), 100), "input");
+    write_file(path("take/two"), "x");
+    fs::remove(path("take/two"));
+  }
+  {
+    const KeptRegister kept;
+    read_file(path("same/one"), 100);
+    EXPECT_EQ(refusal(replaced), "--record: " + path("take/one") + " is read by this command, name another file");
+  }
+  // Under another name, the file is known when it is to be deleted.
+  fs::create_hard_link(path("take/one"), path("elsewhere"));
+  const KeptRegister kept;
+  const Outputs outputs(replaced);
+  read_file(path("elsewhere"), 100);
+  EXPECT_EQ(test::thrown_by([&] { file_register::writes(output_place(path("take/one"))); }).code(), Exit::usage);
+}
+
 TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
   const KeptRegister kept;
   const Outputs outputs({{"save as", path("scene")}});

@@ -262,8 +262,15 @@ TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {
 }
 
 TEST_F(Calibrate, WritesTheTargetForAPrinter) {
-  ASSERT_EQ(palpa({"calibrate", "--target", file("t.stl"), "--layout", "openmpd"}).exit_code, 0);
-  ASSERT_EQ(palpa_here({"calibrate", "--target", file("t.glb"), "--layout", "openmpd"}).exit_code, 0);
+  const Result printed = palpa({"calibrate", "--target", file("t.stl"), "--layout", "openmpd"});
+  ASSERT_EQ(printed.exit_code, 0);
+  EXPECT_TRUE(printed.out.starts_with(file("t.stl") + ": the target for openmpd, in millimetres")) << printed.out;
+  EXPECT_NE(printed.out.find("next: print it"), std::string::npos) << printed.out;
+  EXPECT_NE(printed.out.find("palpa calibrate --rig RIG --layout openmpd --source SOURCE"), std::string::npos);
+  const Result viewed = palpa_here({"calibrate", "--target", file("t.glb"), "--layout", "openmpd"});
+  ASSERT_EQ(viewed.exit_code, 0);
+  EXPECT_NE(viewed.out.find("palpa-viewer --scene " + file("t.glb")), std::string::npos) << viewed.out;
+  EXPECT_EQ(palpa_here({"calibrate", "--target", file("t.stl"), "--layout", "openmpd", "--quiet"}).out, "");
   const std::string stl = read_text(file("t.stl"));
   const geometry::Scene scene = geometry::load_gltf(file("t.glb"));
   ASSERT_EQ(scene.meshes.size(), 1U);

@@ -103,7 +103,11 @@ TEST(CliMethods, TheSpectrumComesWhereItIsAskedFor) {
   // What a wider spot blurs, a narrow one does not.
   EXPECT_GT(document({"--spectrum", "--spot", "2mm"})["fingers"][0]["spectrum"]["variance"], spectrum["variance"]);
   const Result table = palpa(touch({"--spectrum"}));
-  EXPECT_NE(table.out.find("200.0"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("    200.0  "), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("  frequency  pressure   phase  around    felt\n"
+                           "         Hz    x mean     rad  x mean  x mean\n"),
+            std::string::npos)
+      << table.out;
   const json still = document({"--spectrum", "--method", "single-focus", "--dwell", "0.5ms"})["fingers"][0]["spectrum"];
   ASSERT_EQ(still["lines"].size(), 1u);
   EXPECT_NEAR(still["lines"][0]["amplitude"].get<double>(), std::sin(0.1 * M_PI) / (0.1 * M_PI), 1e-12);

@@ -367,6 +367,18 @@ TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
             std::string::npos);
 }
 
+TEST(CliPressure, DriveSaysSoWhetherAPressureIsAskedForOrNot) {
+  const auto told = [](const std::vector<std::string>& more) {
+    const Result result = palpa_here(with({"drive", "--focus", "0,0,150mm", "--backend", "cpu"}, more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out.find("above 10 kPa, linear acoustics no longer holds") != std::string::npos;
+  };
+  EXPECT_FALSE(told({"--layout", "openmpd"}));
+  EXPECT_TRUE(told({"--layout", "paper", "--focus", "0,0,0"}));
+  EXPECT_FALSE(told({"--layout", "paper", "--pressure", "9kPa"}));
+  EXPECT_TRUE(told({"--layout", "paper", "--pressure", "11kPa"}));
+}
+
 TEST(CliPressure, ItTakesThePlaceOfAConstraint) {
   const std::string scene = asset("cube.glb");
   expect_failure(palpa_here({"run", "--scene", scene, "--pressure", "8kPa", "--constraint", "normalise"}), 2,

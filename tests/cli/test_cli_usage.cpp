@@ -12,25 +12,6 @@ namespace {
 
 const std::vector<std::string> drive{"drive", "--layout", "openmpd", "--focus", "0,0,0.15", "--backend", "cpu"};
 
-TEST(Usage, HelpTeachesAndSucceeds) {
-  const Result all = palpa({"--help"});
-  EXPECT_EQ(all.exit_code, 0);
-  EXPECT_EQ(all.err, "");
-  for (const std::string command : {"doctor", "touch", "run", "drive", "decompose", "bench"}) {
-    EXPECT_NE(all.out.find(command), std::string::npos);
-    const Result one = palpa({command, "--help"});
-    EXPECT_EQ(one.exit_code, 0);
-    EXPECT_EQ(one.err, "");
-    EXPECT_NE(one.out.find("Examples:"), std::string::npos);
-    for (const char* option : {"--gpu", "--backend", "--json", "--quiet", "--log-level", "--seed", "--validation"}) {
-      EXPECT_NE(one.out.find(option), std::string::npos) << command << " " << option;
-    }
-    // A tall screen has 60 lines. run and touch have the options of all rooms, some 51 in 7 groups.
-    const bool all_rooms = command == "run" || command == "touch";
-    EXPECT_LE(std::count(one.out.begin(), one.out.end(), '\n'), all_rooms ? 77 : 60) << command;
-  }
-}
-
 TEST(Usage, VersionGoesToStdout) {
   const Result result = palpa({"--version"});
   EXPECT_EQ(result.exit_code, 0);
@@ -39,7 +20,7 @@ TEST(Usage, VersionGoesToStdout) {
 }
 
 TEST(Usage, ABadLineIsOneLineAndExitCode2) {
-  expect_failure(palpa({}), 2, "subcommand is required");
+  expect_failure(palpa({"tuoch"}), 2, "unknown subcommand 'tuoch': did you mean touch? see palpa --help");
   expect_failure(palpa({"feel"}), 2, "feel");
   expect_failure(palpa({"drive", "--colour", "red"}), 2, "--colour");
   expect_failure(palpa({"drive", "--gpu"}), 2, "--gpu");
@@ -56,7 +37,7 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
       EXPECT_EQ(result.err.find(foreign), std::string::npos) << result.err;
   };
   const std::string drive_help = "; see palpa drive --help", help = "; see palpa --help";
-  refused({}, "a subcommand is required" + help);
+  refused({"dirve"}, "unknown subcommand 'dirve': did you mean drive? see palpa --help");
   refused({"feel"}, "unknown subcommand 'feel'" + help);
   refused({"--feel"}, "palpa has no option '--feel'" + help);
   refused({"-"}, "unknown subcommand '-'" + help);
@@ -78,6 +59,8 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   refused({"drive", "--colour", "red"}, "palpa drive has no option '--colour'" + drive_help);
   refused({"drive", "--lay", "autd3"}, "palpa drive has no option '--lay'");
   refused({"drive", "-x"}, "palpa drive has no option '-x'");
+  refused({"drive", "--layuot", "autd3"},
+          "palpa drive has no option '--layuot': did you mean --layout? see palpa drive --help");
   refused({"drive", "--", "--layout", "autd3"}, "'--layout' is not read here: the argument before it ends the options");
 }
 

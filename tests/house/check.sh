@@ -61,6 +61,31 @@ spirv() {
   ((count > 0))
 }
 
+# No line of a help page is longer than 100 columns. The pages are those of the built programs.
+help_pages() {
+  local program command page found=0 pages=0 bin=build/release/bin
+  too_long() { # NAME: reads a page
+    awk -v name="$1" 'length > 100 { printf "   %s: a line of %d columns: %s\n", name, length, $0; bad = 1 } END { exit bad }'
+  }
+  for program in palpa palpa-viewer; do
+    [[ -x $bin/$program ]] || continue
+    for page in '' all; do
+      # shellcheck disable=SC2086  # no word, or one
+      "$bin/$program" --help $page | too_long "$program --help $page" || found=1
+      pages=$((pages + 1))
+    done
+  done
+  while read -r command; do
+    for page in '' all; do
+      # shellcheck disable=SC2086
+      "$bin/palpa" help "$command" $page | too_long "palpa help $command $page" || found=1
+      pages=$((pages + 1))
+    done
+  done < <("$bin/palpa" help | awk '/^Subcommands:/ { inside = 1; next } /^$/ { inside = 0 } inside && /^  [a-z]/ { print $1 }')
+  echo "   $pages pages"
+  ((pages > 20)) && return "$found"
+}
+
 # Which room may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
@@ -210,6 +235,7 @@ step "scratch folders" scratch
 step "shaders in use" shaders
 step "shellcheck" shell
 if [[ ${1-} != quick ]]; then
+  step "help pages" help_pages
   step "spirv-val" spirv
   step "clang-tidy" tidy
 fi

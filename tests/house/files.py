@@ -15,7 +15,7 @@ PLACES = {
     "engine/base/memory.cpp": "/proc", "engine/base/memory_limits.cpp": "/proc and /sys", "engine/base/start_thread.cpp": "/proc and /sys",
     "engine/gpu/patience.cpp": "/proc", "engine/bench/bench.cpp": "/proc", "engine/bench/surface.cpp": "/proc",
     "engine/geometry/parts/convex_hull.cpp": "/dev/null",
-    "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made",
+    "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",
     "engine/setup/program.cpp": "/dev/null",
     "viewer/run/film.cpp": "makes its folder", "viewer/app/settings.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",

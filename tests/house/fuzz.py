@@ -316,11 +316,21 @@ def digest(path):
 
 def options_of(program, *command):
     """The options of a command's help: name -> None for a flag, a placeholder, or the words that it takes."""
-    text = subprocess.run([program, *command, "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
-    found = {}
-    for name, what, words in re.findall(r"^ +(?:-\w,)?(--[\w-]+)(?: ([A-Z]\S*|-\S+))?(?:\n)? *(?:.*: ([\w|-]+\|[\w-]+)\b)?", text, re.M):
-        found[name] = words.split("|") if what == "WORD" and words else what or None
-    return found
+    def page(*words):
+        return subprocess.run([program, *words], capture_output=True, text=True, timeout=60, check=True).stdout
+
+    def rows(text):
+        found = {}
+        for name, what, rest in re.findall(r"^  (--[\w-]+)(?: (\S+))?((?:\s{2,}.*)?(?:\n {20,}.*)*)$", text, re.M):
+            words = re.search(r": ([\w-]+(?:\|[\w-]+)+)", " ".join(rest.split()))
+            found[name] = words[1].split("|") if what == "WORD" and words else what or None
+        return found
+
+    text = page(*command, "--help", "all")
+    found = rows(text)
+    # The options that all subcommands share are described on a page of their own.
+    shared = text.partition("Common options (palpa help all):")[2].split()
+    return found | {name: what for name, what in (rows(page("help", "all")) if shared else {}).items() if name in shared}
 
 
 def observed(arguments, folder):

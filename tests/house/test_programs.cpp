@@ -45,8 +45,9 @@ std::map<fs::path, ElfFile> files() {
 
 /// Tests are built with less protection: nobody gives them untrusted data.
 bool of_users(const fs::path& file) {
-  static const std::set<std::string> names{"palpa",      "palpa-guard", "palpa-viewer", "join_pictures", "make_bunny",
-                                           "make_dense", "make_finger", "make_hand",    "make_objects"};
+  static const std::set<std::string> names{"palpa",      "palpa-guard", "palpa-viewer", "join_pictures",
+                                           "make_bunny", "make_dense",  "make_depth",   "make_finger",
+                                           "make_hand",  "make_objects"};
   return names.contains(file.filename());
 }
 

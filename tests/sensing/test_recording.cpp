@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "base/reference.hpp"
@@ -147,6 +149,53 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   EXPECT_NE(test::error_of([&] { RecordingWriter(fresh("refuse3") / "no" / "parent", take.cameras); }, Exit::failed),
             "");
   EXPECT_NE(test::error_of([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
+}
+
+TEST(Recording, WriterReplacesARecordingButNothingElse) {
+  const Take first = random_take(5, 4), second = random_take(6, 2);
+  const fs::path folder = fresh("replace");
+  write(folder, first);
+  const auto names = [&] {
+    std::set<std::string> all;
+    for (const auto& entry : fs::directory_iterator(folder))
+      all.insert(entry.path().filename().string());
+    return all;
+  };
+  const std::set<std::string> before = names();
+  {
+    RecordingWriter writer(folder, second.cameras, Existing::replaced);
+    EXPECT_EQ(names(), before) << "it stays until the first frame comes";
+    writer.discard();
+    EXPECT_EQ(names(), before);
+  }
+  EXPECT_EQ(load_recording(folder).entries.size(), 4u);
+  {
+    RecordingWriter writer(folder, second.cameras, Existing::replaced);
+    for (const FrameSet& set : second.sets)
+      writer.write(set);
+  }
+  EXPECT_EQ(names(), (std::set<std::string>{"000000-0.png", "000000-1.png", "000001-0.png", "000001-1.png",
+                                            "recording.toml", "times.csv"}));
+  const Recording back = load_recording(folder);
+  FrameSet set;
+  read_entry(back, 1, set);
+  expect_same(second.sets[1], set);
+
+  const auto refused = [&] {
+    return test::error_of([&] { RecordingWriter(folder, second.cameras, Existing::replaced); }, Exit::usage);
+  };
+  for (const char* mine : {"notes.txt", "000000.png", "times.csv.old", "mask.png"}) {
+    test::write_text(folder / mine, "mine");
+    EXPECT_NE(refused().find(std::string("has ") + mine + ", which is not part of a recording"), std::string::npos)
+        << mine;
+    fs::remove(folder / mine);
+  }
+  fs::create_directory(folder / "000002-0.png");
+  EXPECT_NE(refused().find("not part of a recording"), std::string::npos);
+  fs::remove(folder / "000002-0.png");
+  fs::remove(folder / "recording.toml");
+  EXPECT_NE(refused().find("no recording.toml"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder / "000001-1.png"));
 }
 
 TEST(Recording, WriterTakesANewOrAnEmptyFolder) {

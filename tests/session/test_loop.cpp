@@ -4,6 +4,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <functional>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -325,6 +327,47 @@ TEST(Loop, ASlowRecorderDelaysNoTouchAndSaysWhatItLeftOut) {
   EXPECT_EQ(written.size() + loop.stats.unrecorded, 40u);
   EXPECT_EQ(written.back(), 39u);
   EXPECT_GT(loop.stats.planned, 2 * written.size());
+}
+
+TEST(Loop, FramesWaitForASlowRecorderIfThereIsRoom) {
+  Loop loop;
+  loop.source.count = 40;
+  loop.source.period_s = 0.003;
+  loop.options.record_waiting_bytes = 1 << 20;
+  std::vector<std::uint64_t> written, rest;
+  loop.options.record = [&](const sensing::FrameSet& set) {
+    std::this_thread::sleep_for(10ms);
+    written.push_back(set.sequence);
+  };
+  loop.options.recording_rest = [&](std::uint64_t frames) { rest.push_back(frames); };
+  loop.run();
+  EXPECT_EQ(loop.stats.unrecorded, 0u);
+  ASSERT_EQ(written.size(), 40u);
+  EXPECT_TRUE(std::ranges::is_sorted(written));
+  ASSERT_FALSE(rest.empty()) << "the loop ends before its recording";
+  EXPECT_EQ(rest.back(), 1u);
+  EXPECT_TRUE(std::ranges::is_sorted(rest, std::greater<>()));
+}
+
+TEST(Loop, FramesThatWaitForARecorderAreLostIfTheLoopIsStopped) {
+  Loop loop;
+  loop.source.count = 1'000'000;
+  loop.source.period_s = 0.003;
+  loop.options.record_waiting_bytes = 1 << 20;
+  std::uint64_t written = 0;
+  loop.options.record = [&](const sensing::FrameSet&) {
+    std::this_thread::sleep_for(50ms);
+    ++written;
+  };
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(300ms);
+    loop.stop = true;
+  });
+  loop.run();
+  stopper.join();
+  EXPECT_GT(loop.stats.unrecorded, 10u);
+  EXPECT_EQ(written + loop.stats.unrecorded, loop.stats.captured);
+  EXPECT_LE(written, 20u) << "it has a second to end, whatever waits";
 }
 
 TEST(Loop, EveryFrameIsRecordedWhenEveryFrameIsLookedAt) {

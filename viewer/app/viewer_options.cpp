@@ -91,78 +91,84 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_felt_options(app, o.felt);
   const setup::Group array(app, "Array");
   array.text("--layout", o.layout, "NAME|FILE",
-             "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+             "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [no array]");
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
-                "first slot to show: its focus is highlighted, its drive coloured");
+                "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
 
   const setup::Group live(app, "Live, as palpa run");
-  live.text(
-      "--source", o.live.source, "SOURCE",
-      "frames come from there and are touched as they come: synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
-      "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
+  live.text("--source", o.live.source, "SOURCE",
+            "shows a live run whose depth frames come from synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
+            "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE [no live run]");
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);
 
   const setup::Group what(app, "Picture");
   what.text("--skin", o.skin, "FILE",
-            "surface of the finger or hand as PLY, drawn faintly; --penetration moves it too");
-  what.text("--title", o.title, "TEXT", "above the legend");
+            "PLY file with the surface of the finger or hand, to be drawn faintly; --penetration moves it, too");
+  what.text("--title", o.title, "TEXT", "text above the legend");
   what.text("--show", o.shown, "LAYER,...",
-            fmt::format("layers to draw that normally are not: {}", names_of_layers(false)));
-  what.text("--hide", o.hidden, "LAYER,...", fmt::format("layers not to draw: {}", names_of_layers(true)));
-  what.text("--opacity", o.opacities, "LAYER=0..1,...", "how firmly layers are drawn, 1 is their own look");
+            fmt::format("draws these layers, which are off by default: {}", names_of_layers(false)));
+  what.text("--hide", o.hidden, "LAYER,...", fmt::format("does not draw these layers: {}", names_of_layers(true)));
+  what.text("--opacity", o.opacities, "LAYER=0..1,...", "opacity of layers, such as array=0.3; 1 is their usual look");
   what.number("--explode", o.explode, {0, 1}, "NUMBER",
-              "how far apart the convex parts of solids are drawn, 1: by their solid's size");
+              "how far apart the convex parts of solids are drawn, in sizes of their solid");
   what.choice("--slice", o.slice_plane, setup::plane_words,
-              "show the sound field of the slot in a plane, normally xz: its axes in the world");
-  what.point("--slice-at", o.slice_at, "the plane's centre [the touch's]");
-  what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10), "of the plane's sides");
-  what.flag("--dark", o.dark, "dark background");
+              "shows the sound field of the slot in a plane; its two letters are axes of the world [none; xz with "
+              "--show slice]");
+  what.point("--slice-at", o.slice_at, "centre of the plane of --slice [the touch's centre]");
+  what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10),
+                "length of the sides of the plane of --slice");
+  what.flag("--dark", o.dark, "draws on a dark background");
   what.choice("--fine", o.fine, fine_words,
-              "pictures with four samples for each pixel; auto: on slow devices, only while nothing moves; always "
-              "without a window");
+              "when pictures have four samples for each pixel; auto means, on slow devices, only while nothing moves; "
+              "without a window, it means always");
 
   const setup::Group where(app, "View");
   where.text("--view", o.view, "FROM",
-             "front, right, top, iso, or camera: through the first camera of --depth; camera:NAME: through that one");
-  where.point("--eye", o.eye, "in place of --view: the eye, looking at --target");
-  where.point("--target", o.target, "what --eye looks at [0,0,0]");
+             "viewpoint: front, right, top, iso, camera (through the first camera of --depth), or camera:NAME");
+  where.point("--eye", o.eye, "place of the eye, which looks at --target; instead of --view [no eye]");
+  where.point("--target", o.target, "point that --eye looks at [0,0,0]");
   where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
-               "what fills the picture, normally all where an array is drawn, else objects");
-  where.flag("--ortho", o.orthographic, "parallel projection");
-  where.flag("--inset", o.inset, "a close-up of the touch in the corner");
+               "what fills the picture [all if an array is drawn, else objects]");
+  where.flag("--ortho", o.orthographic, "draws in parallel projection");
+  where.flag("--inset", o.inset, "draws a close-up of the touch in the corner");
 
   const setup::Group participant(app, "What the participant sees");
   participant.flag(
       "--participant", o.participant,
-      "objects and marker tile on the rig's screen, as seen from its eye or --eye: in a second window that "
-      "fills a monitor; with --headless alone");
-  participant.text("--monitor", o.monitor, "NAME|NUMBER", "which monitor that is [the last]");
-  participant.text("--screen", o.screen, "FILE", "rig TOML with the [screen] [--rig's, or the paper's]");
-  participant.choice("--stereo", o.stereo, stereo_words, "how the two eyes' pictures become one");
-  participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, setup::positive(1), "from eye to eye");
+      "shows objects and marker tile on the rig's screen, as its eye or --eye sees them, in a second window that "
+      "fills a monitor; with --headless, in the only picture");
+  participant.text("--monitor", o.monitor, "NAME|NUMBER", "monitor of that second window [the last]");
+  participant.text("--screen", o.screen, "FILE", "rig TOML with a screen [--rig's, or the paper's]");
+  participant.choice("--stereo", o.stereo, stereo_words, "how the pictures of two eyes become one");
+  participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, setup::positive(1),
+                       "distance between the eyes");
   participant.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, setup::positive(1),
-                       "of columns: from slit to slit; of rows: of two rows [so that neighbours differ]");
+                       "with --stereo columns, the distance between slits; with rows, that of two rows [so that "
+                       "neighbours differ]");
   participant.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
-                       "from the screen to its barrier [so that neighbours differ]");
-  participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "of a pitch: where the slits are");
+                       "distance from the screen to its barrier [so that neighbours differ]");
+  participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
 
   const setup::Group hands(app, "Mouse and keys, panels");
-  hands.text("--interact", o.interact, "FILE", "do what a script says, a line for each move: see docs/viewer.md");
-  hands.flag("--no-panels", o.no_panels, "a window without panels");
-  hands.flag("--panels", o.panels, "panels where there is no window, too");
+  hands.text("--interact", o.interact, "FILE",
+             "does what a script says, which has a line for each move (docs/viewer.md) [no script]");
+  hands.flag("--no-panels", o.no_panels, "shows a window without panels");
+  hands.flag("--panels", o.panels, "draws panels without a window, too");
 
   const setup::Group how(app, "Without a window");
-  how.flag("--headless", o.headless, "open no window");
-  how.integer("--frames", o.frames, 1, 1'000'000, "frames to draw, a slot each, then exit [headless: 1]");
-  how.text("--screenshot", o.screenshot, "FILE", "write the last frame as PNG");
+  how.flag("--headless", o.headless, "opens no window");
+  how.integer("--frames", o.frames, 1, 1'000'000,
+              "number of frames to draw, a slot each, before it exits [no end; with --headless 1]");
+  how.text("--screenshot", o.screenshot, "FILE", "writes the last frame as PNG [no file]");
   how.text("--video", o.video, "FOLDER",
-           "write every picture, a window's too, as PNG into that new folder: 000000.png and so on");
-  how.text("--size", o.size, "WxH", "of picture or window, pixels");
-  how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER", "pixels per point: how large text and lines are [1]");
-  how.text("--reference", o.reference, "FILE", "compare the last frame with this PNG");
+           "writes every picture, also those of a window, as PNG into a new folder: 000000.png and so on");
+  how.text("--size", o.size, "WxH", "size of the picture or window in pixels");
+  how.number("--pixel-ratio", o.pixel_ratio, {0.5, 8}, "NUMBER",
+             "pixels per point, which sets how large text and lines are [1]");
+  how.text("--reference", o.reference, "FILE", "compares the last frame with this PNG [no comparison]");
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
              "mean difference from --reference above which the exit code is 1 [0.02]");
 }

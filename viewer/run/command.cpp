@@ -6,33 +6,45 @@
 
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
+#include "setup/help.hpp"
 #include "setup/parse.hpp"
 #include "viewer/app/settings.hpp"
 #include "viewer/run/run.hpp"
 
 namespace palpa::viewer {
 
+namespace {
+
+setup::HelpText help_text() {
+  return {
+      .name = "palpa-viewer",
+      .arguments = "",
+      .summary = "looks at a touch: object, skin, contacts, foci and array, in a window or as a picture",
+      .usual = "--scene --points --skin --penetration --layout --source --link --headless --screenshot --size",
+      .examples =
+          "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
+          "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm \\\n"
+          "               --headless --screenshot touch.png",
+      .notes =
+          "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
+          "and keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 "
+          "wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input.",
+      .common = ""};
+}
+
+}  // namespace
+
 std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
-  CLI::App app("Looks at a touch: object, skin, contacts, foci and array, in a window or as a picture.",
-               "palpa-viewer");
-  app.get_formatter()->column_width(34);
+  CLI::App app("", "palpa-viewer");
   app.set_help_flag("-h,--help", "show this help and exit");
   app.set_version_flag("--version", "palpa-viewer " PALPA_VERSION, "show the version and exit");
-  app.footer(
-      "Examples:\n"
-      "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --skin assets/finger.ply --penetration 3mm\n"
-      "  palpa-viewer --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --layout paper \\\n"
-      "               --headless --screenshot touch.png\n"
-      "  palpa-viewer --scene assets/cube.glb --source synthetic --link foci:udp:127.0.0.1:9000\n"
-      "In the window H shows what mouse and keys do, O switches the array off; docs/viewer.md tells the rest.\n"
-      "Exit codes: 0 ok, 1 failed, 2 bad usage, 3 no usable Vulkan device or display, 4 bad or missing input.");
   ViewerOptions options;
   add_options(app, options);
   setup::add_common(app, options.common);
   try {
     setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_file("-", app.help());
+    write_file("-", setup::help_page(app, help_text(), setup::help_length(argc, argv)));
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
     write_file("-", "palpa-viewer " PALPA_VERSION "\n");

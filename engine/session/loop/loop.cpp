@@ -15,6 +15,7 @@
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
 #include "session/loop/early_start.hpp"
+#include "session/loop/frame_queue.hpp"
 #include "session/loop/source_clock.hpp"
 #include "session/threads.hpp"
 #include "session/watch/effort.hpp"
@@ -83,13 +84,18 @@ bool wait_until_taken(Newest<T>& values, Stopped stopped) {
   }
   return true;
 }
+template <typename Stopped>
+void wait_until_empty(FrameQueue& frames, Stopped stopped) {
+  while (!frames.wait_empty(slice)) {
+    if (stopped()) return;
+  }
+}
 
 /// The maximum time to wait for a frame before checking for the end again.
 constexpr double most_wait_s = 0.1;
 
-void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sensing::FrameSet>* recorded,
-             const LoopSetting& setting, const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options,
-             LoopStats& stats) {
+void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue* recorded, const LoopSetting& setting,
+             const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   SourceClock source_clock;
   const auto stopped = [&] { return stop.load(); };
   double looked_s = clock.now();  // time of the last frame, or of the last note that there was none
@@ -109,19 +115,34 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, Newest<sens
     next.arrived_s = clock.now();
     next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
     if (recorded) {
-      if (options.every_frame) wait_until_taken(*recorded, stopped);
-      recorded->back() = next.set;
-      if (recorded->publish()) ++stats.unrecorded;
+      if (options.every_frame) wait_until_empty(*recorded, stopped);
+      if (recorded->add(next.set)) ++stats.unrecorded;
     }
     if (options.arrived) options.arrived(next.set.sequence);
     if (frames.publish()) ++stats.replaced;
   }
 }
 
-void record(Newest<sensing::FrameSet>& frames, const RunOptions& options) {
-  while (!frames.closed()) {
-    if (frames.take(std::chrono::milliseconds(100))) options.record(frames.front());
+/// After a signal, palpa has one second to end, and a ramp may take half of it.
+constexpr double most_recording_after_stop_s = 0.3;
+
+/// Records frames until the queue is over, so also those that wait when the loop ends. If the loop was stopped, records
+/// only those for which there is time, and returns the number of the others.
+std::uint64_t record(FrameQueue& frames, const std::atomic<bool>& stop, const Clock& clock, const RunOptions& options) {
+  sensing::FrameSet set;
+  std::optional<double> stopped_s;
+  std::uint64_t lost = 0;
+  while (!frames.over()) {
+    if (!frames.take(set, std::chrono::milliseconds(100))) continue;
+    if (stop && !stopped_s) stopped_s = clock.now();
+    if (stopped_s && clock.now() > *stopped_s + most_recording_after_stop_s) {
+      lost += 1 + frames.discard();
+    } else {
+      if (options.recording_rest && frames.closed()) options.recording_rest(frames.waiting() + 1);
+      options.record(set);
+    }
   }
+  return lost;
 }
 
 /// Warns once if frames take longer than they sound.
@@ -276,7 +297,8 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   Newest<Captured> frames;
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
-  Newest<sensing::FrameSet> recorded;
+  FrameQueue recorded(options.record_waiting_bytes);
+  std::uint64_t lost = 0;  // frames that waited for the recorder at the end; its thread's
   Ending ending{stop};
   std::atomic<bool> stop_capture{false}, output_ended{false};
   std::exception_ptr compute_fault;
@@ -303,7 +325,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       recorder_thread.emplace("--record", [&, fail] {
         take_turns();  // the calling thread may have precedence
         try {
-          record(recorded, options);
+          lost = record(recorded, stop, clock, options);
         } catch (...) {
           fail();  // a recording that cannot go on ends the loop
           throw;
@@ -341,6 +363,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
   recorded.close();
   drain(planner, plans.back());
   const std::exception_ptr record_fault = recorder_thread ? recorder_thread->join() : nullptr;
+  stats.unrecorded += lost;
   for (const std::exception_ptr& fault : {compute_fault, output_fault, record_fault, capture_fault}) {
     if (fault) std::rethrow_exception(fault);
   }

@@ -33,9 +33,14 @@ struct RunOptions {
   /// Must return quickly.
   std::function<void(bool sounds)> sent{};
   /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
-  /// frames come while it is busy, all except the newest are left out (never with every_frame) and counted as
-  /// `unrecorded`.
+  /// frames come while it is busy, they wait, and are recorded after the loop's end at the latest. Frames for which
+  /// there is no room are left out (never with every_frame) and counted as `unrecorded`; so are those that still wait
+  /// 0.3 s after `stop` became true.
   std::function<void(const sensing::FrameSet&)> record{};
+  /// Called on that thread after the loop's end, before each frame that is still recorded: the number of such frames.
+  std::function<void(std::uint64_t frames)> recording_rest{};
+  /// Room for the images of frames that wait for `record`. 0: only the newest frame waits.
+  std::uint64_t record_waiting_bytes = 0;
 };
 
 }  // namespace palpa::session

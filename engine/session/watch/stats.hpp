@@ -81,7 +81,7 @@ struct LoopStats {
   std::uint64_t captured = 0;    ///< frames that came from the source
   std::uint64_t replaced = 0;    ///< of these, skipped because a newer one had come
   std::uint64_t missing = 0;     ///< how often the source had no frame within the hold
-  std::uint64_t unrecorded = 0;  ///< frames that the recorder left out, usually because they came too fast
+  std::uint64_t unrecorded = 0;  ///< frames that are not recorded, usually because they came too fast
   std::uint64_t planned = 0;     ///< frames whose drives were made
   std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
   std::uint64_t touching = 0;    ///< of the planned frames, those with at least one finger

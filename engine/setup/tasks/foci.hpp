@@ -17,7 +17,7 @@ namespace palpa::setup {
 
 /// The help text of --focus.
 inline constexpr const char* focus_help =
-    "in the layout's own frame; A above 0, at most 1: how loud it is to be; again for several foci at once";
+    "focus in the layout's own frame; A (0 to 1) is how loud it is; give it again for more foci at once [A: 1]";
 
 /// A requested focus.
 struct AskedFocus {

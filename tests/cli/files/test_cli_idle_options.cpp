@@ -42,13 +42,15 @@ std::vector<std::string> words_of(const std::string& text) {
 
 /// The options that a command's help lists.
 std::set<std::string> options_of(const std::string& command) {
-  std::istringstream help(palpa_here({command, "--help"}).out);
+  const std::string page = palpa_here({"help", command, "all"}).out;
+  std::istringstream help(page);
   std::set<std::string> options;
   for (std::string line; std::getline(help, line);) {
-    const std::vector<std::string> words = words_of(line);
-    if (line.starts_with("  -") && !words.empty()) options.insert(words[0].substr(0, words[0].find(',')));
+    if (line.starts_with("  --")) options.insert(words_of(line)[0]);
   }
-  options.erase("-h");
+  for (const std::string& word : words_of(page.substr(page.rfind("Common options (")))) {
+    if (word.starts_with("--")) options.insert(word);
+  }
   return options;
 }
 
@@ -117,7 +119,11 @@ std::vector<Command> commands() {
                 {{"--frequency", "41kHz"}, "go with --layout"}}})},
       {{"run", "--scene", cube, "--backend", "cpu", "--frames", "1"},
        run_options + "--foci --link --every-frame --record --stats",
-       joined({no_gpu, parts, live, {{{"--board-files", "/"}, "--board-files goes with a link to boards"}}})},
+       joined({no_gpu,
+               parts,
+               live,
+               {{{"--overwrite"}, "--overwrite goes with --record"},
+                {{"--board-files", "/"}, "--board-files goes with a link to boards"}}})},
       {{"export", "--scene", cube, "--backend", "cpu", "--frames", "1", "--foci", "-"},
        run_options + "--foci --foci-count --drives",
        joined({no_gpu, parts, live})},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "cli/support/process.hpp"
@@ -43,6 +44,20 @@ std::vector<HelpedOption> options_in(const std::string& help) {
     // A type follows after one space, the help after several.
     if (line.size() > option.name.size() + 3 && line[option.name.size() + 3] != ' ') words >> option.type;
     options.push_back(option);
+  }
+  return options;
+}
+
+std::vector<HelpedOption> options_of(const std::string& command) {
+  const std::string page = palpa({"help", command, "all"}).out;
+  std::vector<HelpedOption> options = options_in(page);
+  const std::size_t common = page.rfind("Common options (palpa help all):");
+  EXPECT_NE(common, std::string::npos) << command;
+  if (common == std::string::npos) return options;
+  std::istringstream words(page.substr(common));
+  std::vector<std::string> named(std::istream_iterator<std::string>(words), {});
+  for (const HelpedOption& option : options_in(palpa({"help", "all"}).out)) {
+    if (std::ranges::find(named, option.name) != named.end()) options.push_back(option);
   }
   return options;
 }

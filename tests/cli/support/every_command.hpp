@@ -15,8 +15,10 @@ struct HelpedOption {
   std::string name;  ///< "--delta"
   std::string type;  ///< the placeholder of its value, "LENGTH"; empty for a flag
 };
-/// `help` is the output of a program's --help.
+/// `help` is a page of a program's help.
 std::vector<HelpedOption> options_in(const std::string& help);
+/// Every option of a command of palpa, also those that all commands have.
+std::vector<HelpedOption> options_of(const std::string& command);
 
 /// For each command, a command line that succeeds within a fraction of a second without a GPU, and its input files.
 /// `emulate` runs until a signal comes.

@@ -4,6 +4,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -426,11 +427,18 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
 }
 
 TEST_F(Viewer, HelpAndVersion) {
-  const auto help = viewer({"--help"});
-  EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"--scene", "--headless", "--screenshot", "--layout", "--delta", "--gpu", "Exit codes"}) {
-    EXPECT_NE(help.out.find(part), std::string::npos) << part;
+  const auto usual = viewer({"--help"}), all = viewer({"--help", "all"});
+  EXPECT_EQ(usual.exit_code, 0);
+  EXPECT_EQ(all.exit_code, 0);
+  for (const char* part : {"--scene", "--headless", "--screenshot", "--layout", "Exit codes"}) {
+    EXPECT_NE(usual.out.find(part), std::string::npos) << part;
+    EXPECT_NE(all.out.find(part), std::string::npos) << part;
   }
+  for (const char* part : {"--delta", "--gpu"}) {
+    EXPECT_EQ(usual.out.find(part), std::string::npos) << part;
+    EXPECT_NE(all.out.find(part), std::string::npos) << part;
+  }
+  EXPECT_LE(std::count(usual.out.begin(), usual.out.end(), '\n'), 40);
   EXPECT_EQ(viewer({"--version"}).out.rfind("palpa-viewer ", 0), 0u);
 }
 

@@ -28,7 +28,7 @@ test::Result headless_viewer(const std::vector<std::string>& arguments) {
 }
 
 TEST_F(ViewerLimits, WhatIsNoNumberIsRefused) {
-  const std::vector<test::HelpedOption> options = test::options_in(headless_viewer({"--help"}).out);
+  const std::vector<test::HelpedOption> options = test::options_in(headless_viewer({"--help", "all"}).out);
   int tried = 0;
   for (const test::HelpedOption& option : options) {
     for (const char* odd : {"nan", "inf", "-inf"}) {

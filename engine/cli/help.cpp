@@ -1,0 +1,95 @@
+#include "cli/help.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+#include "setup/parse.hpp"
+
+namespace palpa::cli {
+namespace {
+
+using setup::HelpLength;
+
+constexpr const char* summary = "feel a 3-D model in mid-air, from depth images to a driven ultrasound array";
+
+std::vector<const CLI::App*> commands_of(const Program& program) {
+  return static_cast<const CLI::App&>(program.app).get_subcommands([](const CLI::App*) { return true; });
+}
+
+constexpr const char* first_lines =
+    "Examples:\n"
+    "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
+    "  palpa run --scene assets/cube.glb\n"
+    "\n"
+    "More help:\n"
+    "  palpa help touch          the options of touch that people use, and examples; as palpa touch --help\n"
+    "  palpa help touch all      every option of touch; as palpa touch --help all\n"
+    "  palpa help all            options of all subcommands, units, exit codes, words\n"
+    "  palpa --version           the version\n";
+
+constexpr const char* last_lines =
+    "Units:\n"
+    "  A number without a unit is in SI units: metres, seconds, hertz, pascals. You can give a unit: 1.5mm,\n"
+    "  11ms, 40kHz, 343m/s, 8kPa.\n"
+    "\n"
+    "Exit codes:\n"
+    "  0 done, 1 failed, 2 wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input\n"
+    "\n"
+    "Words:\n"
+    "  docs/glossary.md explains slot, dwell, stride, shell, contacts, finger, focus, drive, layout and link.\n";
+
+}  // namespace
+
+std::string overview(const Program& program, HelpLength length) {
+  std::string page = fmt::format("palpa: {}\n\nUsage: palpa SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", summary);
+  for (const CLI::App* command : commands_of(program))
+    page += setup::help_row(command->get_name(), command->get_description());
+  page += "\n";
+  page += first_lines;
+  if (length == HelpLength::usual) return page;
+  page += "\nCommon options (most subcommands take them; --allow-outside if they read scenes or recordings):\n";
+  return page + setup::common_help() + "\n" + last_lines;
+}
+
+std::string page_of(const Program& program, const CLI::App& command, HelpLength length) {
+  const CommandText& text = program.texts.at(command.get_name());
+  return setup::help_page(command,
+                          {.name = "palpa " + command.get_name(),
+                           .arguments = text.arguments,
+                           .summary = text.summary,
+                           .usual = text.usual,
+                           .examples = text.examples,
+                           .notes = text.notes,
+                           .common = "palpa help all"},
+                          length);
+}
+
+std::optional<std::string> help_asked(const Program& program, int argc, const char* const* argv) {
+  if (argc < 2) return overview(program, HelpLength::usual);
+  if (std::string_view(argv[1]) != "help") return std::nullopt;
+  std::vector<std::string> words(argv + 2, argv + argc);
+  const bool all = !words.empty() && words.back() == "all";
+  if (all) words.pop_back();
+  const HelpLength length = all ? HelpLength::all : HelpLength::usual;
+  if (words.empty()) return overview(program, length);
+  for (const CLI::App* command : commands_of(program)) {
+    if (command->get_name() == words.front() && words.size() == 1) return page_of(program, *command, length);
+  }
+  const std::string fault = words.size() > 1 ? "give palpa help one subcommand, and the word all or nothing"
+                                             : setup::unknown_subcommand(program.app, words.front());
+  throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
+}
+
+std::string help_of_line(const Program& program, int argc, const char* const* argv) {
+  const HelpLength length = setup::help_length(argc, argv);
+  const std::vector<CLI::App*> chosen = program.app.get_subcommands();
+  return chosen.empty() ? overview(program, length) : page_of(program, *chosen.front(), length);
+}
+
+}  // namespace palpa::cli
