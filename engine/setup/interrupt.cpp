@@ -80,7 +80,7 @@ struct Interrupt::Deadline {
     if (deadline->called_off) return;  // the signal came when everything was already over
     // Written by another thread, because it may have to wait for its reader.
     try {
-      std::thread([line = deadline->late] { log::error(line); }).detach();
+      std::thread([line = deadline->late] { log::fatal(line); }).detach();
     } catch (const std::exception&) {  // no memory for another thread: palpa ends without the line
     }
     std::this_thread::sleep_for(for_the_line);

@@ -50,13 +50,14 @@ void survive_signals_of_writes() {
 
 Exit report(Exit code, const std::string& line) {
   log::drop_warnings();
-  log::error(one_line(line));
+  log::fatal(one_line(line));
   return code;
 }
 
 }  // namespace
 
 int run_program(const std::function<void()>& body) {
+  log::begin_program();
   guard_standard_streams();
   const KeptRegister all_files;
   survive_signals_of_writes();
