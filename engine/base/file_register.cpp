@@ -111,8 +111,8 @@ std::string read_inside(const Register& r, const OutputPlace& folder) {
   return {};
 }
 
-Error read_by_this_command(const std::string& option, const std::string& name) {
-  return bad_usage(fmt::format("{}: {} is read by this command, name another file", option, name));
+Error read_by_this_command(const std::string& option, const std::string& name, const char* kind = "file") {
+  return bad_usage(fmt::format("{}: {} is read by this command, name another {}", option, name, kind));
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ void claim(std::vector<Claim> claims) {
   for (const Claim& mine : claims) {
     if (was_read(r, mine.place)) throw read_by_this_command(mine.option, mine.place.name);
     if (const std::string inside = mine.is_replaced ? read_inside(r, mine.place) : std::string(); !inside.empty())
-      throw read_by_this_command(mine.option, inside);
+      throw read_by_this_command(mine.option, inside, "folder");
     for (const Claim& other : r.claims) {
       if (other.owner == mine.owner || other.option == mine.option || !is_same(other, mine)) continue;
       throw bad_usage(fmt::format("{} and {} name the same file, {}: give each its own", other.option, mine.option,
@@ -160,7 +160,8 @@ void reads(const fs::path& file, const FileIdentity& identity) {
   if (r.keepers > 0 && is_known(identity) && !r.own.contains(entry) && !r.written.contains(entry))
     r.inputs[identity] = {file.string(), born};
   for (const Claim& claim : r.claims) {
-    if (claim.is_replaced && covers(claim, place, entry)) throw read_by_this_command(claim.option, file.string());
+    if (claim.is_replaced && covers(claim, place, entry))
+      throw read_by_this_command(claim.option, file.string(), "folder");
     if (claim.is_folder || claim.place.kind == OutputPlace::Kind::other) continue;
     const bool same = can_be_lost(claim.place) && claim.place.identity == identity && !is_other(claim.born, born);
     if (same || claim.entry == entry) throw read_by_this_command(claim.option, file.string());

@@ -115,7 +115,7 @@ void run_drive(const DriveCommand& o) {
 void add_drive(Program& program) {
   add_subcommand<DriveCommand>(
       program,
-      {"drive", "amplitude and phase of every transducer, for one focus or several at once",
+      {"drive", "amplitude and phase of every transducer, for one or several foci",
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
        "--layout --focus --touch --slot --solver --constraint --pressure --temperature --frequency --csv",

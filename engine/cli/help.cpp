@@ -28,21 +28,22 @@ constexpr const char* first_lines =
     "  palpa run --scene assets/cube.glb\n"
     "\n"
     "More help:\n"
-    "  palpa help touch          the options of touch that people use, and examples; as palpa touch --help\n"
-    "  palpa help touch all      every option of touch; as palpa touch --help all\n"
+    "  palpa help touch          what people use of touch, with examples; the same as palpa touch --help\n"
+    "  palpa help touch all      every option of touch; the same as palpa touch --help all\n"
     "  palpa help all            options of all subcommands, units, exit codes, words\n"
     "  palpa --version           the version\n";
 
 constexpr const char* last_lines =
     "Units:\n"
-    "  A number without a unit is in SI units: metres, seconds, hertz, pascals. You can give a unit: 1.5mm,\n"
-    "  11ms, 40kHz, 343m/s, 8kPa.\n"
+    "  A number without a unit is in SI units: metres, seconds, hertz, pascals. You can give a unit:\n"
+    "  1.5mm, 11ms, 40kHz, 343m/s, 8kPa.\n"
     "\n"
     "Exit codes:\n"
     "  0 done, 1 failed, 2 wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input\n"
     "\n"
     "Words:\n"
-    "  docs/glossary.md explains slot, dwell, stride, shell, contacts, finger, focus, drive, layout and link.\n";
+    "  docs/glossary.md explains slot, dwell, stride, shell, contacts, finger, focus, drive, layout and\n"
+    "  link.\n";
 
 }  // namespace
 

@@ -100,7 +100,7 @@ void add_run(Program& program) {
        "  palpa run --scene assets/cube.glb --frames 300 --stats json\n"
        "  palpa run --scene assets/cube.glb --source recording:assets/depth/take --events -",
        "--scene --source --rig --link --frames --method --pressure --ceiling --events --record",
-       "On a terminal, a line shows the state of the run. Whatever ends a run, palpa silences the array."},
+       "On a terminal, a line shows the state of the run. At the end of a run, palpa silences the array."},
       add_options_of_run, [&extensions](const RunCommand& o) { run_live(extensions, o); });
 }
 

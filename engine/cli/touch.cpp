@@ -121,9 +121,10 @@ void run_touch(const TouchCommand& given) {
 void add_touch(Program& program) {
   add_subcommand<TouchCommand>(
       program,
-      {"touch", "one touch: where skin meets a model, which fingers touch, where the foci go",
+      {"touch", "one touch: where skin meets a model, its fingers and their foci",
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
-       "  palpa touch --scene assets/cube.glb --depth assets/depth/hand.png --camera assets/depth/camera.toml",
+       "  palpa touch --scene assets/cube.glb --depth assets/depth/hand.png \\\n"
+       "              --camera assets/depth/camera.toml",
        "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
        "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
       add_options_of_touch, run_touch);

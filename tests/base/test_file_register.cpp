@@ -128,7 +128,7 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
   {
     const KeptRegister kept;
     read_file(path("same/one"), 100);
-    EXPECT_EQ(refusal(replaced), "--record: " + path("take/one") + " is read by this command, name another file");
+    EXPECT_EQ(refusal(replaced), "--record: " + path("take/one") + " is read by this command, name another folder");
   }
   // Under another name, the file is known when it is to be deleted.
   fs::create_hard_link(path("take/one"), path("elsewhere"));

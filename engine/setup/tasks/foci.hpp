@@ -17,7 +17,8 @@ namespace palpa::setup {
 
 /// The help text of --focus.
 inline constexpr const char* focus_help =
-    "focus in the layout's own frame; A (0 to 1) is how loud it is; give it again for more foci at once [A: 1]";
+    "focus in the layout's own frame; A is how loud it is, 0 to 1, and 1 if you leave it out; give it again for more "
+    "foci at once";
 
 /// A requested focus.
 struct AskedFocus {
