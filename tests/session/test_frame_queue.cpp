@@ -75,13 +75,17 @@ TEST(FrameQueue, PassesEveryFrameFromThreadToThread) {
   std::thread writer([&] {
     for (std::uint64_t i = 0; i < count; ++i) {
       EXPECT_FALSE(queue.add(frame(i, 8)));
-      if (i % 100 == 0) EXPECT_TRUE(queue.wait_empty(10s));
+      if (i % 100 == 0) {
+        EXPECT_TRUE(queue.wait_empty(10s));
+      }
     }
     queue.close();
   });
   std::uint64_t next = 0;
   for (sensing::FrameSet set; !queue.over();) {
-    if (queue.take(set, 1ms)) EXPECT_EQ(set.sequence, next++);
+    if (queue.take(set, 1ms)) {
+      EXPECT_EQ(set.sequence, next++);
+    }
   }
   writer.join();
   EXPECT_EQ(next, count);
