@@ -22,7 +22,6 @@ namespace palpa::log {
 namespace {
 
 std::atomic<Level> threshold{Level::warning};
-std::atomic<bool> ending{false};  ///< fatal() was called
 
 /// Maximum length of a line in bytes.
 constexpr std::size_t longest_line = 500;
@@ -191,12 +190,6 @@ Level level() {
 
 void error(std::string_view line) {
   write(Level::error, line);
-}
-void fatal(std::string_view line) {
-  if (!ending.exchange(true)) write(Level::error, line);
-}
-void begin_program() {
-  ending = false;
 }
 void warning(std::string_view line) {
   if (count(line)) write(Level::warning, line);

@@ -30,11 +30,6 @@ void error(std::string_view line);
 void warning(std::string_view line);
 void info(std::string_view line);
 void debug(std::string_view line);
-/// The error that ends the program. Two threads may each find one, such as a link that fails and the watch for signals:
-/// only the first line is written, until begin_program() is called.
-void fatal(std::string_view line);
-/// A program begins: fatal() writes again. Tests run several programs in one process.
-void begin_program();
 /// A warning that is never held back. It says what the program waits for, which the user who waits for the program
 /// needs to know.
 void at_once(std::string_view line);

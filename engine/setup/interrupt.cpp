@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
+#include "setup/ending.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -79,13 +80,16 @@ struct Interrupt::Deadline {
     std::this_thread::sleep_for(patience);
     if (deadline->called_off) return;  // the signal came when everything was already over
     // Written by another thread, because it may have to wait for its reader.
-    try {
-      std::thread([line = deadline->late] { log::fatal(line); }).detach();
-    } catch (const std::exception&) {  // no memory for another thread: palpa ends without the line
+    if (decide_ending(Exit::failed)) {
+      try {
+        std::thread([line = deadline->late] { log::error(line); }).detach();
+      } catch (const std::exception&) {  // no memory for another thread: palpa ends without the line
+      }
     }
+    // If the program's own thread has decided, its line gets this time. Only its clean-up is late then.
     std::this_thread::sleep_for(for_the_line);
     if (void (*const restore)() = restore_something) restore();
-    ::_exit(static_cast<int>(Exit::failed));
+    ::_exit(static_cast<int>(ending()));
   }
 };
 

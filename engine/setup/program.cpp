@@ -17,6 +17,7 @@
 #include "base/text.hpp"
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
+#include "setup/ending.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -48,16 +49,17 @@ void survive_signals_of_writes() {
   }
 }
 
+/// If the watch for signals has already reported that the program ended too late, this line is not printed.
 Exit report(Exit code, const std::string& line) {
   log::drop_warnings();
-  log::fatal(one_line(line));
-  return code;
+  if (decide_ending(code)) log::error(one_line(line));
+  return ending();
 }
 
 }  // namespace
 
 int run_program(const std::function<void()>& body) {
-  log::begin_program();
+  begin_ending();
   guard_standard_streams();
   const KeptRegister all_files;
   survive_signals_of_writes();
@@ -68,6 +70,8 @@ int run_program(const std::function<void()>& body) {
       throw failure(fmt::format("Vulkan validation reported {} error{}", errors, errors == 1 ? "" : "s"));
     }
     log::release_warnings();
+    decide_ending(Exit::ok);
+    code = ending();
   } catch (const Error& error) {
     code = report(error.code(), error.what());
   } catch (const std::system_error& error) {  // from a thread that a library starts

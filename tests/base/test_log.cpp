@@ -50,20 +50,6 @@ TEST(Log, AnEventIsOneLineWhateverItHolds) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: a b\\x1b[2Jc d\n");
 }
 
-TEST(Log, OfThreadsThatFailAtTheSameTimeOnlyTheFirstIsReported) {
-  testing::internal::CaptureStderr();
-  log::begin_program();
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 8; ++i)
-    threads.emplace_back([] { log::fatal("one"); });
-  for (std::thread& thread : threads)
-    thread.join();
-  log::begin_program();
-  log::fatal("another program's");
-  log::begin_program();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: one\npalpa: error: another program's\n");
-}
-
 TEST(Log, WarningsAreTheDefault) {
   EXPECT_EQ(log::level(), log::Level::warning);
 }

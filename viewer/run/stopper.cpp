@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "setup/ending.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -49,21 +50,24 @@ void Stopper::end(App& app) {
   // After a signal, there is one second for everything, but releasing a window's device may take longer.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
   if (over && !at_once) return app.rethrow();
-  Exit code = cut || !(loading || over) ? Exit::failed : Exit::ok;
+  // The watch for signals may have decided first; then it has printed its line.
+  const auto fails = [](Exit code, const char* line) {
+    if (setup::decide_ending(code)) log::error(line);
+  };
   if (cut) {
-    log::error(too_early);
+    fails(Exit::failed, too_early);
   } else if (!loading && !over) {
-    log::error("ended without finishing: a link, device or file did not answer; the array is silent");
+    fails(Exit::failed, "ended without finishing: a link, device or file did not answer; the array is silent");
   } else if (at_once) {
     try {
       app.rethrow();
     } catch (const Error& error) {
-      log::error(error.what());
-      code = error.code();
+      fails(error.code(), error.what());
     }
   }
+  setup::decide_ending(Exit::ok);
   relay_.reset();
-  ::_exit(static_cast<int>(code));
+  ::_exit(static_cast<int>(setup::ending()));
 }
 
 }  // namespace palpa::viewer

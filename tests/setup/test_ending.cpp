@@ -1,0 +1,61 @@
+// How a program ends is decided once, whatever several threads find.
+#include "setup/ending.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "setup/program.hpp"
+
+namespace palpa::setup {
+namespace {
+
+TEST(Ending, IsDecidedByTheFirstThread) {
+  for (int round = 0; round < 50; ++round) {
+    begin_ending();
+    EXPECT_EQ(ending(), Exit::ok);
+    std::array<std::atomic<bool>, 5> decided{};
+    std::vector<std::thread> threads;
+    for (int code = 0; code < 5; ++code)
+      threads.emplace_back(
+          [&, code] { decided[static_cast<std::size_t>(code)] = decide_ending(static_cast<Exit>(code)); });
+    for (std::thread& thread : threads)
+      thread.join();
+    int count = 0;
+    for (std::size_t code = 0; code < 5; ++code) {
+      count += decided[code] ? 1 : 0;
+      if (decided[code]) {
+        EXPECT_EQ(static_cast<std::size_t>(ending()), code);
+      }
+    }
+    EXPECT_EQ(count, 1);
+  }
+}
+
+TEST(Ending, AProgramThatEndsTooLateIsNoSuccessAndHasOneLine) {
+  const auto run = [](const auto& body) {
+    testing::internal::CaptureStderr();
+    const int code = run_program(body);
+    return std::pair(code, testing::internal::GetCapturedStderr());
+  };
+  // The watch for signals has printed its line and decided.
+  EXPECT_EQ(run([] { decide_ending(Exit::failed); }), std::pair(1, std::string()));
+  EXPECT_EQ(run([] {
+              decide_ending(Exit::failed);
+              throw bad_usage("a second line");
+            }),
+            std::pair(1, std::string()));
+  EXPECT_EQ(run([] { throw bad_usage("the only line"); }), std::pair(2, std::string("palpa: error: the only line\n")));
+  EXPECT_FALSE(decide_ending(Exit::failed)) << "the watch comes too late";
+  EXPECT_EQ(run([] {}), std::pair(0, std::string()));
+}
+
+}  // namespace
+}  // namespace palpa::setup
