@@ -30,7 +30,7 @@ std::string count_of(std::uint64_t count, const char* thing) {
 }
 
 /// How much of it is written out.
-enum class Words { all, few, fewest };
+enum class Words { all, most, few, fewest };
 
 std::string link_text(const RunState& state, Words words) {
   const char* sound = state.sounds ? "SOUNDING" : "silent";
@@ -41,12 +41,12 @@ std::string link_text(const RunState& state, Words words) {
 
 std::string fingers_text(const RunState& state, Words words) {
   if (state.fingers == 0) return "no touch";
-  const char* deep = words == Words::all ? " deep" : "";
+  const char* deep = words <= Words::most ? " deep" : "";
   return fmt::format("{}, {:.1f} mm{}", count_of(state.fingers, "finger"), state.depth_m * 1e3, deep);
 }
 
 std::string frames_text(const RunState& state, Words words) {
-  const bool all = words == Words::all;
+  const bool all = words <= Words::most;
   std::string text;
   if (state.of > 0) text = fmt::format("{}{}{}{}, ", state.frames, all ? " of " : "/", state.of, all ? " frames" : "");
   if (state.rate_hz == 0) return text + "no frames now";
@@ -62,7 +62,7 @@ std::string run_line(const RunState& state, std::size_t columns) {
     line =
         fmt::format("silent | writing the recording: {} left | Ctrl-C stops", count_of(state.to_be_recorded, "frame"));
   } else {
-    for (const Words words : {Words::all, Words::few, Words::fewest}) {
+    for (const Words words : {Words::all, Words::most, Words::few, Words::fewest}) {
       line = fmt::format("{} | {} | {} | Ctrl-C stops", link_text(state, words), fingers_text(state, words),
                          frames_text(state, words));
       if (line.size() <= columns) break;

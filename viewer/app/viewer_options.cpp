@@ -99,7 +99,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   const setup::Group live(app, "Live, as palpa run");
   live.text("--source", o.live.source, "SOURCE",
             "shows a live run whose depth frames come from synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
-            "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE [no live run]");
+            "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE");
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);

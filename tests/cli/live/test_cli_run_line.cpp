@@ -36,6 +36,12 @@ TEST(RunLine, SaysWhatHappens) {
 }
 
 TEST(RunLine, FitsIntoTheTerminal) {
+  RunState usual{.link = "null", .frames = 45, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 1};
+  usual.depth_m = 1.42e-3;
+  usual.sounds = true;
+  EXPECT_EQ(run_line(usual, 100),
+            "SOUNDING on null (no array) | 1 finger, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
+  EXPECT_EQ(run_line(usual, 79), "SOUNDING on null | 1 finger, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
   RunState board{.link = "openmpd:EMU1", .frames = 45, .of = 300, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};
   board.depth_m = 1.42e-3;
   board.sounds = true;
