@@ -128,9 +128,9 @@ TEST(CliSilence, ItsTerminalIsStopped) {
   Unread terminal = Unread::terminal();
   LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
   stage.hear(20);
-  EXPECT_NE(terminal.read_all().find("frames "), std::string::npos) << "progress is shown";
+  EXPECT_NE(terminal.read_all().find("SOUNDING"), std::string::npos) << "the state is shown";
   terminal.stop();
-  stage.hear(60);  // ten times a second it would draw
+  stage.hear(60);  // twice a second it would draw
   stage.expect_silent_end(run);
 }
 
