@@ -83,7 +83,7 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
     } else if (line.says("# until Ctrl-C")) {
       auto terminal = std::make_unique<Terminal>("/bin/sh", std::vector<std::string>{"-c", in_folder(line.command)});
       if (line.starts("palpa emulate")) {
-        ASSERT_TRUE(terminal->shows("EMU1")) << terminal->text();
+        ASSERT_TRUE(terminal->shows("silence")) << terminal->text();
         emulator = std::move(terminal);  // for the line after it
       } else {
         EXPECT_TRUE(terminal->shows("SOUNDING on ")) << terminal->text();
