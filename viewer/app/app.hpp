@@ -95,12 +95,12 @@ class App {
   const Picture& picture() const { return show_ ? std::as_const(*show_).picture() : live_.picture; }
   /// Goes to the next slot, whatever the time.
   void go_on() { desk_.asked.slots = 1; }
-  /// Whether a live run has shown a frame since it began, or since the last call. Without a live run, always true.
+  /// Whether a live run has shown a frame since the last call. Without a live run, always true.
   bool showed_frame() { return !desk_.live || std::exchange(live_.fresh, false); }
   void say(log::Level level, const std::string& line, double now_s);
   bool loading() const { return run_.loading(); }
-  /// Whether a live run is under way.
-  bool runs() const { return run_.under_way(); }
+  /// Whether a live run is under way of which no frame has been shown yet.
+  bool awaits_frame() const { return run_.under_way() && !live_.any; }
   /// Whether something requested is not done yet: a file is being opened, or a run is about to begin.
   bool beginning() const { return loading() || desk_.opening || run_.restarts(); }
   /// Silences and ends a live run. Returns false if it has not ended within `patience_s`, or is loading all that time.
@@ -177,7 +177,8 @@ class App {
     Picture picture;
     session::SlotScratch slot;
     bool framed = false;  ///< the viewpoint was set to its first scene
-    bool fresh = false;   ///< it has shown a frame since it began, or since the last showed_frame()
+    bool any = false;     ///< the run has shown a frame
+    bool fresh = false;   ///< it has shown a frame since the last showed_frame()
   } live_;
   RecordingPlayer player_;
   MovedByHand moved_;

@@ -28,7 +28,7 @@ void App::begin_run() {
   setup::check(run_.next());
   sounds_.set_finger(finger_mesh(options_.skin, run_.next().source));
   const auto lines = run_.begin();
-  live_.fresh = false;
+  live_.any = false;
   if (!lines) return void(quitting_ = true);
   for (const std::string& line : *lines)
     say(log::Level::info, line, now_s_);
@@ -92,6 +92,7 @@ void App::advance_live(double now_s, const Size& size) {
       desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
   }
   live_.fresh = live_.fresh || fresh;
+  live_.any = live_.any || fresh;
   if (run_.scene() && (fresh || seen)) {
     show_live(live_.picture, *run_.scene(), session.snapshot(), session.seen(), desk_.state.layers.shows(Layer::depth));
     desk_.numbers = session.snapshot().numbers;

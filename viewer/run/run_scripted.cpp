@@ -104,7 +104,8 @@ class Shots {
 };
 
 void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
-  bool behind = app.beginning();  // the last picture is behind what was asked for
+  const auto is_behind = [&] { return app.beginning() || app.awaits_frame(); };
+  bool behind = is_behind();  // the last picture is behind what was asked for
   Shots shots;
   while (script.busy() && !app.quitting()) {
     script.play(now(), [&](const Interaction& step) {
@@ -112,7 +113,7 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
       if (step.kind == Interaction::Kind::resize) stage.resize({step.width, step.height});
       if (step.kind == Interaction::Kind::shot) shots.take(step.file, stage.pixels());
     });
-    behind = app.beginning();
+    behind = is_behind();
     app.advance(now(), stage.size());
     shots.write(app);  // it is known now whether anything is loaded
     stage.draw(app, now());
@@ -130,7 +131,7 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
   // On a busy machine, the first frame of this run comes late. Some sources have no frame at all.
   constexpr double longest_wait_s = 5;
   const double until_s = now() + longest_wait_s;
-  while (behind && app.runs() && !app.quitting() && now() < until_s && !app.showed_frame())
+  for (; app.awaits_frame() && !app.quitting() && now() < until_s; behind = true)
     wait();
   if (!behind || app.quitting()) return;
   app.advance(now(), stage.size());
