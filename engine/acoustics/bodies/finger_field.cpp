@@ -59,7 +59,7 @@ bool FingerField::felt(std::span<const Vec3> path, std::size_t every, std::vecto
       strengths.insert(strengths.end(), one.begin(), one.end());
     }
     if (!incident_.at(body_.points(), body_.normals(), strengths, waves, give_up)) return false;
-    const std::vector<std::complex<float>> unknowns = body_.solve(waves);
+    const std::vector<std::complex<float>> unknowns = body_.solve(waves, give_up);
     for (std::size_t i = 0; i < count; ++i) {
       const auto wave = std::span(unknowns).subspan(i * vertices, vertices);
       for (const BodyPlace& place : places)

@@ -1,5 +1,6 @@
 #include "acoustics/boundary/surface_operator.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -15,12 +16,21 @@ class DenseOperator : public SurfaceOperator {
   DenseOperator(std::vector<std::complex<float>> matrix, std::size_t size, const std::atomic<bool>* give_up)
       : size_(size), lu_(std::move(matrix), size, give_up) {}
   std::size_t unknowns() const override { return size_; }
-  void solve(Way way, std::span<std::complex<float>> columns) const override { lu_.solve(way, columns); }
+  bool iterates() const override { return false; }
+  SolveReport solve(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>*) const override {
+    lu_.solve(way, columns);
+    return {};
+  }
 
  private:
   std::size_t size_;
   DenseLu lu_;
 };
+
+bool prefers_fast(const geometry::Mesh& body, double wave_number) {
+  return body.positions.size() > most_dense_vertices &&
+         fast_operator_bytes(body, wave_number) < dense_operator_bytes(body);
+}
 
 }  // namespace
 
@@ -37,6 +47,16 @@ std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double
 std::uint64_t dense_operator_bytes(const geometry::Mesh& body) {
   const std::uint64_t vertices = body.positions.size();
   return vertices * vertices * sizeof(std::complex<float>) + assembly_bytes(body);
+}
+
+std::unique_ptr<SurfaceOperator> make_operator(const Patches& body, double wave_number,
+                                               const std::atomic<bool>* give_up) {
+  return prefers_fast(body.mesh, wave_number) ? make_fast_operator(body, wave_number, give_up)
+                                              : make_dense_operator(body, wave_number, give_up);
+}
+
+std::uint64_t operator_bytes(const geometry::Mesh& body, double wave_number) {
+  return prefers_fast(body, wave_number) ? fast_operator_bytes(body, wave_number) : dense_operator_bytes(body);
 }
 
 }  // namespace palpa::acoustics
