@@ -32,4 +32,13 @@ geometry::Mesh load_body(const std::string& file, const acoustics::Air& air, boo
   return body_of(file, geometry::load_triangles(file), air, force);
 }
 
+void add_solution(JsonWriter& json, const acoustics::RigidBody::Effort& effort) {
+  if (!effort.iterates) return;
+  json.key("solution")
+      .begin_object(JsonWriter::Style::line)
+      .member("iterations", effort.worst.iterations)
+      .member("residual", effort.worst.residual)
+      .end_object();
+}
+
 }  // namespace palpa::setup

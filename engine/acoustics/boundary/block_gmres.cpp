@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "acoustics/boundary/band_least_squares.hpp"
@@ -78,7 +80,9 @@ void scale(const SplitVectors& vectors, std::size_t v, double factor) {
 /// Orthonormal directions that grow.
 class Directions {
  public:
-  Directions(std::size_t stride, std::size_t most) : stride_(stride), of_(2 * stride * most) {}
+  /// The system gives memory when it is used first, so that few directions take little.
+  Directions(std::size_t stride, std::size_t most)
+      : stride_(stride), of_(std::make_unique_for_overwrite<float[]>(2 * stride * most)) {}
   std::size_t count() const { return count_; }
   SplitVectors from(std::size_t first) { return {&of_[2 * stride_ * first], stride_}; }
 
@@ -119,7 +123,7 @@ class Directions {
 
  private:
   std::size_t stride_, count_ = 0;
-  std::vector<float> of_;
+  std::unique_ptr<float[]> of_;
 };
 
 class Solver {
@@ -158,7 +162,7 @@ class Solver {
           r[i] = right[i] - r[i];
         if (sizes_[v] > 0) report.residual = std::max(report.residual, norm({r, stride}, 0) / sizes_[v]);
       }
-      if (report.residual <= setting_.tolerance || !(report.residual < 0.5 * before)) break;
+      if (report.residual <= setting_.tolerance || !(report.residual < 0.9 * before)) break;
     }
     return report;
   }
@@ -171,8 +175,8 @@ class Solver {
     BandLeastSquares squares(directions.extend(residual, count_));
     std::vector<float> image, conditioned;
     // Counts thousandths of the decades that the residual falls.
-    const auto fallen = [](double residual) {
-      return static_cast<std::uint64_t>(std::max(-1000 * std::log10(std::clamp(residual, 1e-30, 1.0)), 0.0));
+    const auto fallen = [](double to) {
+      return static_cast<std::uint64_t>(-1000 * std::log10(std::clamp(to, 1e-30, 1.0)));
     };
     Activity activity("solving for the sound on the surface", fallen(setting_.tolerance));
     while (directions.count() < setting_.most_directions && report.iterations < setting_.most_iterations) {

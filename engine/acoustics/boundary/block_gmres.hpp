@@ -15,7 +15,7 @@ namespace palpa::acoustics {
 struct GmresSetting {
   double tolerance = 1e-4;             ///< of the residual
   std::uint32_t most_iterations = 200;
-  std::size_t most_directions = 400;  ///< in memory; then it starts again from the solution so far
+  std::size_t most_directions = 640;  ///< in memory; then it starts again from the solution so far
 };
 
 /// Replaces `count` vectors y by a map of the vectors x; x and y do not overlap.

@@ -51,9 +51,9 @@ class FastOperator : public SurfaceOperator {
       const auto column = columns.subspan(v * size, size);
       // Squares of large numbers would exceed the range of floats.
       for (const std::complex<float>& value : column) {
-        const float size = std::max(std::abs(value.real()), std::abs(value.imag()));
+        const float loud = std::max(std::abs(value.real()), std::abs(value.imag()));
         const bool number = std::isfinite(value.real()) && std::isfinite(value.imag()) && std::isfinite(scales[v]);
-        scales[v] = number ? std::max(scales[v], size) : std::numeric_limits<float>::quiet_NaN();
+        scales[v] = number ? std::max(scales[v], loud) : std::numeric_limits<float>::quiet_NaN();
       }
       // Sound that is not a number stays so: its solution is zero times that.
       const float factor = scales[v] > 0 && std::isfinite(1 / scales[v]) ? 1 / scales[v] : 0;
