@@ -245,7 +245,8 @@ void measure_body(const Context& context, const std::string& asset, std::size_t 
   }
   const std::string name = fmt::format("{}, {} faces", asset, mesh.triangles.size());
   rows.push_back(make_row("acoustics", name, "operator", std::move(operators)));
-  if (effort.iterates && mesh.triangles.size() < most_compared) rows.back().note = beside_dense(mesh, air.wave_number());
+  if (effort.iterates && mesh.triangles.size() < most_compared)
+    rows.back().note = beside_dense(mesh, air.wave_number());
   rows.push_back(make_row("acoustics", name, "one focus", std::move(ones)));
   rows.push_back(make_row("acoustics", name, "ten foci", std::move(sets)));
   rows.back().note = "3984 transducers to pressures on the skin";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -80,8 +81,7 @@ TEST(BlockGmres, FindsSolutions) {
     system.map()({exact.data(), stride}, count, {b.data(), stride});
     GmresSetting setting;
     setting.tolerance = 1e-5;
-    const SolveReport report =
-        block_gmres(system.map(), same, {b.data(), stride}, count, {x.data(), stride}, setting);
+    const SolveReport report = block_gmres(system.map(), same, {b.data(), stride}, count, {x.data(), stride}, setting);
     EXPECT_LE(report.residual, setting.tolerance);
     EXPECT_GT(report.iterations, 2u);
     EXPECT_LT(report.iterations, 40u);

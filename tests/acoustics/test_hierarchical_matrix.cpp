@@ -40,7 +40,8 @@ TEST(SplitKernels, AreProducts) {
   for (const std::size_t rows : {16u, 48u, 64u}) {
     for (const std::size_t columns : {0u, 1u, 3u, 4u, 11u}) {
       for (const std::size_t count : {1u, 2u, 3u, 10u}) {
-        const std::vector<float> matrix = noise(2 * stride * columns + 1, 1), factors = noise(2 * columns * count + 1, 2);
+        const std::vector<float> matrix = noise(2 * stride * columns + 1, 1),
+                                 factors = noise(2 * columns * count + 1, 2);
         std::vector<float> x = noise(2 * stride * count, 3), y = x, dots(2 * columns * count);
         const SplitMatrix m{matrix.data(), rows, columns, stride};
         add_columns(m, factors.data(), count, {y.data(), stride});
@@ -72,8 +73,8 @@ TEST(SplitKernels, AreProducts) {
 
 TEST(ClusterTree, CoversTheMatrixOnceAndKeepsNearPairsWhole) {
   // One end of the body has far larger faces than the other.
-  const geometry::Mesh mesh = test::transformed(
-      geometry::icosphere(8e-3, 10), [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 8 : 1)); });
+  const geometry::Mesh mesh = test::transformed(geometry::icosphere(8e-3, 10),
+                                                [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 8 : 1)); });
   const ClusterTree tree = cluster_tree(mesh, 32);
   const std::size_t size = mesh.positions.size();
   std::vector<std::uint32_t> sorted = tree.order;
@@ -189,9 +190,10 @@ double error_of(const Parts& parts, const BlockPlace& place, const LowRank& prod
 
 TEST(LowRank, IsAsExactAsAskedFor) {
   // On the box, some rows of a block vanish on a part of the columns in one of the equation's halves.
-  const geometry::Mesh ball = geometry::icosphere(8e-3, 8), edges = test::transformed(ball, [](const Vec3& p) {
-    return 8e-3 / std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) * p;
-  });
+  const geometry::Mesh ball = geometry::icosphere(8e-3, 8),
+                       edges = test::transformed(ball, [](const Vec3&p) {
+                         return 8e-3 / std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) * p;
+                       });
   for (const geometry::Mesh& mesh : {ball, edges}) {
     const Parts parts(mesh);
     ClusterPatches rows, columns;

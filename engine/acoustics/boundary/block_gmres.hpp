@@ -13,7 +13,7 @@
 namespace palpa::acoustics {
 
 struct GmresSetting {
-  double tolerance = 1e-4;             ///< of the residual
+  double tolerance = 1e-4;  ///< of the residual
   std::uint32_t most_iterations = 200;
   std::size_t most_directions = 640;  ///< in memory; then it starts again from the solution so far
 };

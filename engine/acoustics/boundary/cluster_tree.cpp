@@ -18,7 +18,7 @@ struct Star {
   double longest_side = 0;
 };
 
-/// Of the faces around each vertex.
+/// What the faces around each vertex have in common.
 std::vector<Star> stars_of(const Mesh& mesh) {
   std::vector<Star> stars(mesh.positions.size());
   for (const glm::uvec3& t : mesh.triangles) {

@@ -15,7 +15,7 @@
 namespace palpa::acoustics {
 namespace {
 
-/// Of the compressed blocks and of the residuals. Pressures then differ by about 0.05 % from those of the dense matrix.
+/// Errors of the compressed blocks and residuals. Pressures then differ by about 0.05 % from those of the dense matrix.
 constexpr double block_tolerance = 5e-4, residual_tolerance = 5e-5;
 /// Larger squares save few iterations, and cost more in each.
 constexpr std::uint32_t square_size = 256;
@@ -72,13 +72,14 @@ class FastOperator : public SurfaceOperator {
     const auto precondition = [&](const SplitVectors& x, std::size_t vectors, const SplitVectors& y) {
       inverse_.solve(way, x, vectors, y);
     };
-    const SolveReport report = block_gmres(multiply, precondition, {right.data(), stride}, count,
-                                           {solution.data(), stride}, setting, give_up);
+    const SolveReport report =
+        block_gmres(multiply, precondition, {right.data(), stride}, count, {solution.data(), stride}, setting, give_up);
     if (report.residual > residual_tolerance) {
-      throw failure(fmt::format(
-          "The sound on the surface did not converge: after {} iterations the residual is {:.1e}, and should be {:.0e}; "
-          "a mesh with more even faces may help",
-          report.iterations, report.residual, residual_tolerance));
+      throw failure(
+          fmt::format("The sound on the surface did not converge: after {} iterations the residual is {:.1e}, and "
+                      "should be {:.0e}; "
+                      "a mesh with more even faces may help",
+                      report.iterations, report.residual, residual_tolerance));
     }
     for (std::size_t v = 0; v < count; ++v) {
       const float* const from = &solution[2 * stride * v];

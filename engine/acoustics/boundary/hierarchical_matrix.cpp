@@ -18,6 +18,16 @@ constexpr std::uint32_t leaf_size = 64;
 constexpr double far_reach = 4;
 constexpr std::uint32_t strip_size = 256;
 
+/// About how many numbers a block has. Ranks as found on spheres and hands: they grow with the smaller cluster's size
+/// in wavelengths.
+std::uint64_t expected_numbers(const Cluster& rows, const Cluster& columns, bool far, double wave_number) {
+  const double area = static_cast<double>(rows.size()) * columns.size(), lines = rows.size() + columns.size();
+  const double smaller =
+      std::min(glm::distance(rows.box.low, rows.box.high), glm::distance(columns.box.low, columns.box.high));
+  const double rank = 7 + 1.1 * wave_number * smaller;
+  return static_cast<std::uint64_t>(far ? std::min(rank * lines, area) : area);
+}
+
 }  // namespace
 
 HierarchicalMatrix::HierarchicalMatrix(const Patches& body, double wave_number, double tolerance,
@@ -27,19 +37,20 @@ HierarchicalMatrix::HierarchicalMatrix(const Patches& body, double wave_number, 
     blocks_.push_back({place, {}, {}});
   NearPairs near = near_pairs(body, wave_number, give_up);
   warn_of_unresolved(near);
-  fill(MatrixEntries(body, tree_, wave_number, std::move(near)), tolerance, give_up);
+  fill(MatrixEntries(body, tree_, wave_number, std::move(near)), wave_number, tolerance, give_up);
   find_strips();
 }
 
-void HierarchicalMatrix::fill(const MatrixEntries& entries, double tolerance, const std::atomic<bool>* give_up) {
+void HierarchicalMatrix::fill(const MatrixEntries& entries, double wave_number, double tolerance,
+                              const std::atomic<bool>* give_up) {
   // The largest ones first, so that all threads end at the same time.
   std::vector<std::uint32_t> sequence(blocks_.size());
   std::iota(sequence.begin(), sequence.end(), 0u);
-  const auto area = [&](std::uint32_t b) {
-    return std::uint64_t{lines(blocks_[b], true).size()} * lines(blocks_[b], false).size();
-  };
-  std::ranges::stable_sort(sequence, [&](std::uint32_t a, std::uint32_t b) { return area(a) > area(b); });
-  Activity activity("filling the matrix of the surface", blocks_.size());
+  std::vector<std::uint64_t> costs;
+  for (const Block& block : blocks_)
+    costs.push_back(expected_numbers(lines(block, true), lines(block, false), block.place.far, wave_number));
+  std::ranges::stable_sort(sequence, [&](std::uint32_t a, std::uint32_t b) { return costs[a] > costs[b]; });
+  Activity activity("filling the matrix of the surface", std::accumulate(costs.begin(), costs.end(), std::uint64_t{0}));
   parallel_chunks(sequence.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
     stop_if(give_up);
     thread_local ClusterPatches rows, columns;
@@ -59,7 +70,7 @@ void HierarchicalMatrix::fill(const MatrixEntries& entries, double tolerance, co
       block.whole.resize(2 * stride * columns.size);
       entries.block(rows, columns, stride, block.whole);
     }
-    activity.advance();
+    activity.advance(costs[sequence[chunk]]);
   });
 }
 
@@ -219,13 +230,7 @@ std::uint64_t HierarchicalMatrix::expected_bytes(const geometry::Mesh& body, dou
   const ClusterTree tree = cluster_tree(body, leaf_size);
   std::uint64_t numbers = 0, blocks = 0;
   for (const BlockPlace& place : block_places(tree, far_reach)) {
-    const Cluster &rows = tree.clusters[place.rows], &columns = tree.clusters[place.columns];
-    const double area = static_cast<double>(rows.size()) * columns.size(), lines = rows.size() + columns.size();
-    // Ranks that were found on spheres and hands: they grow with the smaller cluster's size in wavelengths.
-    const double smaller = std::min(glm::distance(rows.box.low, rows.box.high),
-                                    glm::distance(columns.box.low, columns.box.high));
-    const double rank = 7 + 1.1 * wave_number * smaller;
-    numbers += static_cast<std::uint64_t>(place.far ? std::min(rank * lines, area) : area);
+    numbers += expected_numbers(tree.clusters[place.rows], tree.clusters[place.columns], place.far, wave_number);
     ++blocks;
   }
   return numbers * sizeof(std::complex<float>) + blocks * sizeof(Block);

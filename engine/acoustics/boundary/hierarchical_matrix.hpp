@@ -54,7 +54,7 @@ class HierarchicalMatrix {
     std::vector<std::uint32_t> blocks;
   };
 
-  void fill(const MatrixEntries& entries, double tolerance, const std::atomic<bool>* give_up);
+  void fill(const MatrixEntries& entries, double wave_number, double tolerance, const std::atomic<bool>* give_up);
   void find_strips();
   const Cluster& lines(const Block& block, bool rows) const {
     return tree_.clusters[rows ? block.place.rows : block.place.columns];
