@@ -22,6 +22,8 @@
 #include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/boundary/surface_sound.hpp"
+#include "acoustics/compressed/body_operator.hpp"
+#include "acoustics/compressed/fast_operator.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"

@@ -1,5 +1,5 @@
 // The solver of the fast operator, and the small problem within it.
-#include "acoustics/boundary/block_gmres.hpp"
+#include "acoustics/compressed/block_gmres.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "acoustics/boundary/band_least_squares.hpp"
+#include "acoustics/compressed/band_least_squares.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

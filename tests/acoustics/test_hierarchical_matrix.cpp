@@ -9,13 +9,13 @@
 #include <random>
 #include <vector>
 
-#include "acoustics/boundary/cluster_tree.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/boundary/galerkin.hpp"
-#include "acoustics/boundary/hierarchical_matrix.hpp"
-#include "acoustics/boundary/low_rank.hpp"
-#include "acoustics/boundary/matrix_entries.hpp"
+#include "acoustics/compressed/hierarchical_matrix.hpp"
+#include "acoustics/compressed/low_rank.hpp"
+#include "acoustics/compressed/matrix_entries.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
-#include "acoustics/boundary/split_kernels.hpp"
+#include "acoustics/compressed/split_kernels.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
 #include "support/shapes.hpp"

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/body_operator.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"

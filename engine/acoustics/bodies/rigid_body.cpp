@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/compressed/body_operator.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 

@@ -1,6 +1,5 @@
 #include "acoustics/boundary/surface_operator.hpp"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -27,11 +26,6 @@ class DenseOperator : public SurfaceOperator {
   DenseLu lu_;
 };
 
-bool prefers_fast(const geometry::Mesh& body, double wave_number) {
-  return body.positions.size() > most_dense_vertices &&
-         fast_operator_bytes(body, wave_number) < dense_operator_bytes(body);
-}
-
 }  // namespace
 
 std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
@@ -47,16 +41,6 @@ std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double
 std::uint64_t dense_operator_bytes(const geometry::Mesh& body) {
   const std::uint64_t vertices = body.positions.size();
   return vertices * vertices * sizeof(std::complex<float>) + assembly_bytes(body);
-}
-
-std::unique_ptr<SurfaceOperator> make_operator(const Patches& body, double wave_number,
-                                               const std::atomic<bool>* give_up) {
-  return prefers_fast(body.mesh, wave_number) ? make_fast_operator(body, wave_number, give_up)
-                                              : make_dense_operator(body, wave_number, give_up);
-}
-
-std::uint64_t operator_bytes(const geometry::Mesh& body, double wave_number) {
-  return prefers_fast(body, wave_number) ? fast_operator_bytes(body, wave_number) : dense_operator_bytes(body);
 }
 
 }  // namespace palpa::acoustics

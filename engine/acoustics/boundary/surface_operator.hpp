@@ -1,6 +1,6 @@
 // The interface of the boundary elements' system of equations: a map from right-hand sides to unknowns, made once per
-// body and wave number. Small bodies have a dense matrix with its factors. Large ones have a compressed matrix
-// (hierarchical_matrix.hpp) and iterate (block_gmres.hpp).
+// body and wave number. Small bodies have a dense matrix with its factors, large ones the compressed matrix of
+// compressed/body_operator.hpp.
 #pragma once
 
 #include <atomic>
@@ -42,21 +42,7 @@ class SurfaceOperator {
 std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
                                                      const std::atomic<bool>* give_up = nullptr);
 
-/// The compressed matrix. Pressures differ by about 0.05 % from those of the dense one. Making it takes little more
-/// than twice the time for twice the faces, and a solution about 12 products with the matrix.
-std::unique_ptr<SurfaceOperator> make_fast_operator(const Patches& body, double wave_number,
-                                                    const std::atomic<bool>* give_up = nullptr);
-
-/// The maximum memory that making them takes; for the fast one an estimate, which includes a solution.
+/// The maximum memory that making it takes.
 std::uint64_t dense_operator_bytes(const geometry::Mesh& body);
-std::uint64_t fast_operator_bytes(const geometry::Mesh& body, double wave_number);
-
-/// Bodies with more vertices than this get the fast operator, unless it would need more memory than the dense one.
-inline constexpr std::size_t most_dense_vertices = 3000;
-
-/// One of the two, by the body's size.
-std::unique_ptr<SurfaceOperator> make_operator(const Patches& body, double wave_number,
-                                               const std::atomic<bool>* give_up = nullptr);
-std::uint64_t operator_bytes(const geometry::Mesh& body, double wave_number);
 
 }  // namespace palpa::acoustics

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "acoustics/boundary/matrix_entries.hpp"
-#include "acoustics/boundary/split_kernels.hpp"
+#include "acoustics/compressed/matrix_entries.hpp"
+#include "acoustics/compressed/split_kernels.hpp"
 
 namespace palpa::acoustics {
 

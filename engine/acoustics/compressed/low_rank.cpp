@@ -1,4 +1,4 @@
-#include "acoustics/boundary/low_rank.hpp"
+#include "acoustics/compressed/low_rank.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/boundary/cluster_tree.hpp"
-#include "acoustics/boundary/low_rank.hpp"
 #include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
+#include "acoustics/compressed/low_rank.hpp"
 
 namespace palpa::acoustics {
 

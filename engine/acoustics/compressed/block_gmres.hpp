@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "acoustics/boundary/split_kernels.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/split_kernels.hpp"
 
 namespace palpa::acoustics {
 

@@ -1,4 +1,4 @@
-#include "acoustics/boundary/band_least_squares.hpp"
+#include "acoustics/compressed/band_least_squares.hpp"
 
 #include <algorithm>
 #include <cmath>

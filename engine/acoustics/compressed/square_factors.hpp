@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "acoustics/boundary/hierarchical_matrix.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/hierarchical_matrix.hpp"
 
 namespace palpa::acoustics {
 

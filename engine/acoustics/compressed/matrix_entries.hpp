@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/boundary/cluster_tree.hpp"
 #include "acoustics/boundary/far_tables.hpp"
-#include "acoustics/boundary/hat_kernels.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
+#include "acoustics/compressed/hat_kernels.hpp"
 
 namespace palpa::acoustics {
 

@@ -1,4 +1,4 @@
-#include "acoustics/boundary/square_factors.hpp"
+#include "acoustics/compressed/square_factors.hpp"
 
 #include <algorithm>
 

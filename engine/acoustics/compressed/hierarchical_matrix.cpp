@@ -1,12 +1,12 @@
-#include "acoustics/boundary/hierarchical_matrix.hpp"
+#include "acoustics/compressed/hierarchical_matrix.hpp"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
 
-#include "acoustics/boundary/matrix_entries.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
+#include "acoustics/compressed/matrix_entries.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
 

@@ -1,4 +1,4 @@
-#include "acoustics/boundary/matrix_entries.hpp"
+#include "acoustics/compressed/matrix_entries.hpp"
 
 #include <algorithm>
 #include <array>

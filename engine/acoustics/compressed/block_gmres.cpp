@@ -1,4 +1,4 @@
-#include "acoustics/boundary/block_gmres.hpp"
+#include "acoustics/compressed/block_gmres.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "acoustics/boundary/band_least_squares.hpp"
+#include "acoustics/compressed/band_least_squares.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
 

@@ -1,4 +1,4 @@
-#include "acoustics/boundary/split_kernels.hpp"
+#include "acoustics/compressed/split_kernels.hpp"
 
 #include "acoustics/lanes.hpp"
 

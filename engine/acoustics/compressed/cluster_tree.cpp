@@ -1,4 +1,4 @@
-#include "acoustics/boundary/cluster_tree.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "acoustics/boundary/hat_kernels.hpp"
+#include "acoustics/compressed/hat_kernels.hpp"
 
 #include <cstddef>
 #include <numbers>

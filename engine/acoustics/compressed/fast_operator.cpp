@@ -1,3 +1,5 @@
+#include "acoustics/compressed/fast_operator.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,11 +7,10 @@
 #include <limits>
 #include <vector>
 
-#include "acoustics/boundary/block_gmres.hpp"
 #include "acoustics/boundary/galerkin.hpp"
-#include "acoustics/boundary/hierarchical_matrix.hpp"
-#include "acoustics/boundary/square_factors.hpp"
-#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/block_gmres.hpp"
+#include "acoustics/compressed/hierarchical_matrix.hpp"
+#include "acoustics/compressed/square_factors.hpp"
 #include "base/error.hpp"
 
 namespace palpa::acoustics {
