@@ -144,9 +144,8 @@ TEST(BlockGmres, StartsAgainWhenItsMemoryIsFull) {
   setting.most_directions = 18;
   const SolveReport report = block_gmres(system.map(), same, {b.data(), stride}, 3, {x.data(), stride}, setting);
   EXPECT_LE(report.residual, setting.tolerance);
-  setting.most_directions = 400;
-  const SolveReport roomy = block_gmres(system.map(), same, {b.data(), stride}, 3, {x.data(), stride}, setting);
-  EXPECT_GT(report.iterations, roomy.iterations);
+  // After five iterations there are eighteen directions.
+  EXPECT_GT(report.iterations, 5u);
 }
 
 TEST(BlockGmres, ReportsTheResidualWhereThereIsNoSolution) {
