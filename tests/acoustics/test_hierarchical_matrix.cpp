@@ -102,7 +102,7 @@ TEST(ClusterTree, CoversTheMatrixOnceAndKeepsNearPairsWhole) {
       }
     }
   }
-  EXPECT_GT(far_blocks, 100u);
+  EXPECT_GT(far_blocks, 10u);
   EXPECT_TRUE(std::ranges::all_of(covered, [](std::uint8_t times) { return times == 1; }));
   const NearPairs near = near_pairs(make_patches(mesh), k);
   for (std::uint32_t test = 0; test + 1 < near.first.size(); ++test) {
