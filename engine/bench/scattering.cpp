@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -17,7 +19,11 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/boundary/surface_sound.hpp"
+#include "acoustics/compressed/body_operator.hpp"
+#include "acoustics/compressed/fast_operator.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"
@@ -37,6 +43,10 @@ using acoustics::SphereSeries;
 constexpr double radius = 8e-3, usual_ka = 5.86;
 const Vec3 along(0, 0, 1), source(0, 0, 0.1);
 constexpr std::uint32_t most_runs = 5;
+/// A whole hand with faces of a sixth of a wavelength.
+constexpr std::size_t large = 50'000;
+/// Larger bodies are not compared with the dense operator: its memory and time grow too fast.
+constexpr std::size_t most_compared = 20'000;
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -111,7 +121,7 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
     rows.push_back(make_row("acoustics", fmt::format("sphere, {} faces", faces), "operator", std::move(samples)));
     rows.back().note = fmt::format("ka 5.86: plane wave {:.3f} %, point source {:.3f} %, Y_p {:.4f} of {:.4f}; {} MB",
                                    plane * 100, near * 100, force, acoustics::sphere_force_function(usual_ka),
-                                   acoustics::dense_operator_bytes(body->mesh()) / 1'000'000);
+                                   acoustics::operator_bytes(body->mesh(), k) / 1'000'000);
   }
   for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
     const double begin = now_ms(), worst = worst_by_median(resonance);
@@ -121,9 +131,73 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
   }
 }
 
-/// Ten foci on a circle of 3 mm at the tip of a body that stands 3 mm below the origin, by the paper's array: from the
-/// file to the pressures on its skin.
-void measure_body(const Context& context, const std::string& asset, std::vector<Row>& rows) {
+/// Divides the longest sides of a closed mesh, and so on, until it has `faces` faces.
+void refine(geometry::Mesh& mesh, std::size_t faces) {
+  using Side = std::pair<std::uint32_t, std::uint32_t>;
+  // Sides a little shorter than the longest are divided in the same pass.
+  constexpr double similar = 0.75;
+  while (mesh.triangles.size() < faces) {
+    std::map<Side, std::vector<std::uint32_t>> triangles_at;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int c = 0; c < 3; ++c)
+        triangles_at[std::minmax(mesh.triangles[t][c], mesh.triangles[t][(c + 1) % 3])].push_back(t);
+    }
+    std::vector<std::pair<double, Side>> sides;
+    for (const auto& [side, triangles] : triangles_at)
+      sides.emplace_back(glm::distance(mesh.positions[side.first], mesh.positions[side.second]), side);
+    std::ranges::sort(sides, std::greater());
+    const double longest = sides.front().first;
+    std::vector<std::uint8_t> divided(mesh.triangles.size());
+    for (const auto& [length, side] : sides) {
+      if (length < similar * longest || mesh.triangles.size() >= faces) break;
+      const auto& [a, b] = side;
+      const std::vector<std::uint32_t>& triangles = triangles_at[side];
+      if (std::ranges::any_of(triangles, [&](std::uint32_t t) { return divided[t] != 0; })) continue;
+      const auto middle = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5);
+      for (const std::uint32_t t : triangles) {
+        divided[t] = 1;
+        glm::uvec3 other = mesh.triangles[t];
+        for (int c = 0; c < 3; ++c) {
+          if (mesh.triangles[t][c] == a) mesh.triangles[t][c] = middle;
+          if (other[c] == b) other[c] = middle;
+        }
+        mesh.triangles.push_back(other);
+      }
+    }
+  }
+}
+
+/// The largest difference of pressures at any face from those of the dense operator, in parts of the loudest, and their
+/// relative L2.
+std::string beside_dense(const geometry::Mesh& mesh, double wave_number) {
+  const acoustics::Patches patches = acoustics::make_patches(mesh);
+  const std::size_t vertices = mesh.positions.size();
+  std::vector<std::complex<float>> fast(vertices);
+  for (std::size_t v = 0; v < vertices; ++v)
+    fast[v] = std::polar(1.0F, static_cast<float>(wave_number * mesh.positions[v].x));
+  std::vector<std::complex<float>> dense = fast;
+  acoustics::make_fast_operator(patches, wave_number)->solve(acoustics::Way::forth, fast);
+  acoustics::make_dense_operator(patches, wave_number)->solve(acoustics::Way::forth, dense);
+  const acoustics::SurfaceFit fit(patches);
+  const auto found = fit.at_faces(fast), expected = fit.at_faces(dense);
+  double off = 0, all = 0, worst = 0, loudest = 0;
+  for (std::size_t face = 0; face < found.size(); ++face) {
+    const double difference = std::abs(found[face].pressure - expected[face].pressure);
+    off += difference * difference;
+    all += std::norm(expected[face].pressure);
+    worst = std::max(worst, difference);
+    loudest = std::max(loudest, std::abs(expected[face].pressure));
+  }
+  const double error = std::sqrt(off / all);
+  if (error > 0.003) wrong("the fast operator is more than 0.3 % off the dense one");
+  return fmt::format("{:.3f} % beside the dense operator, at most {:.2f} % of the loudest", 100 * error,
+                     100 * worst / loudest);
+}
+
+/// Foci on a circle of 3 mm at the tip of a body that stands 3 mm below the origin, by the paper's array: from the file
+/// to the pressures on its skin. `faces`: the mesh is refined to this many.
+void measure_body(const Context& context, const std::string& asset, std::size_t faces, std::vector<Row>& rows) {
   const acoustics::Air air = acoustics::air_of({});
   const array::Layout layout = array::load_layout("paper");
   acoustics::Strengths strengths;
@@ -134,46 +208,65 @@ void measure_body(const Context& context, const std::string& asset, std::vector<
     strengths.insert(strengths.end(), own.begin(), own.end());
   }
   const acoustics::Incident incident(layout, air, array::Directivity::t4010a1);
-  std::vector<double> operators, sets, totals;
-  const std::size_t faces = geometry::load_triangles(setup::find_asset(asset)).triangles.size();
-  for (std::uint32_t run = 0; run < runs_of(context, faces); ++run) {
-    const double begin = now_ms();
+  std::vector<double> operators, sets, ones, totals;
+  const auto mesh_of_asset = [&] {
     geometry::Mesh mesh = acoustics::body_mesh(asset, geometry::load_triangles(setup::find_asset(asset)));
+    refine(mesh, faces);
     const double lowest = geometry::bounds(mesh).low.y;
     for (Vec3& p : mesh.positions)
       p.y -= lowest + 3e-3;
-    const std::size_t vertices = mesh.positions.size();
+    return mesh;
+  };
+  const geometry::Mesh mesh = mesh_of_asset();
+  const std::size_t vertices = mesh.positions.size(), transducers = layout.transducers.size();
+  acoustics::RigidBody::Effort effort;
+  for (std::uint32_t run = 0; run < runs_of(context, mesh.triangles.size()); ++run) {
+    const double begin = now_ms();
+    geometry::Mesh own = mesh_of_asset();
     const double read = now_ms();
-    const RigidBody body(std::move(mesh), air.wave_number());
+    const RigidBody body(std::move(own), air.wave_number());
     const double ready = now_ms();
-    acoustics::Waves waves;
-    incident.at(body.points(), body.normals(), strengths, waves);
-    const auto unknowns = body.solve(waves);
-    acoustics::SkinPressure pressure;
-    for (std::size_t focus = 0; focus < 10; ++focus) {
-      acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(focus * vertices, vertices)), air, 0.1,
-                              pressure);
-    }
+    const auto solve = [&](std::size_t foci) {
+      acoustics::Waves waves;
+      incident.at(body.points(), body.normals(), std::span(strengths).first(foci * transducers), waves);
+      const auto unknowns = body.solve(waves);
+      acoustics::SkinPressure pressure;
+      for (std::size_t focus = 0; focus < foci; ++focus) {
+        acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(focus * vertices, vertices)), air, 0.1,
+                                pressure);
+      }
+    };
+    solve(10);
     const double end = now_ms();
+    solve(1);
+    ones.push_back(now_ms() - end);
     operators.push_back(ready - read);
     sets.push_back(end - ready);
     totals.push_back(end - begin);
+    effort = body.effort();
   }
-  const std::string name = fmt::format("{}, {} faces", asset, faces);
+  const std::string name = fmt::format("{}, {} faces", asset, mesh.triangles.size());
   rows.push_back(make_row("acoustics", name, "operator", std::move(operators)));
+  if (effort.iterates && mesh.triangles.size() < most_compared)
+    rows.back().note = beside_dense(mesh, air.wave_number());
+  rows.push_back(make_row("acoustics", name, "one focus", std::move(ones)));
   rows.push_back(make_row("acoustics", name, "ten foci", std::move(sets)));
   rows.back().note = "3984 transducers to pressures on the skin";
+  if (effort.iterates) {
+    rows.back().note += fmt::format("; {} iterations, residual {:.1e}", effort.worst.iterations, effort.worst.residual);
+  }
   rows.push_back(make_row("acoustics", name, "total", std::move(totals)));
-  rows.back().note =
-      fmt::format("from the file to the pressures; process at most {} MB so far", peak_resident_bytes() / 1'000'000);
+  rows.back().note = fmt::format("from the file to the pressures for ten foci; process at most {} MB so far",
+                                 peak_resident_bytes() / 1'000'000);
 }
 
 }  // namespace
 
 void measure_scattering(const Context& context, std::vector<Row>& rows) {
-  measure_body(context, "finger.ply", rows);
+  measure_body(context, "finger.ply", 0, rows);
   measure_spheres(context, rows);
-  measure_body(context, "hand.glb", rows);
+  measure_body(context, "hand.glb", large, rows);
+  measure_body(context, "hand.glb", 0, rows);
 }
 
 }  // namespace palpa::bench

@@ -24,12 +24,21 @@ geometry::Mesh body_of(const std::string& name, const geometry::Mesh& mesh, cons
   geometry::Mesh body = acoustics::body_mesh(name, mesh);
   acoustics::check_fineness(name, body, 1 / air.medium.turns_per_metre(), force);
   acoustics::warn_of_needles(name, body);
-  acoustics::check_memory(body);
+  acoustics::check_memory(body, air.wave_number());
   return body;
 }
 
 geometry::Mesh load_body(const std::string& file, const acoustics::Air& air, bool force) {
   return body_of(file, geometry::load_triangles(file), air, force);
+}
+
+void add_solution(JsonWriter& json, const acoustics::RigidBody::Effort& effort) {
+  if (!effort.iterates) return;
+  json.key("solution")
+      .begin_object(JsonWriter::Style::line)
+      .member("iterations", effort.worst.iterations)
+      .member("residual", effort.worst.residual)
+      .end_object();
 }
 
 }  // namespace palpa::setup

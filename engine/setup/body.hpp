@@ -1,9 +1,11 @@
-// Loads a rigid body for scattering from its file.
+// Loads a rigid body for scattering from its file, and prints how its equations were solved.
 #pragma once
 
 #include <string>
 
 #include "acoustics/air.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "base/json_writer.hpp"
 #include "geometry/mesh/mesh.hpp"
 
 namespace palpa::setup {
@@ -15,5 +17,9 @@ geometry::Mesh body_of(const std::string& name, const geometry::Mesh& mesh, cons
 
 /// The same for the triangles of a file (geometry/files/load_triangles.hpp).
 geometry::Mesh load_body(const std::string& file, const acoustics::Air& air, bool force);
+
+/// Adds "solution": {"iterations", "residual"} for a body whose equations are solved by iterations, and nothing for
+/// others.
+void add_solution(JsonWriter& json, const acoustics::RigidBody::Effort& effort);
 
 }  // namespace palpa::setup

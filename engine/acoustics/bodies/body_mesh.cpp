@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/body_operator.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -279,8 +279,8 @@ void check_clear_of(const std::string& file, const Mesh& body, const array::Layo
   check_before_wall(file, body, layout);
 }
 
-void check_memory(const Mesh& body) {
-  require_memory(dense_operator_bytes(body), fmt::format("a body of {} faces", body.triangles.size()),
+void check_memory(const Mesh& body, double wave_number) {
+  require_memory(operator_bytes(body, wave_number), fmt::format("a body of {} faces", body.triangles.size()),
                  "give a mesh of fewer faces");
 }
 

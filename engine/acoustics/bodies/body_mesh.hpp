@@ -36,8 +36,8 @@ void check_source(const geometry::Mesh& body, const Vec3& source, bool force);
 /// into the wall that the transducers form, or stands behind it. Both are in the same frame.
 void check_clear_of(const std::string& file, const geometry::Mesh& body, const array::Layout& layout);
 
-/// Throws failure if the solution needs more memory than is free.
-void check_memory(const geometry::Mesh& body);
+/// Throws failure if the solution needs more memory than is free. `wave_number` in 1/m.
+void check_memory(const geometry::Mesh& body, double wave_number);
 
 /// Tests whether points lie within the body, where there is no sound.
 class Inside {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "acoustics/bodies/radiation.hpp"
+#include "base/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -59,7 +60,12 @@ bool FingerField::felt(std::span<const Vec3> path, std::size_t every, std::vecto
       strengths.insert(strengths.end(), one.begin(), one.end());
     }
     if (!incident_.at(body_.points(), body_.normals(), strengths, waves, give_up)) return false;
-    const std::vector<std::complex<float>> unknowns = body_.solve(waves);
+    std::vector<std::complex<float>> unknowns;
+    try {
+      unknowns = body_.solve(waves, give_up);
+    } catch (const GivenUp&) {
+      return false;
+    }
     for (std::size_t i = 0; i < count; ++i) {
       const auto wave = std::span(unknowns).subspan(i * vertices, vertices);
       for (const BodyPlace& place : places)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/compressed/body_operator.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 
@@ -31,7 +32,7 @@ RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<
     : patches_(make_patches(std::move(mesh))),
       wave_number_(wave_number),
       fit_(patches_),
-      operator_(make_dense_operator(patches_, wave_number, give_up)) {
+      operator_(make_operator(patches_, wave_number, give_up)) {
   for (const Patch& patch : patches_.patches) {
     for (const TriangleSample& s : three_point_rule()) {
       const Vec3 area = patch.area_vector(s.u, s.v);
@@ -43,7 +44,19 @@ RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<
   }
 }
 
-std::vector<std::complex<float>> RigidBody::solve(const Waves& incident) const {
+RigidBody::Effort RigidBody::effort() const {
+  const std::lock_guard lock(effort_->mutex);
+  return {operator_->iterates(), effort_->worst};
+}
+
+void RigidBody::find_unknowns(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>* give_up) const {
+  const SolveReport report = operator_->solve(way, columns, give_up);
+  const std::lock_guard lock(effort_->mutex);
+  effort_->worst.iterations = std::max(effort_->worst.iterations, report.iterations);
+  effort_->worst.residual = std::max(effort_->worst.residual, report.residual);
+}
+
+std::vector<std::complex<float>> RigidBody::solve(const Waves& incident, const std::atomic<bool>* give_up) const {
   assert(incident.slopes.size() == incident.pressures.size());
   const std::size_t size = mesh().positions.size(), count = incident.pressures.size() / points_.size();
   std::vector<std::complex<float>> columns(count * size);
@@ -60,7 +73,7 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident) const {
     for (std::size_t v = 0; v < size; ++v)
       columns[wave * size + v] = std::complex<float>(sums[v]);
   });
-  operator_->solve(Way::forth, columns);
+  find_unknowns(Way::forth, columns, give_up);
   const auto finite = [](const std::complex<float>& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); };
   if (!std::ranges::all_of(columns, finite))
     throw failure(
@@ -100,7 +113,7 @@ RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
   columns.reserve(rows.size() * size);
   for (const Row& row : rows)
     columns.insert(columns.end(), row.begin(), row.end());
-  operator_->solve(Way::back, columns);
+  find_unknowns(Way::back, columns, nullptr);
   Sources sources;
   sources.strengths.resize(rows.size() * count);
   sources.slopes.resize(rows.size() * count);

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <complex>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -33,8 +34,16 @@ class RigidBody {
   std::span<const Vec3> normals() const { return normals_; }
 
   /// The unknowns of every wave in `incident` at points(), one wave after the other: one complex number per vertex,
-  /// only meaningful as input of the functions below. Throws failure() if they are not finite.
-  std::vector<std::complex<float>> solve(const Waves& incident) const;
+  /// only meaningful as input of the functions below. Throws failure() if they are not finite, or if the iterations of
+  /// a large body do not converge; GivenUp soon after `give_up` becomes true.
+  std::vector<std::complex<float>> solve(const Waves& incident, const std::atomic<bool>* give_up = nullptr) const;
+
+  /// How the unknowns were found, and the worst report of all solutions so far, backward ones included.
+  struct Effort {
+    bool iterates = false;  ///< large bodies do (surface_operator.hpp)
+    SolveReport worst;
+  };
+  Effort effort() const;
 
   /// For one wave's unknowns: total pressure and its surface gradient at the faces' centroids, total pressure at the
   /// vertices.
@@ -66,12 +75,19 @@ class RigidBody {
   Sources sources_at_faces(std::span<const std::uint32_t> faces) const;
 
  private:
+  struct SharedEffort {
+    std::mutex mutex;
+    SolveReport worst;
+  };
+  void find_unknowns(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>* give_up) const;
+
   Patches patches_;
   double wave_number_;
   std::vector<Vec3> points_, normals_;
   std::vector<double> areas_;  // by point: the area that it represents
   SurfaceFit fit_;
   std::unique_ptr<SurfaceOperator> operator_;
+  std::unique_ptr<SharedEffort> effort_ = std::make_unique<SharedEffort>();
 };
 
 }  // namespace palpa::acoustics

@@ -1,19 +1,14 @@
 #include "acoustics/boundary/galerkin.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <glm/geometric.hpp>
+#include <numeric>
 #include <vector>
 
+#include "acoustics/boundary/far_tables.hpp"
 #include "acoustics/boundary/galerkin_kernels.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
 #include "base/activity.hpp"
-#include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/mesh/bvh.hpp"
 
@@ -29,53 +24,12 @@ struct FarTables {
   std::vector<FarGroup> groups;
 };
 
-FarTables far_tables(const Patches& body, const Vec3& origin) {
-  FarTables tables;
-  const std::size_t count = body.patches.size();
-  tables.patches.resize(count);
-  tables.groups.resize((count + far_lanes - 1) / far_lanes);
-  for (std::size_t t = 0; t < tables.groups.size() * far_lanes; ++t) {
-    // The last group is padded with distant patches without area.
-    for (std::size_t q = 0; q < 3; ++q) {
-      const TriangleSample& s = three_point_rule()[q];
-      std::array<Vec3, 4> numbers{Vec3(1e3), Vec3(0), Vec3(0), Vec3(0)};
-      if (t < count) {
-        const Patch& patch = body.patches[t];
-        numbers = {patch.at(s.u, s.v) - origin, s.weight * patch.area_vector(s.u, s.v),
-                   s.weight * patch.along_u(s.u, s.v), s.weight * patch.along_v(s.u, s.v)};
-        tables.patches[t].area[q] = static_cast<float>(glm::length(numbers[1]));
-      }
-      for (std::size_t i = 0; i < far_numbers; ++i) {
-        const auto number = static_cast<float>(numbers[i / 3][static_cast<int>(i % 3)]);
-        tables.groups[t / far_lanes].of[q][i][t % far_lanes] = number;
-        if (t < count) tables.patches[t].of[q][i] = number;
-      }
-    }
-  }
+FarTables far_tables(const Patches& body) {
+  FarTables tables{far_patches(body, geometry::bounds(body.mesh).centre()), {}};
+  std::vector<std::uint32_t> all(tables.patches.size());
+  std::iota(all.begin(), all.end(), 0u);
+  gather(tables.patches, all, tables.groups);
   return tables;
-}
-
-/// Patches around each vertex, [first[v], first[v + 1]).
-struct Around {
-  std::vector<std::uint32_t> first, patches;
-};
-
-Around patches_around(const geometry::Mesh& mesh) {
-  Around around;
-  around.first.assign(mesh.positions.size() + 1, 0);
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int c = 0; c < 3; ++c)
-      ++around.first[t[c] + 1];
-  }
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    around.first[v + 1] += around.first[v];
-  around.patches.resize(3 * mesh.triangles.size());
-  std::vector<std::uint32_t> next(around.first.begin(), around.first.end() - 1);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int c = 0; c < 3; ++c)
-      around.patches[next[mesh.triangles[t][c]]++] = t;
-  }
-  return around;
 }
 
 /// The vertices in an order that keeps spatial neighbours close to each other.
@@ -103,8 +57,7 @@ class RowBlock {
     for (const std::uint32_t v : vertices) {
       rows_[v] = &matrix[v * size_];
       std::fill_n(rows_[v], size_, std::complex<float>{});
-      tests_.insert(tests_.end(), around.patches.begin() + around.first[v],
-                    around.patches.begin() + around.first[v + 1]);
+      tests_.insert(tests_.end(), around.of(v).begin(), around.of(v).end());
     }
     std::sort(tests_.begin(), tests_.end());
     tests_.erase(std::unique(tests_.begin(), tests_.end()), tests_.end());
@@ -157,14 +110,9 @@ class RowBlock {
 
 void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix,
               const std::atomic<bool>* give_up) {
-  const FarTables far = far_tables(body, geometry::bounds(body.mesh).centre());
+  const FarTables far = far_tables(body);
   const NearPairs near = near_pairs(body, wave_number, give_up);
-  if (near.unresolved) {
-    log::warning(
-        fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides apart; "
-                    "their effect on each other is less exact",
-                    (*near.unresolved)[0], (*near.unresolved)[1]));
-  }
+  warn_of_unresolved(near);
   const Around around = patches_around(body.mesh);
   const std::vector<std::uint32_t> order = spatial_order(body.mesh);
   Activity activity("filling the matrix of the surface", order.size());

@@ -1,5 +1,7 @@
 #include "acoustics/boundary/near_pairs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -9,6 +11,7 @@
 #include "acoustics/boundary/near_rules.hpp"
 #include "acoustics/boundary/triangle_rules.hpp"
 #include "base/activity.hpp"
+#include "base/log.hpp"
 #include "base/parallel.hpp"
 #include "geometry/mesh/bvh.hpp"
 
@@ -17,9 +20,6 @@ namespace {
 
 using geometry::Mesh;
 
-/// Patches whose centroids are nearer than this many times the longest side of either are sampled more finely. Above
-/// 4/3, so that patches that touch are included.
-constexpr double reach = 2.2;
 constexpr std::size_t patches_per_job = 64;
 
 struct Ball {
@@ -58,7 +58,7 @@ class Neighbours {
     while (depth > 0) {
       const std::uint32_t n = stack[--depth];
       const geometry::Bvh::Node& node = tree_.nodes()[n];
-      const double most = reach * std::max(own.size, longest_[n]);
+      const double most = near_reach * std::max(own.size, longest_[n]);
       if (!(geometry::distance2(node.box, own.centre) < most * most)) continue;
       if (node.second != 0) {
         stack[depth++] = n + 1;
@@ -67,7 +67,7 @@ class Neighbours {
       }
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         const Ball& other = balls_[tree_.order()[i]];
-        const double near = reach * std::max(own.size, other.size);
+        const double near = near_reach * std::max(own.size, other.size);
         const Vec3 way = own.centre - other.centre;
         if (glm::dot(way, way) < near * near) found(tree_.order()[i]);
       }
@@ -176,6 +176,14 @@ NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<
     activity.advance(end - begin);
   });
   return pairs;
+}
+
+void warn_of_unresolved(const NearPairs& pairs) {
+  if (!pairs.unresolved) return;
+  log::warning(
+      fmt::format("The surface nearly touches itself: faces {} and {} are less than a twelfth of their sides apart; "
+                  "their effect on each other is less exact",
+                  (*pairs.unresolved)[0], (*pairs.unresolved)[1]));
 }
 
 }  // namespace palpa::acoustics

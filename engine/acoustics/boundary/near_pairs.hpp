@@ -12,6 +12,10 @@
 
 namespace palpa::acoustics {
 
+/// Patches whose centroids are nearer than this many times the longest side of either are sampled more finely. Above
+/// 4/3, so that patches that touch are included.
+inline constexpr double near_reach = 2.2;
+
 /// By test patch: entries first[test] to first[test + 1] are its trial patches (ascending, including itself) and their
 /// blocks of the matrix (galerkin.hpp), including the test function's half.
 struct NearPairs {
@@ -22,6 +26,9 @@ struct NearPairs {
 };
 /// Throws GivenUp soon after `give_up` becomes true.
 NearPairs near_pairs(const Patches& body, double wave_number, const std::atomic<bool>* give_up = nullptr);
+
+/// Warns if pairs.unresolved has a value.
+void warn_of_unresolved(const NearPairs& pairs);
 
 /// The number of entries: about 40 per face of an even mesh.
 std::uint64_t near_pair_count(const geometry::Mesh& mesh);

@@ -15,7 +15,11 @@ class DenseOperator : public SurfaceOperator {
   DenseOperator(std::vector<std::complex<float>> matrix, std::size_t size, const std::atomic<bool>* give_up)
       : size_(size), lu_(std::move(matrix), size, give_up) {}
   std::size_t unknowns() const override { return size_; }
-  void solve(Way way, std::span<std::complex<float>> columns) const override { lu_.solve(way, columns); }
+  bool iterates() const override { return false; }
+  SolveReport solve(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>*) const override {
+    lu_.solve(way, columns);
+    return {};
+  }
 
  private:
   std::size_t size_;

@@ -58,7 +58,7 @@ acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Inc
     incident.at(body.points(), body.normals(),
                 std::span(sounds.strengths).subspan(first * transducers, count * transducers), waves, give_up);
     stop_if(give_up);
-    const std::vector<std::complex<float>> unknowns = body.solve(waves);
+    const std::vector<std::complex<float>> unknowns = body.solve(waves, give_up);
     for (std::size_t i = 0; i < count; ++i) {
       acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(i * vertices, vertices)), air,
                               sounds.weights[first + i], pressure);

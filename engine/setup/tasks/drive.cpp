@@ -140,6 +140,7 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
       by.finger ? acoustics::pressure_at_foci(layout, result.drive, result.foci, by.finger->sound)
                 : acoustics::pressure_at_foci(layout, result.drive, result.foci, options.medium, options.directivity);
   if (by.finger && factors.empty()) result.over_free_field = gains_over(in_free_air, layout, *by.finger, result);
+  if (by.finger) result.effort = by.finger->body.effort();
   result.unresolved = array::unresolved_pairs(layout, result.foci, options);
 }
 
@@ -211,6 +212,7 @@ std::string to_json(const DriveResult& result) {
     json.value(focus.position);
   json.end_array();
   if (!result.aimed.empty()) json.member("aimed_m", result.aimed);
+  add_solution(json, result.effort);
   json.key("gains").begin_array();
   for (const array::SlotFocus& focus : result.foci)
     json.value(focus.gain);

@@ -48,6 +48,7 @@ struct DriveResult {
   std::vector<Vec3> aimed;  ///< with a finger: where each focus sounds, on the skin; otherwise empty
   array::Drive drive;       ///< in layout order
   acoustics::FociPressure pressure;
+  acoustics::RigidBody::Effort effort;  ///< with a finger: how its equations were solved
   /// With a finger: the pressure at each focus divided by that of the drive for the same foci in free air. Empty if a
   /// pressure is requested.
   std::vector<double> over_free_field;

@@ -148,6 +148,7 @@ ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acous
   acoustics::add_pressure(result.faces, air, 1, pressure);
   result.loudest_pa = pressure.loudest_pa;
   result.body = body.mesh();
+  result.effort = body.effort();
   result.load = acoustics::load_on(result.body, pressure.langevin, {});
   return result;
 }
@@ -179,6 +180,7 @@ std::string to_json(const ScatterResult& result) {
       .member("force_N", result.load.force)
       .member("torque_Nm", result.load.torque)
       .member("density_kg_m3", result.air.density_kg_m3);
+  add_solution(json, result.effort);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : result.times)
     json.member(stage, ms);

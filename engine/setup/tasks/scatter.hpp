@@ -63,6 +63,7 @@ struct ScatterResult {
   std::vector<Vec3> points;                  ///< additional places for the total pressure,
   std::vector<std::complex<double>> totals;  ///< and its values; not a number inside the body
   acoustics::Load load;                      ///< N, and Nm about the frame's origin
+  acoustics::RigidBody::Effort effort;       ///< how the equations were solved
   double loudest_pa = 0;                     ///< largest |p| of any face
   acoustics::Air air;
   bool from_array = false;  ///< the sound is an array's, so its pressures are absolute

@@ -205,6 +205,7 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   const acoustics::Incident incident(rig.layout, air, o.drive.directivity);
   result.pressure = session::mean_pressure(sounds, incident, air, *sound->body);
   result.times.emplace_back("pressure", watch.lap_ms());
+  result.effort = sound->body->effort();
   if (o.in_time.spectrum || o.touch.tune) {
     const std::span<const session::ScheduledFinger> fingers = one.session.scheduler().fingers();
     result.fingers.assign(fingers.begin(), fingers.end());

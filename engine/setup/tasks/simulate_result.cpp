@@ -9,6 +9,7 @@
 #include "array/schedule.hpp"
 #include "base/words.hpp"
 #include "geometry/files/vtu.hpp"
+#include "setup/body.hpp"
 #include "setup/tasks/felt_json.hpp"
 
 namespace palpa::setup {
@@ -78,6 +79,7 @@ void add_members(JsonWriter& json, const SimulateResult& result) {
   add_spot(json, "squared", result.squared);
   json.member("force_N", result.load.force).member("torque_Nm", result.load.torque);
   if (!result.fingers.empty()) add_in_time(json, result);
+  add_solution(json, result.effort);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : result.times)
     json.member(stage, ms);

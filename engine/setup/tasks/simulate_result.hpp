@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acoustics/bodies/radiation.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/felt/spectrum.hpp"
 #include "base/json_writer.hpp"
 #include "base/math.hpp"
@@ -28,6 +29,7 @@ struct SimulateResult {
   acoustics::SkinPressure pressure;       ///< by face of the body
   acoustics::Spot langevin, squared;      ///< spots of both pressures
   acoustics::Load load;                   ///< load of the radiation pressure, about the tip
+  acoustics::RigidBody::Effort effort;    ///< how the equations were solved
   /// If requested: the elongation of the same sound's spot without the finger.
   std::optional<double> bare_elongation;
   /// With --spectrum or --tune: one for each touching patch of skin.

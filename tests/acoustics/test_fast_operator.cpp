@@ -1,0 +1,279 @@
+// The fast operator of large bodies against the dense one, and against what must not change it.
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "acoustics/bodies/radiation.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/compressed/body_operator.hpp"
+#include "acoustics/compressed/fast_operator.hpp"
+#include "acoustics/compressed/hierarchical_matrix.hpp"
+#include "acoustics/field/waves.hpp"
+#include "base/parallel.hpp"
+#include "geometry/mesh/icosphere.hpp"
+
+#include "support/exhaustive.hpp"
+#include "support/instrumented.hpp"
+#include "support/shapes.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+using Number = std::complex<float>;
+constexpr double k = 732.5;  // 40 kHz
+
+/// Right-hand sides of different kinds: smooth waves, and a single unknown as in backward solutions.
+std::vector<Number> right_hand_sides(const geometry::Mesh& mesh) {
+  const std::size_t size = mesh.positions.size();
+  std::vector<Number> columns(3 * size);
+  for (std::size_t v = 0; v < size; ++v) {
+    const Vec3& at = mesh.positions[v];
+    columns[v] = std::polar(1.0F, static_cast<float>(k * at.z));
+    columns[size + v] = std::polar(1.0F, static_cast<float>(k * (0.6 * at.x - 0.8 * at.y)));
+  }
+  columns[2 * size + size / 3] = 1;
+  return columns;
+}
+
+double difference(std::span<const Number> a, std::span<const Number> b) {
+  double wrong = 0, all = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    wrong += std::norm(std::complex<double>(a[i]) - std::complex<double>(b[i]));
+    all += std::norm(std::complex<double>(b[i]));
+  }
+  return std::sqrt(wrong / all);
+}
+
+struct Case {
+  std::string name;
+  geometry::Mesh mesh;
+};
+
+/// A box whose faces are divided, so that it has edges and large flat sides.
+geometry::Mesh divided_box(const Vec3& half, int times) {
+  geometry::Mesh mesh = test::box(-half, half);
+  for (int i = 0; i < times; ++i) {
+    geometry::Mesh finer;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const Vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+      const Vec3 ab = (a + b) * 0.5, bc = (b + c) * 0.5, ca = (c + a) * 0.5;
+      for (const auto& [x, y, z] : {std::array{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {bc, ca, ab}}) {
+        const auto first = static_cast<std::uint32_t>(finer.positions.size());
+        finer.positions.insert(finer.positions.end(), {x, y, z});
+        finer.triangles.emplace_back(first, first + 1, first + 2);
+      }
+    }
+    mesh = geometry::weld(finer);
+  }
+  return mesh;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  all.push_back({"sphere of 980 faces", geometry::icosphere(8e-3, 7)});
+  all.push_back({"box of 3072 faces", divided_box({15e-3, 6e-3, 9e-3}, 4)});
+  // A thin plate: its two sides are near to each other everywhere.
+  all.push_back({"plate of 3072 faces", divided_box({20e-3, 0.6e-3, 14e-3}, 4)});
+  all.push_back({"torus", test::torus(20e-3, 6e-3, 40)});
+  // Many wavelengths long, with faces of many sizes.
+  all.push_back({"needle of 2420 faces", test::transformed(geometry::icosphere(6e-3, 11), [](const Vec3& p) {
+                   return Vec3(p.x, p.y, p.z * (p.z > 0 ? 12 : 1));
+                 })});
+  if (test::exhaustive()) all.push_back({"sphere of 8000 faces", geometry::icosphere(20e-3, 20)});
+  return test::the_first(2, std::move(all));
+}
+
+TEST(FastOperator, SolvesAsTheDenseOneDoes) {
+  for (const auto& [name, mesh] : cases()) {
+    SCOPED_TRACE(name);
+    const Patches body = make_patches(mesh);
+    const auto dense = make_dense_operator(body, k), fast = make_fast_operator(body, k);
+    EXPECT_TRUE(fast->iterates());
+    EXPECT_FALSE(dense->iterates());
+    ASSERT_EQ(fast->unknowns(), mesh.positions.size());
+    const std::vector<Number> right = right_hand_sides(mesh);
+    for (const Way way : {Way::forth, Way::back}) {
+      std::vector<Number> expected = right, found = right;
+      dense->solve(way, expected);
+      const SolveReport report = fast->solve(way, found);
+      const std::size_t size = mesh.positions.size();
+      for (std::size_t first = 0; first < right.size(); first += size) {
+        EXPECT_LT(difference(std::span(found).subspan(first, size), std::span(expected).subspan(first, size)), 1e-3)
+            << first / size << (way == Way::forth ? " forth" : " back");
+      }
+      EXPECT_GT(report.iterations, 1u);
+      EXPECT_LT(report.iterations, 40u);
+      EXPECT_GT(report.residual, 0);
+      EXPECT_LE(report.residual, 5e-5);
+    }
+  }
+}
+
+TEST(FastOperator, DoesNotPeakAtResonances) {
+  // The inside of this sphere resonates near ka 5.785 (a flat-faced sphere is smaller than its vertices' radius).
+  const geometry::Mesh mesh = geometry::icosphere(8e-3, 7);
+  const Patches body = make_patches(mesh);
+  std::uint32_t least = 1000, most = 0;
+  for (double ka = 5.70; ka < 5.85; ka += test::instrumented() ? 0.05 : 0.01) {
+    std::vector<Number> columns = right_hand_sides(mesh);
+    const std::uint32_t iterations = make_fast_operator(body, ka / 8e-3)->solve(Way::forth, columns).iterations;
+    least = std::min(least, iterations);
+    most = std::max(most, iterations);
+  }
+  EXPECT_LE(most, least + 2);
+}
+
+/// During its lifetime, palpa computes with one thread.
+class OneThread {
+ public:
+  OneThread() {
+    sched_getaffinity(0, sizeof(before_), &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu) {
+      if (CPU_ISSET(cpu, &before_)) CPU_SET(cpu, &one);
+    }
+    sched_setaffinity(0, sizeof(one), &one);
+  }
+  ~OneThread() { sched_setaffinity(0, sizeof(before_), &before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  cpu_set_t before_;
+};
+
+TEST(FastOperator, HasTheSameBytesForAnyNumberOfThreads) {
+  const geometry::Mesh mesh = divided_box({15e-3, 6e-3, 9e-3}, 3);
+  const Patches body = make_patches(mesh);
+  const auto solve = [&](Way way) {
+    std::vector<Number> columns = right_hand_sides(mesh);
+    make_fast_operator(body, k)->solve(way, columns);
+    return columns;
+  };
+  for (const Way way : {Way::forth, Way::back}) {
+    const std::vector<Number> many = solve(way);
+    const OneThread one;
+    ASSERT_EQ(worker_count(), 1u);
+    EXPECT_EQ(solve(way), many);
+  }
+}
+
+TEST(FastOperator, KeepsSilenceLoudnessAndWhatIsNoNumber) {
+  const geometry::Mesh mesh = geometry::icosphere(8e-3, 5);
+  const std::size_t size = mesh.positions.size();
+  const auto fast = make_fast_operator(make_patches(mesh), k);
+  std::vector<Number> one = right_hand_sides(mesh);
+  one.resize(size);
+  std::vector<Number> all;
+  const float loud = 1e30F, nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Number& value : one)
+    all.push_back(value * loud);
+  all.insert(all.end(), size, Number(0));
+  all.insert(all.end(), one.begin(), one.end());
+  all[2 * size + 7] = {0, nan};
+  fast->solve(Way::forth, one);
+  fast->solve(Way::forth, all);
+  for (std::size_t v = 0; v < size; ++v) {
+    EXPECT_LE(std::abs(all[v] / loud - one[v]), 1e-3F) << v;
+    EXPECT_EQ(all[size + v], Number(0));
+    EXPECT_TRUE(std::isnan(all[2 * size + v].real())) << v;
+  }
+}
+
+TEST(FastOperator, TakesMoreRightHandSidesThanAreSolvedTogether) {
+  const geometry::Mesh mesh = geometry::icosphere(8e-3, 5);
+  const std::size_t size = mesh.positions.size();
+  const auto fast = make_fast_operator(make_patches(mesh), k);
+  std::vector<Number> one = right_hand_sides(mesh);
+  one.resize(size);
+  std::vector<Number> many;
+  constexpr std::size_t count = 37;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const Number& value : one)
+      many.push_back(value * std::polar(1.0F, static_cast<float>(i)));
+  }
+  fast->solve(Way::forth, one);
+  fast->solve(Way::forth, many);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<Number> expected;
+    for (const Number& value : one)
+      expected.push_back(value * std::polar(1.0F, static_cast<float>(i)));
+    EXPECT_LT(difference(std::span(many).subspan(i * size, size), expected), 3e-4) << i;
+  }
+}
+
+TEST(FastOperator, IsGivenUp) {
+  const Patches body = make_patches(geometry::icosphere(8e-3, 7));
+  const std::atomic<bool> stop = true;
+  EXPECT_THROW(make_fast_operator(body, k, &stop), GivenUp);
+  std::vector<Number> columns(body.mesh.positions.size(), 1);
+  EXPECT_THROW(make_fast_operator(body, k)->solve(Way::forth, columns, &stop), GivenUp);
+}
+
+TEST(FastOperator, IsForLargeBodiesOnly) {
+  const geometry::Mesh finger = geometry::icosphere(8e-3, 14), hand = geometry::icosphere(8e-3, 19);
+  ASSERT_LT(finger.positions.size(), most_dense_vertices);
+  ASSERT_GT(hand.positions.size(), most_dense_vertices);
+  EXPECT_EQ(operator_bytes(finger, k), dense_operator_bytes(finger));
+  EXPECT_EQ(operator_bytes(hand, k), fast_operator_bytes(hand, k));
+  EXPECT_LT(fast_operator_bytes(hand, k), dense_operator_bytes(hand));
+  EXPECT_FALSE(RigidBody(geometry::icosphere(8e-3, 5), k).effort().iterates);
+}
+
+TEST(FastOperator, WorksForthAndBackInLargeBodies) {
+  if (test::instrumented()) GTEST_SKIP() << "takes a minute with sanitizers";
+  const double radius = 8e-3;
+  const Vec3 along(0, 0, 1);
+  const RigidBody body(geometry::icosphere(radius, 19), k);
+  EXPECT_TRUE(body.effort().iterates);
+  EXPECT_EQ(body.effort().worst.iterations, 0u);
+  const Waves wave = plane_wave(k, along, body.points(), body.normals());
+  const std::vector<FaceSound> sound = body.at_faces(body.solve(wave));
+  EXPECT_GT(body.effort().worst.iterations, 1u);
+  EXPECT_LE(body.effort().worst.residual, 5e-5);
+  const SphereSeries exact = SphereSeries::plane_wave(k, radius, along);
+  double wrong = 0, all = 0;
+  for (std::size_t face = 0; face < sound.size(); ++face) {
+    const std::complex<double> right = exact.at(face_centroid(body.mesh(), face));
+    wrong += std::norm(sound[face].pressure - right);
+    all += std::norm(right);
+  }
+  EXPECT_LT(std::sqrt(wrong / all), 2e-3);
+  // One backward solution per face gives the same pressures.
+  const std::vector<std::uint32_t> faces{0, 1234, 7000};
+  const RigidBody::Sources sources = body.sources_at_faces(faces);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    std::complex<double> sum = 0;
+    for (std::size_t point = 0; point < body.points().size(); ++point) {
+      const std::size_t at = i * body.points().size() + point;
+      sum += sources.strengths[at] * wave.pressures[point] + sources.slopes[at] * wave.slopes[point];
+    }
+    EXPECT_LE(std::abs(sum - sound[faces[i]].pressure), 1e-3);
+  }
+}
+
+TEST(HierarchicalMatrix, NeedsAboutTheExpectedMemory) {
+  for (const auto& [name, mesh] : cases()) {
+    SCOPED_TRACE(name);
+    const HierarchicalMatrix matrix(make_patches(mesh), k, 5e-4);
+    const auto expected = static_cast<double>(HierarchicalMatrix::expected_bytes(mesh, k));
+    const auto found = static_cast<double>(matrix.bytes());
+    EXPECT_LT(found, 1.1 * expected);
+    EXPECT_GT(found, 0.5 * expected);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::acoustics
