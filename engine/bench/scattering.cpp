@@ -76,9 +76,9 @@ double force_function(const RigidBody& body) {
   air.medium.frequency = body.wave_number() * air.medium.sound_speed / (2 * std::numbers::pi);
   acoustics::SkinPressure pressure;
   const auto wave = acoustics::plane_wave(body.wave_number(), along, body.points(), body.normals());
-  acoustics::add_pressure(body.at_faces(body.solve(wave)), air, 1, pressure);
+  acoustics::add_pressure(body, body.solve(wave), air, 1, pressure);
   const double unit = std::numbers::pi * radius * radius / (2 * air.stiffness_pa());
-  return acoustics::load_on(body.mesh(), pressure.langevin, {}).force.z / unit;
+  return pressure.langevin_load.force.z / unit;
 }
 
 /// The ratio of the largest to the median error, for wave numbers near one at which a sphere's inside resonates.
@@ -151,8 +151,7 @@ void measure_body(const Context& context, const std::string& asset, std::vector<
     const auto unknowns = body.solve(waves);
     acoustics::SkinPressure pressure;
     for (std::size_t focus = 0; focus < 10; ++focus) {
-      acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(focus * vertices, vertices)), air, 0.1,
-                              pressure);
+      acoustics::add_pressure(body, std::span(unknowns).subspan(focus * vertices, vertices), air, 0.1, pressure);
     }
     const double end = now_ms();
     operators.push_back(ready - read);

@@ -360,21 +360,21 @@ TEST(Radiation, PushesASphereAsTheSeriesSays) {
   const RigidBody& body = sphere_of(12);
   Air air = without_absorption(air_of({}));
   air.medium.frequency = k * air.medium.sound_speed / (2 * pi);
-  const auto sound = body.at_faces(body.solve(plane_wave(k, along, body.points(), body.normals())));
+  const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
   SkinPressure pressure;
-  add_pressure(sound, air, 1, pressure);
+  add_pressure(body, unknowns, air, 1, pressure);
   const double unit = pi * radius * radius / (2 * air.stiffness_pa());
-  const Load load = load_on(body.mesh(), pressure.langevin, {});
+  const Load load = pressure.langevin_load;
   EXPECT_NEAR(glm::dot(load.force, along) / unit, 0.9089863795, 0.009);
   EXPECT_LE(glm::length(load.force - glm::dot(load.force, along) * along), 0.002 * unit);
   EXPECT_LE(glm::length(load.torque), 0.002 * unit * radius);
   // Without the air that moves along the skin, it would be larger by a third.
-  EXPECT_NEAR(glm::dot(load_on(body.mesh(), pressure.squared, {}).force, along) / unit, 1.258, 0.012);
+  EXPECT_NEAR(glm::dot(pressure.squared_load.force, along) / unit, 1.258, 0.012);
   std::printf("  Y_p %.4f of 0.9090\n", glm::dot(load.force, along) / unit);
   // Two halves, and their sum.
   SkinPressure twice;
-  add_pressure(sound, air, 0.5, twice);
-  add_pressure(sound, air, 0.5, twice);
+  add_pressure(body, unknowns, air, 0.5, twice);
+  add_pressure(body, unknowns, air, 0.5, twice);
   EXPECT_NEAR(twice.langevin[7], pressure.langevin[7], 1e-12 * std::abs(pressure.langevin[7]));
 }
 

@@ -10,6 +10,7 @@
 #include "base/words.hpp"
 #include "geometry/files/vtu.hpp"
 #include "setup/tasks/felt_json.hpp"
+#include "setup/tasks/force_check.hpp"
 
 namespace palpa::setup {
 
@@ -76,7 +77,9 @@ void add_members(JsonWriter& json, const SimulateResult& result) {
   if (!result.aimed.empty()) add_aimed(json, result);
   add_spot(json, "langevin", result.langevin);
   add_spot(json, "squared", result.squared);
-  json.member("force_N", result.load.force).member("torque_Nm", result.load.torque);
+  json.member("force_N", result.load.force);
+  add_far_force(json, result.far_force);
+  json.member("torque_Nm", result.load.torque);
   if (!result.fingers.empty()) add_in_time(json, result);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : result.times)
