@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "acoustics/boundary/face_fit.hpp"
 #include "acoustics/boundary/hat_averages.hpp"
 #include "acoustics/boundary/patches.hpp"
 
@@ -59,26 +60,14 @@ class SurfaceFit {
 
  private:
   using Complex = std::complex<double>;
-  /// A face's polynomial in coordinates x . s and x . t from `origin`. `vertices` numbers give its coefficients, as a
-  /// sum of numbers at vertices times factors_[first_factor + vertex * terms + term].
-  struct Fit {
-    Vec3 origin, s, t;  ///< s and t are perpendicular and as long as 1 / the polynomial's scale
-    std::uint32_t degree = 0;
-    bool averaged = false;  ///< the numbers are hat averages instead of the unknowns themselves
-    std::size_t first_vertex = 0, first_factor = 0;
-    std::uint32_t vertices = 0;
-  };
-  struct Made;
-  static Made make(const Patches& body, std::uint32_t face);
-  static FaceSound value(const Fit& fit, std::span<const Complex> polynomial, const Vec3& point, const Vec3& normal);
+  static FaceSound value(const FaceFit& fit, std::span<const Complex> polynomial, const Vec3& point,
+                         const Vec3& normal);
   /// `averages` are those of the solution; if empty, the few that are needed are computed.
-  void polynomial(const Fit& fit, std::span<const std::complex<float>> solution, std::span<const Complex> averages,
+  void polynomial(const FaceFit& fit, std::span<const std::complex<float>> solution, std::span<const Complex> averages,
                   std::span<Complex> coefficients) const;
 
   HatAverages averages_;
-  std::vector<Fit> fits_;
-  std::vector<std::uint32_t> vertices_;
-  std::vector<float> factors_;
+  std::vector<FaceFit> fits_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<Vec3> positions_;
 };
