@@ -24,7 +24,7 @@ template <class L>
   using Float = typename L::Float;
   constexpr std::size_t width = L::width;
   const std::size_t count = samples.padded();
-  alignas(64) float re[block], im[block];
+  float re[block], im[block];
   for (std::complex<double>& sum : sums)
     sum = 0;
   for (std::size_t first = 0; first < count; first += block) {

@@ -10,7 +10,7 @@
 namespace palpa::setup {
 namespace {
 
-/// Of the force, and of the integral of the pressure's magnitude.
+/// Parts of the force, and of the integral of the magnitude of the pressure.
 constexpr double tolerance = 0.03, of_all_pushes = 0.003;
 
 }  // namespace
