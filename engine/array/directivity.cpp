@@ -12,7 +12,8 @@ constexpr std::size_t knots = 10;
 constexpr double knot_step = std::numbers::pi / 18;
 constexpr std::array<double, knots> t4010a1_at{1, 1, 1, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778};
 
-/// Slopes per step after Fritsch and Carlson (harmonic means), for which no cubic leaves its interval.
+/// Slopes per step, for which no cubic leaves its interval (Fritsch and Carlson 1980): harmonic means, the variant of
+/// Fritsch and Butland (1984).
 constexpr std::array<double, knots> monotone_slopes(const std::array<double, knots>& values) {
   std::array<double, knots> slopes{};
   for (std::size_t i = 1; i + 1 < knots; ++i) {

@@ -10,7 +10,8 @@ namespace palpa::array {
 
 /// `omni`: equal in all directions. `piston`: a circular piston in a wall, 2 J1(x) / x with x = k a sin(angle).
 /// `t4010a1`: measured on that transducer every 10 degrees from 0 to 90, interpolated by monotone cubics (Fritsch and
-/// Carlson); independent of k and a.
+/// Butland 1984: slopes are harmonic means; 0 on the axis, that of the last interval at 90 degrees); independent of k
+/// and a.
 enum class Directivity { omni, piston, t4010a1 };
 inline constexpr Word<Directivity> directivity_words[] = {
     {"omni", Directivity::omni}, {"piston", Directivity::piston}, {"t4010a1", Directivity::t4010a1}};

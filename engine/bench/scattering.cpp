@@ -1,4 +1,4 @@
-// Scattering by rigid bodies: first the accuracy, by the sphere's series, then the time.
+// Scattering by rigid bodies: first the accuracy, by the sphere's series and by momentum in the air, then the time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/far_force.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
@@ -86,9 +87,9 @@ double force_function(const RigidBody& body) {
   air.medium.frequency = body.wave_number() * air.medium.sound_speed / (2 * std::numbers::pi);
   acoustics::SkinPressure pressure;
   const auto wave = acoustics::plane_wave(body.wave_number(), along, body.points(), body.normals());
-  acoustics::add_pressure(body.at_faces(body.solve(wave)), air, 1, pressure);
+  acoustics::add_pressure(body, body.solve(wave), air, 1, pressure);
   const double unit = std::numbers::pi * radius * radius / (2 * air.stiffness_pa());
-  return acoustics::load_on(body.mesh(), pressure.langevin, {}).force.z / unit;
+  return pressure.langevin_load.force.z / unit;
 }
 
 /// The ratio of the largest to the median error, for wave numbers near one at which a sphere's inside resonates.
@@ -129,6 +130,91 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
     rows.push_back(make_row("acoustics", fmt::format("sphere, ka {} +- 1 %", resonance), "scan", {now_ms() - begin}));
     rows.back().note = fmt::format("980 faces, steps of 0.005: largest error {:.3f} times the median", worst);
   }
+}
+
+/// How far a force is off, in parts of the right one.
+double off(const Vec3& force, const Vec3& right) {
+  return glm::distance(force, right) / glm::length(right);
+}
+
+/// A plane wave on a body: its force by radiation pressure and by momentum in the air, with the time that the second
+/// takes beside the solution. `right` times 1 Pa^2 / (2 rho c^2) is the force to compare with; without one, the force
+/// by momentum in the air.
+void measure_force(const Context& context, const std::string& name, const geometry::Mesh& mesh, double wave_number,
+                   const std::optional<Vec3>& right, double most, std::vector<Row>& rows) {
+  acoustics::Air air = acoustics::without_absorption(acoustics::air_of({}));
+  air.medium.frequency = wave_number * air.medium.sound_speed / (2 * std::numbers::pi);
+  const Vec3 way = glm::normalize(Vec3(0.48, 0.6, 0.64));
+  const double begin = now_ms();
+  const RigidBody body(mesh, wave_number);
+  const auto unknowns = body.solve(acoustics::plane_wave(wave_number, way, body.points(), body.normals()));
+  acoustics::SkinPressure pressure;
+  acoustics::add_pressure(body, unknowns, air, 1, pressure);
+  const double solved = now_ms() - begin;
+  std::vector<double> samples;
+  Vec3 far_force(0);
+  for (std::uint32_t run = 0; run < std::clamp(context.runs, 1u, most_runs); ++run) {
+    const double start = now_ms();
+    const acoustics::FarForce far = acoustics::FarForce::of(body, {}).value();
+    far_force = far.forces(acoustics::plane_wave(wave_number, way, far.points(), far.normals()), unknowns, air)[0];
+    samples.push_back(now_ms() - start);
+  }
+  const Vec3 expected = right ? *right / (2 * air.stiffness_pa()) : far_force;
+  const Vec3 force = pressure.langevin_load.force;
+  if (off(force, expected) > most) wrong(fmt::format("the force on {} is more than {} % off", name, 100 * most));
+  if (off(force, far_force) > 0.03) wrong(fmt::format("two ways to the force on {} are more than 3 % apart", name));
+  rows.push_back(make_row("acoustics", name, "far force", std::move(samples)));
+  rows.back().note = fmt::format("force {:.2f} % off, by momentum in the air {:.2f} %; the rest took {:.0f} ms",
+                                 100 * off(force, expected), 100 * off(far_force, expected), solved);
+}
+
+/// A box of equal sides, each divided into squares of two triangles.
+geometry::Mesh cube(double side, int squares) {
+  geometry::Mesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2, second = (axis + 1) % 3, third = (axis + 2) % 3;
+    const bool high = face % 2 == 1;
+    const auto at = [&](int i, int j) {
+      Vec3 p;
+      p[axis] = high ? side / 2 : -side / 2;
+      p[second] = side * i / squares - side / 2;
+      p[third] = side * j / squares - side / 2;
+      return p;
+    };
+    for (int i = 0; i < squares; ++i) {
+      for (int j = 0; j < squares; ++j) {
+        const auto first = static_cast<unsigned>(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+        const glm::uvec3 one = high ? glm::uvec3(0, 1, 2) : glm::uvec3(0, 2, 1);
+        const glm::uvec3 two = high ? glm::uvec3(0, 2, 3) : glm::uvec3(0, 3, 2);
+        mesh.triangles.push_back(one + first);
+        mesh.triangles.push_back(two + first);
+      }
+    }
+  }
+  return geometry::weld(mesh, side * 1e-6);
+}
+
+void measure_forces(const Context& context, std::vector<Row>& rows) {
+  for (const auto& [divisions, ka] :
+       {std::pair(3, 1.5), {5, 3.0}, {7, 3.0}, {7, 5.86}, {10, 8.0}, {14, 10.0}, {14, 12.0}}) {
+    const Vec3 way = glm::normalize(Vec3(0.48, 0.6, 0.64));
+    measure_force(context, fmt::format("sphere, {} faces, ka {}", 20 * divisions * divisions, ka),
+                  geometry::icosphere(radius, divisions), ka / radius,
+                  std::numbers::pi * radius * radius * acoustics::sphere_force_function(ka) * way, 0.01, rows);
+  }
+  // The limit of the momentum in the air for finer meshes.
+  const Vec3 of_cube = 1e-6 * Vec3(67.14, 104.78, 121.30);
+  for (const int squares : {12, 16, 24})
+    measure_force(context, fmt::format("cube, {} faces", 12 * squares * squares), cube(12e-3, squares), 732, of_cube,
+                  0.02, rows);
+  geometry::Mesh spheroid = geometry::icosphere(1, 10);
+  for (Vec3& p : spheroid.positions)
+    p *= Vec3(5e-3, 5e-3, 12e-3);
+  measure_force(context, "spheroid, 2000 faces", spheroid, 732, 1e-6 * Vec3(83.61, 104.51, 29.70), 0.02, rows);
+  measure_force(context, "finger.ply",
+                acoustics::body_mesh("finger.ply", geometry::load_triangles(setup::find_asset("finger.ply"))), 732, {},
+                0.02, rows);
 }
 
 /// Divides the longest sides of a closed mesh, and so on, until it has `faces` faces.
@@ -232,8 +318,7 @@ void measure_body(const Context& context, const std::string& asset, std::size_t 
       const auto unknowns = body.solve(waves);
       acoustics::SkinPressure pressure;
       for (std::size_t focus = 0; focus < foci; ++focus) {
-        acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(focus * vertices, vertices)), air, 0.1,
-                                pressure);
+        acoustics::add_pressure(body, std::span(unknowns).subspan(focus * vertices, vertices), air, 0.1, pressure);
       }
     };
     solve(10);
@@ -265,6 +350,7 @@ void measure_body(const Context& context, const std::string& asset, std::size_t 
 void measure_scattering(const Context& context, std::vector<Row>& rows) {
   measure_body(context, "finger.ply", 0, rows);
   measure_spheres(context, rows);
+  measure_forces(context, rows);
   measure_body(context, "hand.glb", large, rows);
   measure_body(context, "hand.glb", 0, rows);
 }

@@ -143,7 +143,7 @@ TEST(FingerField, IsTheSphereSeriesInFull) {
         all += right * right;
       }
     }
-    EXPECT_LE(std::sqrt(wrong / all), 0.04);
+    EXPECT_LE(std::sqrt(wrong / all), 0.025);
     std::printf("  %.2f %% off the series\n", 100 * std::sqrt(wrong / all));
   }
   const FingerField field(ball(), around(), still_air(), {});

@@ -120,7 +120,7 @@ TEST(FingerTransfer, IsTheSeriesOfTheSphere) {
       all += std::norm(exact);
     }
   }
-  EXPECT_LE(std::sqrt(wrong / all), 0.015);
+  EXPECT_LE(std::sqrt(wrong / all), 0.006);
   std::printf("  %.2f %% off the series\n", 100 * std::sqrt(wrong / all));
 }
 

@@ -85,12 +85,16 @@ TEST(Simulate, TellsWhatItsTableHolds) {
   EXPECT_EQ(results["method"], "cross-section");
   EXPECT_EQ(results["penetration_m"], 0.0015);
   EXPECT_EQ(results["foci_m"].size(), 10u);
-  EXPECT_EQ(results.size(), 9u) << results.dump();
+  EXPECT_EQ(results.size(), 10u) << results.dump();
   expect_spot(results["langevin"], got, 5);
   expect_spot(results["squared"], got, 6);
   // The pressure is on the tip, which is where the foci are, and pushes it up.
   EXPECT_LT(results["langevin"]["peak_m"][1], 0);
   EXPECT_GT(results["force_N"][1], 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(results["force_far_N"][axis].get<double>(), results["force_N"][axis],
+                0.02 * results["force_N"][1].get<double>());
+  }
   for (const auto& row : got.rows)
     EXPECT_LE(row[5], row[6] * (1 + 1e-12));
   // Where the tip is, force times lever is torque.

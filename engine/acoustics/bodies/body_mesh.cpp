@@ -280,8 +280,10 @@ void check_clear_of(const std::string& file, const Mesh& body, const array::Layo
 }
 
 void check_memory(const Mesh& body, double wave_number) {
-  require_memory(operator_bytes(body, wave_number), fmt::format("a body of {} faces", body.triangles.size()),
-                 "give a mesh of fewer faces");
+  // The polynomial of a face: about 27 vertices with 21 numbers each (surface_sound.hpp).
+  constexpr std::uint64_t fit_bytes = 2600;
+  require_memory(operator_bytes(body, wave_number) + fit_bytes * body.triangles.size(),
+                 fmt::format("a body of {} faces", body.triangles.size()), "give a mesh of fewer faces");
 }
 
 Inside::Inside(const Mesh& body) : bounds_(geometry::bounds(body)), surface_(geometry::make_surface(body, {})) {}

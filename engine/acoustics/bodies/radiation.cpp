@@ -36,25 +36,32 @@ Radiation radiation_of(const FaceSound& sound, const Air& air) {
   return {scale * (square - slope2 / (k * k)), scale * square};
 }
 
-void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure) {
-  pressure.langevin.resize(sound.size());
-  pressure.squared.resize(sound.size());
-  for (std::size_t face = 0; face < sound.size(); ++face) {
-    const Radiation one = radiation_of(sound[face], air);
-    pressure.loudest_pa = std::max(pressure.loudest_pa, std::abs(sound[face].pressure));
+Load about(const Vec3& point, const Load& load) {
+  return {load.force, load.torque - glm::cross(point, load.force)};
+}
+
+void add_pressure(const RigidBody& body, std::span<const std::complex<float>> unknowns, const Air& air, double weight,
+                  SkinPressure& pressure) {
+  const SkinSound sound = body.on_skin(unknowns);
+  pressure.langevin.resize(sound.faces.size());
+  pressure.squared.resize(sound.faces.size());
+  for (std::size_t face = 0; face < sound.faces.size(); ++face) {
+    const Radiation one = radiation_of(sound.faces[face], air);
+    pressure.loudest_pa = std::max(pressure.loudest_pa, std::abs(sound.faces[face].pressure));
     pressure.squared[face] += weight * one.squared;
     pressure.langevin[face] += weight * one.langevin;
   }
-}
-
-Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const Vec3& about) {
-  Load load;
-  for (std::size_t face = 0; face < mesh.triangles.size(); ++face) {
-    const Vec3 force = -pressure[face] * area_vector(mesh, face);
+  const auto push = [&](std::size_t point, double pascals, Load& load) {
+    const Vec3 force = -pascals * body.areas()[point] * body.normals()[point];
     load.force += force;
-    load.torque += glm::cross(face_centroid(mesh, face) - about, force);
+    load.torque += glm::cross(body.points()[point], force);
+  };
+  for (std::size_t point = 0; point < sound.samples.size(); ++point) {
+    const Radiation one = radiation_of(sound.samples[point], air);
+    push(point, weight * one.langevin, pressure.langevin_load);
+    push(point, weight * one.squared, pressure.squared_load);
+    pressure.langevin_push_n += std::abs(weight * one.langevin) * body.areas()[point];
   }
-  return load;
 }
 
 std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces) {

@@ -9,12 +9,13 @@
 // omits this term, as pictures of |p|^2 do.
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/boundary/surface_sound.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 
@@ -29,24 +30,28 @@ struct Radiation {
 };
 Radiation radiation_of(const FaceSound& sound, const Air& air);
 
-/// Per face, Pa.
-struct SkinPressure {
-  std::vector<double> langevin, squared;
-  double loudest_pa = 0;  ///< largest |p| of any sound at any face
-};
-
-/// Adds the pressure of one sound times `weight`. Averages over a schedule are sums of these.
-void add_pressure(std::span<const FaceSound> sound, const Air& air, double weight, SkinPressure& pressure);
-
-/// The mean of the faces around each vertex, weighted by area.
-std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces);
-
-/// Total force in N and torque in Nm about a point. The pressure on a closed mesh pushes along the faces' inward
-/// normals at their centroids.
+/// Force in N and torque in Nm about a point.
 struct Load {
   Vec3 force{0}, torque{0};
 };
-Load load_on(const geometry::Mesh& mesh, std::span<const double> pressure, const Vec3& about);
+/// The load about `point` of a load about the origin.
+Load about(const Vec3& point, const Load& load);
+
+struct SkinPressure {
+  std::vector<double> langevin, squared;  ///< per face, at its centroid, Pa
+  double loudest_pa = 0;                  ///< largest |p| of any sound at any face
+  /// Both pressures push along the inward normals of the whole curved surface. About the origin.
+  Load langevin_load, squared_load;
+  double langevin_push_n = 0;  ///< the integral of |langevin| over the surface
+};
+
+/// Adds the pressure of one sound, given by the unknowns of a body, times `weight`. Averages over a schedule are sums
+/// of these. Loads are sums over the body's points().
+void add_pressure(const RigidBody& body, std::span<const std::complex<float>> unknowns, const Air& air, double weight,
+                  SkinPressure& pressure);
+
+/// The mean of the faces around each vertex, weighted by area.
+std::vector<double> at_vertices(const geometry::Mesh& mesh, std::span<const double> faces);
 
 /// Summary of a pressure on skin.
 struct Spot {

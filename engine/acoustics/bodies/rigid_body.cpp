@@ -85,13 +85,18 @@ std::vector<FaceSound> RigidBody::at_faces(std::span<const std::complex<float>> 
   return fit_.at_faces(unknowns);
 }
 
+SkinSound RigidBody::on_skin(std::span<const std::complex<float>> unknowns) const {
+  return fit_.on(patches_, unknowns);
+}
+
 std::vector<Complex> RigidBody::at_vertices(std::span<const std::complex<float>> unknowns) const {
   return fit_.at_vertices(unknowns);
 }
 
 FaceSound RigidBody::at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u,
                              double v) const {
-  return fit_.at(face, patches_.patches[face].at(u, v), unknowns);
+  const Patch& patch = patches_.patches[face];
+  return fit_.at(face, patch.at(u, v), glm::normalize(patch.area_vector(u, v)), unknowns);
 }
 
 RigidBody::Row RigidBody::row_on_skin(std::uint32_t face, double u, double v) const {

@@ -32,6 +32,8 @@ class RigidBody {
   /// Where the incident wave is needed, with its slope along the outward normals: three samples per face.
   std::span<const Vec3> points() const { return points_; }
   std::span<const Vec3> normals() const { return normals_; }
+  /// The area of the curved surface that each of these points represents, m2.
+  std::span<const double> areas() const { return areas_; }
 
   /// The unknowns of every wave in `incident` at points(), one wave after the other: one complex number per vertex,
   /// only meaningful as input of the functions below. Throws failure() if they are not finite, or if the iterations of
@@ -49,6 +51,8 @@ class RigidBody {
   /// vertices.
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> unknowns) const;
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> unknowns) const;
+  /// At the faces' centroids and, as `samples`, at points().
+  SkinSound on_skin(std::span<const std::complex<float>> unknowns) const;
 
   /// The same at (u, v) on the patch of a face.
   FaceSound at_skin(std::span<const std::complex<float>> unknowns, std::uint32_t face, double u, double v) const;

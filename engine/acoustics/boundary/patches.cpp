@@ -53,13 +53,25 @@ std::vector<Vec3> corner_normals(const Mesh& mesh, const std::vector<std::uint32
   return normals;
 }
 
+/// The part of a side's bulge that the normal at one of its ends asks for. `lean` is the sine of the angle by which the
+/// normal leans away from the perpendicular of the chord, outwards for a bulge outwards.
+Vec3 bulge_of_end(const Vec3& along, const Vec3& normal, double lean) {
+  const Vec3 across = normal - glm::dot(normal, along) * along;
+  const double length = glm::length(across);
+  // An arc whose end leans by the angle a bulges by half the chord times tan(a / 2) = sin(a) / (1 + cos(a)).
+  return length > 0 ? across * (0.25 * lean / (length * (1 + length))) : Vec3(0);
+}
+
 /// The offset of the middle of a side from `a` to `b` from the middle of its chord.
 Vec3 bulge(const Vec3& a, const Vec3& b, const Vec3& normal_a, const Vec3& normal_b) {
-  const Vec3 way = b - a;
-  const Vec3 out = -0.125 * (glm::dot(way, normal_a) * normal_a - glm::dot(way, normal_b) * normal_b);
-  // An arc of a hundred degrees bulges by a fifth of its chord; a larger estimate is meaningless.
-  const double most = 0.2 * glm::length(way), length = glm::length(out);
-  return length > most ? out * (most / length) : out;
+  const double chord = glm::length(b - a);
+  const Vec3 along = (b - a) / chord;
+  const Vec3 out = bulge_of_end(along, normal_a, -glm::dot(along, normal_a)) +
+                   bulge_of_end(along, normal_b, glm::dot(along, normal_b));
+  // An arc of a hundred degrees bulges by 0.233 of its chord; a larger estimate is meaningless.
+  constexpr double most = 0.233;
+  const double length = glm::length(out);
+  return chord * (length > most ? out * (most / length) : out);
 }
 
 }  // namespace

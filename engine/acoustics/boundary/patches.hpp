@@ -6,10 +6,11 @@
 //
 //   x(u, v) = c0 + u c1 + v c2 + u^2 c3 + u v c4 + v^2 c5,   u, v >= 0, u + v <= 1,
 //
-// through its corners, at (0, 0), (1, 0) and (0, 1), and the middles of its sides. A side's middle is that of the cubic
-// that is perpendicular to the normals at both its ends (Vlachos et al. 2001, "Curved PN triangles"). A vertex' normal
-// is Max's (1999), exact if its neighbours lie on a sphere. An edge where the surface turns by more than sharp_turn
-// stays a straight edge, and the faces on its two sides do not share normals. Neighbouring patches meet without gaps.
+// through its corners, at (0, 0), (1, 0) and (0, 1), and the middles of its sides. The bulge of a side
+// is the mean of those of two arcs that are perpendicular to the normals at its ends, as the cubics of Vlachos et al.
+// (2001, "Curved PN triangles") are; it is exact on a sphere. A vertex' normal is Max's (1999), exact if its neighbours
+// lie on a sphere. An edge where the surface turns by more than sharp_turn stays a straight edge, and the faces on its
+// two sides do not share normals. Neighbouring patches meet without gaps.
 #pragma once
 
 #include <array>

@@ -1,9 +1,16 @@
 // Pressures and their slopes on the surface, more accurate than those of linear elements.
 //
-// Galerkin's solution in linear elements is far more accurate on average over a few faces than at any point: a vertex
-// overshoots, a centroid falls short. Therefore a quadratic is fitted to the linear elements over each face and its
-// neighbours, by least squares over their area, up to sharp edges (patches.hpp). Pressure and surface gradient are the
-// quadratic's at the face's centroid.
+// Galerkin's solution in linear elements is right on average, but not at points: a vertex overshoots, a centroid falls
+// short. Its averages over hat functions are its most accurate numbers (hat_averages.hpp). Therefore, a polynomial of
+// fifth degree is fitted for each face. Its averages over the hat functions of the vertices of the face, and of two
+// rings of faces around it, are those of the solution, by least squares. Vertices count less the farther they are (a
+// Gauss curve, 1/e at one side's length) and the more the surface turns away there (the cosine's square). The
+// coordinates are those in the plane that touches the patch at its centroid.
+//
+// A sharp edge (patches.hpp) ends the rings. Where it does, a polynomial of fourth degree is fitted to the linear
+// elements themselves, by least squares over the area of these faces, because the hat functions of an edge's vertices
+// reach around the edge. Where there are too few vertices for a degree, on very small or very curved bodies, the degree
+// is lower.
 #pragma once
 
 #include <array>
@@ -12,6 +19,8 @@
 #include <span>
 #include <vector>
 
+#include "acoustics/boundary/face_fit.hpp"
+#include "acoustics/boundary/hat_averages.hpp"
 #include "acoustics/boundary/patches.hpp"
 
 namespace palpa::acoustics {
@@ -23,17 +32,26 @@ struct FaceSound {
   ComplexVec3 gradient;           ///< along the surface, Pa/m
 };
 
+/// The sound on a surface: at the centroids of its patches, one entry per face, and at the three samples of
+/// three_point_rule() of each.
+struct SkinSound {
+  std::vector<FaceSound> faces, samples;
+};
+
 class SurfaceFit {
  public:
   explicit SurfaceFit(const Patches& body);
 
-  /// `solution`: the unknowns at the vertices. One entry per face.
+  /// `solution`: the unknowns at the vertices. `body` is the one that the fit was made for.
+  SkinSound on(const Patches& body, std::span<const std::complex<float>> solution) const;
+  /// Only SkinSound::faces.
   std::vector<FaceSound> at_faces(std::span<const std::complex<float>> solution) const;
-  /// One entry per vertex: the mean of the quadratics of the faces around it.
+  /// One entry per vertex: the mean of the polynomials of the faces around it.
   std::vector<std::complex<double>> at_vertices(std::span<const std::complex<float>> solution) const;
 
-  /// At a point of a face's patch. The gradient lies in the plane that touches the patch at its centroid.
-  FaceSound at(std::size_t face, const Vec3& point, std::span<const std::complex<float>> solution) const;
+  /// At a point of a face's patch with this unit normal.
+  FaceSound at(std::size_t face, const Vec3& point, const Vec3& normal,
+               std::span<const std::complex<float>> solution) const;
 
   /// Adds to `row`, one entry per vertex, the factors of the unknowns that give the face's pressure at its centroid, or
   /// at a point of its patch.
@@ -41,20 +59,15 @@ class SurfaceFit {
   void add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const;
 
  private:
-  /// The contribution of a vertex' unknown to the six coefficients of a face's quadratic, 1, s, t, s^2, s t, t^2, in
-  /// its frame.
-  struct Share {
-    std::uint32_t vertex;
-    std::array<float, 6> of;
-  };
-  struct Frame {
-    Vec3 origin, s, t;  ///< the length of s and t is the scale of the quadratic's coordinates
-  };
-  std::array<std::complex<double>, 6> quadratic(std::size_t face, std::span<const std::complex<float>> solution) const;
+  using Complex = std::complex<double>;
+  static FaceSound value(const FaceFit& fit, std::span<const Complex> polynomial, const Vec3& point,
+                         const Vec3& normal);
+  /// `averages` are those of the solution; if empty, the few that are needed are computed.
+  void polynomial(const FaceFit& fit, std::span<const std::complex<float>> solution, std::span<const Complex> averages,
+                  std::span<Complex> coefficients) const;
 
-  std::vector<std::uint32_t> first_;
-  std::vector<Share> shares_;
-  std::vector<Frame> frames_;
+  HatAverages averages_;
+  std::vector<FaceFit> fits_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<Vec3> positions_;
 };

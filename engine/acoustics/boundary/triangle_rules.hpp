@@ -31,7 +31,7 @@ enum class Touch { corner, edge, same };
 /// Methods", 5.2). 2, 5 or 6 times points^4 samples.
 std::vector<PairSample> touching_rule(Touch touch, std::size_t points);
 
-/// Samples and weights of Gauss' rule on [0, 1]; 1 to 8 points.
+/// Samples and weights of Gauss' rule on [0, 1]; 1 to a few hundred points.
 struct LineSample {
   double at, weight;
 };

@@ -55,6 +55,8 @@ class Incident {
                 std::span<const std::complex<double>> strengths, std::span<const std::complex<double>> slopes,
                 std::vector<std::complex<double>>& received, const std::atomic<bool>* give_up = nullptr) const;
 
+  const array::Layout& layout() const { return layout_; }
+
  private:
   const array::Layout& layout_;
   TransferSetting setting_;

@@ -1,6 +1,7 @@
 #include "session/previews/skin_pressure.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -46,8 +47,39 @@ Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::Dri
   return sounds;
 }
 
+namespace {
+
+/// Adds to the mean the forces of these unknowns, one wave after the other.
+void add_far(std::span<const std::complex<double>> strengths, std::span<const double> weights,
+             std::span<const std::complex<float>> unknowns, const acoustics::RigidBody& body, const acoustics::Air& air,
+             FarSound& far) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::size_t vertices = unknowns.size() / weights.size(), transducers = strengths.size() / weights.size();
+  acoustics::Strengths lossless;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const Vec3 loudest = acoustics::loudest_vertex(body, unknowns.subspan(i * vertices, vertices));
+    const acoustics::Strengths one = acoustics::without_absorption(strengths.subspan(i * transducers, transducers),
+                                                                   far.lossless.layout(), air, loudest);
+    lossless.insert(lossless.end(), one.begin(), one.end());
+  }
+  acoustics::Waves waves;
+  far.lossless.at(far.force.points(), far.force.normals(), lossless, waves);
+  const std::vector<Vec3> forces = far.force.forces(waves, unknowns, air);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    far.mean += weights[i] * forces[i];
+  far.took_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
                                       const acoustics::Air& air, const acoustics::RigidBody& body,
+                                      const std::atomic<bool>* give_up) {
+  return mean_pressure(sounds, incident, air, body, nullptr, give_up);
+}
+
+acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
+                                      const acoustics::Air& air, const acoustics::RigidBody& body, FarSound* far,
                                       const std::atomic<bool>* give_up) {
   acoustics::SkinPressure pressure;
   const std::size_t vertices = body.mesh().positions.size();
@@ -60,8 +92,12 @@ acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Inc
     stop_if(give_up);
     const std::vector<std::complex<float>> unknowns = body.solve(waves, give_up);
     for (std::size_t i = 0; i < count; ++i) {
-      acoustics::add_pressure(body.at_faces(std::span(unknowns).subspan(i * vertices, vertices)), air,
-                              sounds.weights[first + i], pressure);
+      acoustics::add_pressure(body, std::span(unknowns).subspan(i * vertices, vertices), air, sounds.weights[first + i],
+                              pressure);
+    }
+    if (far) {
+      add_far(std::span(sounds.strengths).subspan(first * transducers, count * transducers),
+              std::span(sounds.weights).subspan(first, count), unknowns, body, air, *far);
     }
   }
   return pressure;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
+#include "acoustics/bodies/far_force.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/incident.hpp"
@@ -32,6 +33,18 @@ inline Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {
 /// GivenUp (base/parallel.hpp) soon after `give_up` became true.
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
                                       const acoustics::Air& air, const acoustics::RigidBody& body,
+                                      const std::atomic<bool>* give_up = nullptr);
+
+/// What the momentum in the air says of the force (acoustics/bodies/far_force.hpp).
+struct FarSound {
+  const acoustics::FarForce& force;
+  const acoustics::Incident& lossless;  ///< the same array in air without absorption
+  Vec3 mean{0};                         ///< the time average, N: output
+  double took_ms = 0;                   ///< output
+};
+/// The same, which also fills `far`.
+acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
+                                      const acoustics::Air& air, const acoustics::RigidBody& body, FarSound* far,
                                       const std::atomic<bool>* give_up = nullptr);
 
 /// The elongation (length over width) of the spot of the same sounds without any body. The spot is the region where the

@@ -9,6 +9,7 @@
 
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/bodies/body_places.hpp"
+#include "acoustics/bodies/far_force.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/waves.hpp"
 #include "array/schedule.hpp"
@@ -18,6 +19,7 @@
 #include "setup/body.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/tasks/foci.hpp"
+#include "setup/tasks/force_check.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -88,6 +90,26 @@ class Wave {
     return waves;
   }
 
+  /// The force by the momentum in the air, if it is defined.
+  std::optional<Vec3> far_force(const acoustics::RigidBody& body, std::span<const std::complex<float>> unknowns) const {
+    std::vector<Vec3> sources;
+    const auto* const array = std::get_if<ArraySound>(&sound_);
+    if (const auto* const point = std::get_if<PointSource>(&sound_)) sources.push_back(point->position);
+    if (array) {
+      for (const array::Transducer& transducer : array->layout.transducers)
+        sources.push_back(transducer.position);
+    }
+    const std::optional<acoustics::FarForce> far = acoustics::FarForce::of(body, sources);
+    if (!far) return {};
+    if (!array) return far->forces(at(far->points(), far->normals()), unknowns, air_)[0];
+    const acoustics::Strengths lossless =
+        acoustics::without_absorption(strengths_, array->layout, air_, acoustics::loudest_vertex(body, unknowns));
+    acoustics::Waves waves;
+    acoustics::Incident(array->layout, acoustics::without_absorption(air_), array->directivity)
+        .at(far->points(), far->normals(), lossless, waves);
+    return far->forces(waves, unknowns, air_)[0];
+  }
+
  private:
   const IncidentSound& sound_;
   acoustics::Air air_;
@@ -126,7 +148,7 @@ Pressures around(const acoustics::RigidBody& body, const Wave& wave, std::span<c
 }
 
 /// Computes the result for a checked body and a checked sound.
-ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acoustics::Air& air,
+ScatterResult solve(const std::string& name, geometry::Mesh mesh, const IncidentSound& sound, const acoustics::Air& air,
                     std::vector<Vec3> points) {
   ScatterResult result;
   result.points = std::move(points);
@@ -141,15 +163,18 @@ ScatterResult solve(geometry::Mesh mesh, const IncidentSound& sound, const acous
   const std::vector<std::complex<float>> unknowns = body.solve(incident);
   result.faces = body.at_faces(unknowns);
   result.times.emplace_back("solution", watch.lap_ms());
-  result.totals = around(body, wave, unknowns, result.points);
-  if (!result.points.empty()) result.times.emplace_back("places", watch.lap_ms());
-
   acoustics::SkinPressure pressure;
-  acoustics::add_pressure(result.faces, air, 1, pressure);
+  acoustics::add_pressure(body, unknowns, air, 1, pressure);
   result.loudest_pa = pressure.loudest_pa;
   result.body = body.mesh();
   result.effort = body.effort();
-  result.load = acoustics::load_on(result.body, pressure.langevin, {});
+  result.load = pressure.langevin_load;
+  result.times.emplace_back("pressure", watch.lap_ms());
+  result.far_force = wave.far_force(body, unknowns);
+  result.times.emplace_back("far_force", watch.lap_ms());
+  result.totals = around(body, wave, unknowns, result.points);
+  if (!result.points.empty()) result.times.emplace_back("places", watch.lap_ms());
+  if (result.far_force) warn_of_force(name, pressure, *result.far_force);
   return result;
 }
 
@@ -175,11 +200,9 @@ bool ScatterResult::beyond_linear() const {
 
 std::string to_json(const ScatterResult& result) {
   JsonWriter json;
-  json.begin_object()
-      .member("faces", std::uint64_t{result.body.triangles.size()})
-      .member("force_N", result.load.force)
-      .member("torque_Nm", result.load.torque)
-      .member("density_kg_m3", result.air.density_kg_m3);
+  json.begin_object().member("faces", std::uint64_t{result.body.triangles.size()}).member("force_N", result.load.force);
+  add_far_force(json, result.far_force);
+  json.member("torque_Nm", result.load.torque).member("density_kg_m3", result.air.density_kg_m3);
   add_solution(json, result.effort);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : result.times)
@@ -193,7 +216,7 @@ ScatterResult scatter(const std::string& name, const geometry::Mesh& mesh, const
   geometry::Mesh body = body_of(name, mesh, air, force);
   check_sound(name, sound, air, body, force);
   if (!points.empty()) points = point_places(std::move(points)).points;
-  return solve(std::move(body), sound, air, std::move(points));
+  return solve(name, std::move(body), sound, air, std::move(points));
 }
 
 ScatterResult scatter(const ScatterTask& task, const std::function<void()>& all_read) {
@@ -203,7 +226,7 @@ ScatterResult scatter(const ScatterTask& task, const std::function<void()>& all_
   const IncidentSound sound = load_sound(task, air, body);
   Places places = task.place.given() ? load_places(task.place) : Places();
   if (all_read) all_read();
-  return solve(std::move(body), sound, air, std::move(places.points));
+  return solve(task.mesh, std::move(body), sound, air, std::move(places.points));
 }
 
 }  // namespace palpa::setup

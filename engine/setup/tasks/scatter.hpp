@@ -64,10 +64,11 @@ struct ScatterResult {
   std::vector<std::complex<double>> totals;  ///< and its values; not a number inside the body
   acoustics::Load load;                      ///< N, and Nm about the frame's origin
   acoustics::RigidBody::Effort effort;       ///< how the equations were solved
+  std::optional<Vec3> far_force;             ///< the force by momentum in the air, N (acoustics/bodies/far_force.hpp)
   double loudest_pa = 0;                     ///< largest |p| of any face
   acoustics::Air air;
   bool from_array = false;  ///< the sound is an array's, so its pressures are absolute
-  StepTimes times;          ///< operator, incident, solution and, with points, places
+  StepTimes times;          ///< operator, incident, solution, pressure, far_force and, with points, places
 
   /// Whether an array's sound has more pressure on the body than linear acoustics holds for
   /// (array::linear_pressure_pa).

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/far_force.hpp"
 #include "acoustics/bodies/finger_field.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
 #include "acoustics/field/incident.hpp"
@@ -22,6 +23,7 @@
 #include "setup/body.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
+#include "setup/tasks/force_check.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/touch_schedule.hpp"
@@ -203,8 +205,21 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   result.unreached = session::unreached(plan.schedule, one.session.solid_names());
   const session::Sounds sounds = session::sounds_of(plan, rig.layout, drive);
   const acoustics::Incident incident(rig.layout, air, o.drive.directivity);
-  result.pressure = session::mean_pressure(sounds, incident, air, *sound->body);
-  result.times.emplace_back("pressure", watch.lap_ms());
+  std::vector<Vec3> transducers;
+  for (const array::Transducer& transducer : rig.layout.transducers)
+    transducers.push_back(transducer.position);
+  const std::optional<acoustics::FarForce> far = acoustics::FarForce::of(*sound->body, transducers);
+  const acoustics::Incident lossless(rig.layout, acoustics::without_absorption(air), o.drive.directivity);
+  std::optional<session::FarSound> in_air;
+  if (far) in_air.emplace(session::FarSound{.force = *far, .lossless = lossless});
+  result.pressure = session::mean_pressure(sounds, incident, air, *sound->body, in_air ? &*in_air : nullptr);
+  const double far_ms = in_air ? in_air->took_ms : 0;
+  result.times.emplace_back("pressure", watch.lap_ms() - far_ms);
+  result.times.emplace_back("far_force", far_ms);
+  if (in_air) {
+    result.far_force = in_air->mean;
+    warn_of_force(finger.name(), result.pressure, in_air->mean);
+  }
   result.effort = sound->body->effort();
   if (o.in_time.spectrum || o.touch.tune) {
     const std::span<const session::ScheduledFinger> fingers = one.session.scheduler().fingers();
@@ -218,7 +233,7 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   }
   result.langevin = acoustics::spot_of(result.body, result.pressure.langevin);
   result.squared = acoustics::spot_of(result.body, result.pressure.squared);
-  result.load = acoustics::load_on(result.body, result.pressure.langevin, result.tip);
+  result.load = acoustics::about(result.tip, result.pressure.langevin_load);
   if (o.bare_elongation)
     result.bare_elongation = session::bare_elongation(sounds, incident, one.touch.fingers[0].section.centroid);
   return result;

@@ -11,6 +11,7 @@
 #include "geometry/files/vtu.hpp"
 #include "setup/body.hpp"
 #include "setup/tasks/felt_json.hpp"
+#include "setup/tasks/force_check.hpp"
 
 namespace palpa::setup {
 
@@ -77,7 +78,9 @@ void add_members(JsonWriter& json, const SimulateResult& result) {
   if (!result.aimed.empty()) add_aimed(json, result);
   add_spot(json, "langevin", result.langevin);
   add_spot(json, "squared", result.squared);
-  json.member("force_N", result.load.force).member("torque_Nm", result.load.torque);
+  json.member("force_N", result.load.force);
+  add_far_force(json, result.far_force);
+  json.member("torque_Nm", result.load.torque);
   if (!result.fingers.empty()) add_in_time(json, result);
   add_solution(json, result.effort);
   json.key("timing_ms").begin_object();

@@ -30,6 +30,7 @@ struct SimulateResult {
   acoustics::Spot langevin, squared;      ///< spots of both pressures
   acoustics::Load load;                   ///< load of the radiation pressure, about the tip
   acoustics::RigidBody::Effort effort;    ///< how the equations were solved
+  std::optional<Vec3> far_force;          ///< the force by momentum in the air (acoustics/bodies/far_force.hpp)
   /// If requested: the elongation of the same sound's spot without the finger.
   std::optional<double> bare_elongation;
   /// With --spectrum or --tune: one for each touching patch of skin.

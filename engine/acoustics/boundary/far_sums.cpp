@@ -1,0 +1,110 @@
+#include "acoustics/boundary/far_sums.hpp"
+
+#include <numbers>
+
+#include "acoustics/lanes.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+/// A multiple of the lanes of every processor. Samples of one block stay in the fastest cache for all waves.
+constexpr std::size_t block = 1024, padding = 16;
+
+template <class L>
+[[gnu::always_inline]] inline float total(const typename L::Float& lanes) {
+  float sum = 0;
+  for (int lane = 0; lane < L::width; ++lane)
+    sum += lanes[lane];
+  return sum;
+}
+
+template <class L>
+[[gnu::always_inline]] inline void sums_in(const FarSamples& samples, const std::array<float, 3>& direction,
+                                           std::span<const float> pressures, std::span<std::complex<double>> sums) {
+  using Float = typename L::Float;
+  constexpr std::size_t width = L::width;
+  const std::size_t count = samples.padded();
+  float re[block], im[block];
+  for (std::complex<double>& sum : sums)
+    sum = 0;
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t here = count - first < block ? count - first : block;
+    for (std::size_t i = 0; i < here; i += width) {
+      const auto number = [&](std::size_t which) { return load_lanes<L>(samples.numbers(which) + first + i); };
+      const Float turns = -(number(0) * direction[0] + number(1) * direction[1] + number(2) * direction[2]);
+      const Float towards = number(3) * direction[0] + number(4) * direction[1] + number(5) * direction[2];
+      Float sine, cosine;
+      sine_cosine<L>(turns, sine, cosine);
+      store_lanes<L>(towards * cosine, re + i);
+      store_lanes<L>(towards * sine, im + i);
+    }
+    for (std::size_t wave = 0; wave < sums.size(); ++wave) {
+      const float* const p_re = &pressures[2 * wave * count + first];
+      const float* const p_im = p_re + count;
+      Float sum_re{}, sum_im{};
+      for (std::size_t i = 0; i < here; i += width) {
+        const Float a = load_lanes<L>(re + i), b = load_lanes<L>(im + i);
+        const Float c = load_lanes<L>(p_re + i), d = load_lanes<L>(p_im + i);
+        sum_re += a * c - b * d;
+        sum_im += a * d + b * c;
+      }
+      sums[wave] += std::complex<double>(static_cast<double>(total<L>(sum_re)), static_cast<double>(total<L>(sum_im)));
+    }
+  }
+}
+
+using Sums = void (*)(const FarSamples&, const std::array<float, 3>&, std::span<const float>,
+                      std::span<std::complex<double>>);
+
+void sums_plain(const FarSamples& samples, const std::array<float, 3>& direction, std::span<const float> pressures,
+                std::span<std::complex<double>> sums) {
+  sums_in<Lanes4>(samples, direction, pressures, sums);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void sums_avx2(const FarSamples& samples, const std::array<float, 3>& direction,
+                                           std::span<const float> pressures, std::span<std::complex<double>> sums) {
+  sums_in<Lanes8>(samples, direction, pressures, sums);
+}
+
+[[gnu::target("avx512f,avx512dq,avx2,fma")]] void sums_avx512(const FarSamples& samples,
+                                                              const std::array<float, 3>& direction,
+                                                              std::span<const float> pressures,
+                                                              std::span<std::complex<double>> sums) {
+  sums_in<Lanes16>(samples, direction, pressures, sums);
+}
+#endif
+
+Sums best_sums() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return sums_avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return sums_avx2;
+#endif
+  return sums_plain;
+}
+
+}  // namespace
+
+FarSamples::FarSamples(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const double> areas,
+                       const Vec3& centre, double wave_number) {
+  const double turns = wave_number / (2 * std::numbers::pi);
+  const std::size_t padded = (points.size() + padding - 1) / padding * padding;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    of_[axis].resize(padded);
+    of_[3 + axis].resize(padded);
+    const auto component = static_cast<int>(axis);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      of_[axis][i] = static_cast<float>(turns * (points[i] - centre)[component]);
+      of_[3 + axis][i] = static_cast<float>(areas[i] * normals[i][component]);
+    }
+  }
+}
+
+void far_sums(const FarSamples& samples, const Vec3& direction, std::span<const float> pressures,
+              std::span<std::complex<double>> sums) {
+  static const Sums best = best_sums();
+  best(samples, {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
+       pressures, sums);
+}
+
+}  // namespace palpa::acoustics

@@ -1,0 +1,84 @@
+#include "acoustics/boundary/polynomial.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpa::acoustics {
+namespace {
+
+using Powers = std::array<double, most_degree + 1>;
+
+Powers powers_of(double x) {
+  Powers powers{1};
+  for (std::size_t i = 1; i < powers.size(); ++i)
+    powers[i] = powers[i - 1] * x;
+  return powers;
+}
+
+}  // namespace
+
+Monomials monomials(std::uint32_t degree, double s, double t) {
+  const Powers of_s = powers_of(s), of_t = powers_of(t);
+  Monomials all{};
+  std::size_t next = 0;
+  for (std::uint32_t sum = 0; sum <= degree; ++sum) {
+    for (std::uint32_t j = 0; j <= sum; ++j)
+      all[next++] = of_s[sum - j] * of_t[j];
+  }
+  return all;
+}
+
+MonomialSlopes monomial_slopes(std::uint32_t degree, double s, double t) {
+  const Powers of_s = powers_of(s), of_t = powers_of(t);
+  MonomialSlopes all{};
+  std::size_t next = 0;
+  for (std::uint32_t sum = 0; sum <= degree; ++sum) {
+    for (std::uint32_t j = 0; j <= sum; ++j) {
+      const std::uint32_t i = sum - j;
+      all.by_s[next] = i > 0 ? i * of_s[i - 1] * of_t[j] : 0;
+      all.by_t[next] = j > 0 ? j * of_s[i] * of_t[j - 1] : 0;
+      ++next;
+    }
+  }
+  return all;
+}
+
+void LeastSquares::add(const Monomials& row, double weight) {
+  for (std::size_t i = 0; i < terms_; ++i) {
+    const double scaled = weight * row[i];
+    for (std::size_t j = 0; j <= i; ++j)
+      matrix_[i * terms_ + j] += scaled * row[j];
+  }
+}
+
+void LeastSquares::factor() {
+  // Cholesky. A small multiple of the identity keeps what the equations leave open at zero.
+  double trace = 0;
+  for (std::size_t i = 0; i < terms_; ++i)
+    trace += matrix_[i * terms_ + i];
+  const double least = 1e-11 * trace / static_cast<double>(terms_);
+  for (std::size_t i = 0; i < terms_; ++i) {
+    matrix_[i * terms_ + i] += least;
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = matrix_[i * terms_ + j];
+      for (std::size_t l = 0; l < j; ++l)
+        sum -= matrix_[i * terms_ + l] * matrix_[j * terms_ + l];
+      matrix_[i * terms_ + j] = i == j ? std::sqrt(std::max(sum, 0.5 * least)) : sum / matrix_[j * terms_ + j];
+    }
+  }
+}
+
+void LeastSquares::solve(std::span<double> x) const {
+  for (std::size_t i = 0; i < terms_; ++i) {
+    for (std::size_t l = 0; l < i; ++l)
+      x[i] -= matrix_[i * terms_ + l] * x[l];
+    x[i] /= matrix_[i * terms_ + i];
+  }
+  for (std::size_t i = terms_; i-- > 0;) {
+    for (std::size_t l = i + 1; l < terms_; ++l)
+      x[i] -= matrix_[l * terms_ + i] * x[l];
+    x[i] /= matrix_[i * terms_ + i];
+  }
+}
+
+}  // namespace palpa::acoustics

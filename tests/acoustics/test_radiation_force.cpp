@@ -1,0 +1,314 @@
+// Slopes on the surface, radiation pressure and force: against the sphere's series, the momentum in the air, and finer
+// meshes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "acoustics/bodies/body_mesh.hpp"
+#include "acoustics/bodies/far_force.hpp"
+#include "acoustics/bodies/radiation.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "acoustics/bodies/sphere_grid.hpp"
+#include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/boundary/polynomial.hpp"
+#include "acoustics/field/waves.hpp"
+#include "geometry/mesh/icosphere.hpp"
+
+#include "support/exhaustive.hpp"
+#include "support/instrumented.hpp"
+#include "support/shapes.hpp"
+
+namespace palpa::acoustics {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+constexpr double radius = 8e-3;
+const Vec3 along = glm::normalize(Vec3(0.48, 0.6, 0.64));
+
+/// Lossless air in which the tone has this wave number.
+Air air_with(double wave_number) {
+  Air air = without_absorption(air_of({}));
+  air.medium.frequency = wave_number * air.medium.sound_speed / (2 * pi);
+  return air;
+}
+
+/// A plane wave on a body.
+struct Pushed {
+  RigidBody body;
+  Air air;
+  std::vector<std::complex<float>> unknowns;
+  SkinPressure pressure;
+
+  Pushed(const geometry::Mesh& mesh, double wave_number)
+      : body(mesh, wave_number),
+        air(air_with(wave_number)),
+        unknowns(body.solve(plane_wave(wave_number, along, body.points(), body.normals()))) {
+    add_pressure(body, unknowns, air, 1, pressure);
+  }
+  /// In m2: the force divided by that of a wave that is absorbed by 1 m2.
+  Vec3 area() const { return pressure.langevin_load.force * 2.0 * air.stiffness_pa(); }
+  Vec3 far_area() const {
+    const FarForce far = FarForce::of(body, {}).value();
+    return far.forces(plane_wave(body.wave_number(), along, far.points(), far.normals()), unknowns, air)[0] * 2.0 *
+           air.stiffness_pa();
+  }
+};
+
+/// A sphere whose vertices are displaced along it by up to a quarter of a side.
+geometry::Mesh uneven(int divisions, unsigned seed) {
+  geometry::Mesh mesh = geometry::icosphere(radius, divisions);
+  const double reach = mean_side(mesh) / 4;
+  std::mt19937 random(seed);
+  const auto number = [&] { return static_cast<double>(random()) / 2147483648.0 - 1; };
+  for (Vec3& p : mesh.positions) {
+    const double x = number(), y = number(), z = number();
+    p = radius * glm::normalize(p + reach * Vec3(x, y, z));
+  }
+  return mesh;
+}
+
+/// A box of equal sides whose sides are divided into squares of two faces each.
+geometry::Mesh cube(double side, int squares) {
+  geometry::Mesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const bool high = face % 2 == 1;
+    const auto at = [&](int i, int j) {
+      Vec3 p;
+      p[axis] = high ? side / 2 : -side / 2;
+      p[(axis + 1) % 3] = side * i / squares - side / 2;
+      p[(axis + 2) % 3] = side * j / squares - side / 2;
+      return p;
+    };
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      const auto first = static_cast<unsigned>(mesh.positions.size());
+      mesh.positions.insert(mesh.positions.end(), {a, high ? b : c, high ? c : b});
+      mesh.triangles.emplace_back(first, first + 1, first + 2);
+    };
+    for (int i = 0; i < squares; ++i) {
+      for (int j = 0; j < squares; ++j) {
+        add(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+        add(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+    }
+  }
+  return geometry::weld(mesh, side * 1e-6);
+}
+
+/// P of the series at a place on the sphere, times 4 rho c^2.
+double exact_pressure(const SphereSeries& exact, double wave_number, const Vec3& place) {
+  const Vec3 out = glm::normalize(place);
+  const Vec3 across = along - glm::dot(along, out) * out;
+  const double length = glm::length(across), step = 1e-5;
+  if (length < 1e-9) return std::norm(exact.at(out));
+  const Vec3 way = std::sin(step) / length * across;
+  const Complex slope =
+      (exact.at(std::cos(step) * out + way) - exact.at(std::cos(step) * out - way)) / (2 * step * radius);
+  return std::norm(exact.at(out)) - std::norm(slope) / (wave_number * wave_number);
+}
+
+/// The area-weighted relative L2 error of the Langevin pressure at the centroids.
+double pressure_error(const Pushed& sphere) {
+  const double k = sphere.body.wave_number();
+  const SphereSeries exact = SphereSeries::plane_wave(k, radius, along);
+  double wrong = 0, all = 0;
+  for (std::size_t face = 0; face < sphere.pressure.langevin.size(); ++face) {
+    const double right = exact_pressure(exact, k, face_centroid(sphere.body.mesh(), face));
+    const double ours = sphere.pressure.langevin[face] * 4 * sphere.air.stiffness_pa();
+    const double area = face_area(sphere.body.mesh(), face);
+    wrong += area * (ours - right) * (ours - right);
+    all += area * right * right;
+  }
+  return std::sqrt(wrong / all);
+}
+
+struct Kind {
+  std::string name;
+  geometry::Mesh mesh;
+  double pressure_error;  ///< tolerated
+  double force_error = 0.01, far_error = 0.015;
+};
+
+std::vector<Kind> spheres() {
+  std::vector<Kind> kinds{{"geodesic, 80", geometry::icosphere(radius, 2), 0.32, 0.012, 0.02},
+                          {"geodesic, 180", geometry::icosphere(radius, 3), 0.03},
+                          {"geodesic, 320", geometry::icosphere(radius, 4), 0.02},
+                          {"geodesic, 500", geometry::icosphere(radius, 5), 0.02},
+                          {"uneven, 500", uneven(5, 1), 0.035},
+                          {"globe, 880", test::sphere(radius, 16, 30), 0.02}};
+  if (test::instrumented()) return kinds;
+  kinds.push_back({"geodesic, 980", geometry::icosphere(radius, 7), 0.02});
+  kinds.push_back({"uneven, 980", uneven(7, 2), 0.035});
+  if (test::exhaustive()) {
+    kinds.push_back({"geodesic, 2000", geometry::icosphere(radius, 10), 0.02});
+    kinds.push_back({"uneven, 2000", uneven(10, 3), 0.035});
+    kinds.push_back({"geodesic, 4500", geometry::icosphere(radius, 15), 0.02});
+  }
+  return kinds;
+}
+
+TEST(RadiationForce, IsTheSeriesOnEverySphereThatIsFineEnough) {
+  for (const Kind& kind : spheres()) {
+    // As coarse as no warning says, and finer.
+    const double finest = 2 * pi / mean_side(kind.mesh) / 6 * radius;
+    for (const double ka : {1.0, 0.6 * finest, 0.85 * finest, 0.999 * finest}) {
+      if (ka < 1 || ka > 12) continue;
+      const Pushed sphere(kind.mesh, ka / radius);
+      const Vec3 right = pi * radius * radius * sphere_force_function(ka) * along;
+      const double surface = glm::length(sphere.area() - right) / glm::length(right);
+      const double far = glm::length(sphere.far_area() - right) / glm::length(right);
+      const double faces = pressure_error(sphere);
+      EXPECT_LE(surface, kind.force_error) << kind.name << ", ka " << ka;
+      EXPECT_LE(far, kind.far_error) << kind.name << ", ka " << ka;
+      EXPECT_LE(faces, kind.pressure_error) << kind.name << ", ka " << ka;
+      EXPECT_LE(glm::length(sphere.pressure.langevin_load.torque), 0.005 * glm::length(right) * radius);
+      std::printf("  %s faces, ka %.2f: force %.2f %% off, from afar %.2f %%, pressures %.2f %%\n", kind.name.c_str(),
+                  ka, 100 * surface, 100 * far, 100 * faces);
+    }
+  }
+}
+
+TEST(RadiationForce, OnACubeIsThatOfFinerMeshes) {
+  // The limit that the momentum in the air approaches with meshes of 1728, 3072 and 6912 faces.
+  const Vec3 right = 1e-6 * Vec3(67.14, 104.78, 121.30);
+  for (const int squares : {12, 16}) {
+    if (squares > 12 && test::instrumented()) continue;
+    const Pushed pushed(cube(12e-3, squares), 732);
+    const double surface = glm::length(pushed.area() - right) / glm::length(right);
+    const double far = glm::length(pushed.far_area() - right) / glm::length(right);
+    EXPECT_LE(surface, 0.02) << squares;
+    EXPECT_LE(far, 0.02) << squares;
+    std::printf("  cube of %d faces: force %.2f %% off, from afar %.2f %%\n", 12 * squares * squares, 100 * surface,
+                100 * far);
+  }
+}
+
+TEST(RadiationForce, OnSmoothBodiesIsTheMomentumInTheAir) {
+  struct Body {
+    const char* name;
+    Vec3 stretch;
+  };
+  for (const Body& body :
+       {Body{"spheroid", {5e-3, 5e-3, 12e-3}}, Body{"lens", {9e-3, 9e-3, 4e-3}}, Body{"egg", {4e-3, 6e-3, 9e-3}}}) {
+    for (const double wave_number : {300.0, 732.7}) {
+      const geometry::Mesh mesh = test::transformed(geometry::icosphere(1, test::instrumented() ? 7 : 9),
+                                                    [&](const Vec3& p) { return p * body.stretch; });
+      const Pushed pushed(mesh, wave_number);
+      const Vec3 far = pushed.far_area();
+      const double apart = glm::length(pushed.area() - far) / glm::length(far);
+      EXPECT_LE(apart, 0.02) << body.name << " " << wave_number;
+      std::printf("  %s, k %.0f: %.2f %% apart\n", body.name, wave_number, 100 * apart);
+    }
+  }
+}
+
+TEST(FarForce, IsDefinedWhereNoSourceIsNear) {
+  const double k = 400;
+  const RigidBody body(geometry::icosphere(radius, 5), k);
+  const Air air = air_with(k);
+  for (const double distance : {1.02, 1.1, 2.5, 5.0}) {
+    const Vec3 source = distance * radius * glm::normalize(Vec3(1, -2, 2));
+    const auto far = FarForce::of(body, std::span(&source, 1));
+    EXPECT_EQ(far.has_value(), distance > 1.05) << distance;
+    if (!far || distance < 2) continue;  // nearer, the elements do not follow the wave
+    const auto unknowns = body.solve(point_source(k, source, body.points(), body.normals()));
+    SkinPressure pressure;
+    add_pressure(body, unknowns, air, 1, pressure);
+    const Vec3 force = far->forces(point_source(k, source, far->points(), far->normals()), unknowns, air)[0];
+    EXPECT_LE(glm::length(force - pressure.langevin_load.force), 0.02 * glm::length(force)) << distance;
+  }
+}
+
+TEST(FarForce, SeveralWavesAreEachAlone) {
+  const double k = 500;
+  const RigidBody body(
+      test::transformed(geometry::icosphere(radius, 4), [](const Vec3& p) { return p + Vec3(1, 2, 3); }), k);
+  const FarForce far = FarForce::of(body, {}).value();
+  const Air air = air_with(k);
+  Waves skin, air_around;
+  std::vector<Vec3> alone;
+  for (const Vec3& direction : {along, -along, Vec3(0, 0, 1)}) {
+    const Waves one = plane_wave(k, direction, body.points(), body.normals());
+    const Waves around = plane_wave(k, direction, far.points(), far.normals());
+    alone.push_back(far.forces(around, body.solve(one), air)[0]);
+    EXPECT_GT(glm::dot(alone.back(), direction), 0.99 * glm::length(alone.back()));
+    for (const auto& [from, into] : {std::pair(&one, &skin), std::pair(&around, &air_around)}) {
+      into->pressures.insert(into->pressures.end(), from->pressures.begin(), from->pressures.end());
+      into->slopes.insert(into->slopes.end(), from->slopes.begin(), from->slopes.end());
+    }
+  }
+  const std::vector<Vec3> together = far.forces(air_around, body.solve(skin), air);
+  ASSERT_EQ(together.size(), alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i)
+    EXPECT_LE(glm::length(together[i] - alone[i]), 1e-5 * glm::length(alone[i]));
+}
+
+TEST(SphereGrid, ValuesAndCoefficientsAreTheSameFunction) {
+  for (const auto& [order, rings] : {std::pair(std::size_t{0}, std::size_t{1}), {3, 4}, {9, 17}, {40, 41}}) {
+    const SphereGrid grid(order, rings);
+    double solid_angle = 0;
+    for (const double weight : grid.weights())
+      solid_angle += weight;
+    EXPECT_NEAR(solid_angle, 4 * pi, 1e-11);
+    std::mt19937 random(4);
+    std::vector<Complex> coefficients;
+    while (coefficients.size() < grid.coefficient_count())
+      coefficients.emplace_back(static_cast<double>(random() % 2001) - 1000,
+                                static_cast<double>(random() % 2001) - 1000);
+    const std::vector<Complex> values = grid.values(coefficients), back = grid.coefficients(values);
+    double power = 0, integral = 0;
+    for (std::size_t i = 0; i < back.size(); ++i) {
+      EXPECT_LE(std::abs(back[i] - coefficients[i]), 1e-8) << order << " " << i;
+      power += std::norm(coefficients[i]);
+    }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      integral += grid.weights()[i] * std::norm(values[i]);
+    EXPECT_NEAR(integral / power, 1, 1e-11);
+  }
+}
+
+TEST(Polynomials, AreFittedAndDerived) {
+  for (std::uint32_t degree = 0; degree <= most_degree; ++degree) {
+    const std::size_t terms = terms_of(degree);
+    std::mt19937 random(degree);
+    const auto number = [&] { return static_cast<double>(random()) / 2147483648.0 - 1; };
+    std::vector<double> right(terms);
+    for (double& coefficient : right)
+      coefficient = number();
+    const auto value = [&](const Monomials& at) {
+      double sum = 0;
+      for (std::size_t i = 0; i < terms; ++i)
+        sum += right[i] * at[i];
+      return sum;
+    };
+    LeastSquares squares(terms);
+    std::vector<double> sums(terms);
+    for (int equation = 0; equation < 60; ++equation) {
+      const Monomials row = monomials(degree, number(), number());
+      const double weight = 0.5 + std::abs(number());
+      squares.add(row, weight);
+      for (std::size_t i = 0; i < terms; ++i)
+        sums[i] += weight * value(row) * row[i];
+    }
+    squares.factor();
+    squares.solve(sums);
+    for (std::size_t i = 0; i < terms; ++i)
+      EXPECT_NEAR(sums[i], right[i], 1e-6) << degree;
+    const double s = 0.3, t = -0.7, step = 1e-6;
+    const MonomialSlopes slopes = monomial_slopes(degree, s, t);
+    EXPECT_NEAR(value(slopes.by_s),
+                (value(monomials(degree, s + step, t)) - value(monomials(degree, s - step, t))) / (2 * step), 1e-8);
+    EXPECT_NEAR(value(slopes.by_t),
+                (value(monomials(degree, s, t + step)) - value(monomials(degree, s, t - step))) / (2 * step), 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace palpa::acoustics
