@@ -258,6 +258,16 @@ TEST(FarForce, IsDefinedWhereNoSourceIsNear) {
   }
 }
 
+TEST(FarForce, IsLeftOutWhereItWouldTakeTooLong) {
+  for (const double length : {10e-3, 100e-3, 400e-3, 20.0}) {
+    const RigidBody wire(
+        test::transformed(geometry::icosphere(1, 3),
+                          [&](const Vec3& p) { return p * Vec3(length / 20, length / 20, length / 2); }),
+        732);
+    EXPECT_EQ(FarForce::of(wire, {}).has_value(), length < 200e-3) << length;
+  }
+}
+
 TEST(FarForce, SeveralWavesAreEachAlone) {
   const double k = 500;
   const RigidBody body(
