@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <random>
 #include <string>
@@ -178,8 +180,8 @@ TEST(RadiationForce, IsTheSeriesOnEverySphereThatIsFineEnough) {
 TEST(RadiationForce, OnACubeIsThatOfFinerMeshes) {
   // The limit that the momentum in the air approaches with meshes of 1728, 3072 and 6912 faces.
   const Vec3 right = 1e-6 * Vec3(67.14, 104.78, 121.30);
-  for (const int squares : {12, 16}) {
-    if (squares > 12 && test::instrumented()) continue;
+  for (const int squares : {12, 16, 24}) {
+    if ((squares > 12 && test::instrumented()) || (squares > 16 && !test::exhaustive())) continue;
     const Pushed pushed(cube(12e-3, squares), 732);
     const double surface = glm::length(pushed.area() - right) / glm::length(right);
     const double far = glm::length(pushed.far_area() - right) / glm::length(right);
@@ -188,6 +190,36 @@ TEST(RadiationForce, OnACubeIsThatOfFinerMeshes) {
     std::printf("  cube of %d faces: force %.2f %% off, from afar %.2f %%\n", 12 * squares * squares, 100 * surface,
                 100 * far);
   }
+}
+
+TEST(RadiationForce, OnACubeThePressuresAreThoseOfAFinerMesh) {
+  if (!test::exhaustive()) GTEST_SKIP() << "solves a body of 6912 faces: set PALPA_EXHAUSTIVE";
+  const double side = 12e-3, wave_number = 732;
+  const Pushed coarse(cube(side, 12), wave_number), fine(cube(side, 24), wave_number);
+  // The middle one of the four faces in which a face is divided has the same centroid.
+  const auto place = [](const Vec3& p) {
+    return std::array{std::lround(p.x * 1e8), std::lround(p.y * 1e8), std::lround(p.z * 1e8)};
+  };
+  std::map<std::array<long, 3>, double> middles;
+  for (std::size_t face = 0; face < fine.pressure.langevin.size(); ++face)
+    middles[place(face_centroid(fine.body.mesh(), face))] = fine.pressure.langevin[face];
+  double apart = 0, all = 0, squares_apart = 0, squares = 0;
+  for (std::size_t face = 0; face < coarse.pressure.langevin.size(); ++face) {
+    const Vec3 at = face_centroid(coarse.body.mesh(), face);
+    ASSERT_TRUE(middles.contains(place(at)));
+    const double right = middles[place(at)], wrong = coarse.pressure.langevin[face] - right;
+    apart += std::abs(wrong);
+    all += std::abs(right);
+    std::array from_planes{side / 2 - std::abs(at.x), side / 2 - std::abs(at.y), side / 2 - std::abs(at.z)};
+    std::ranges::sort(from_planes);
+    if (from_planes[1] < 2 * pi / wave_number / 4) continue;  // nearer to an edge than a quarter of the wavelength
+    squares_apart += wrong * wrong;
+    squares += right * right;
+  }
+  EXPECT_LE(apart / all, 0.12);
+  EXPECT_LE(std::sqrt(squares_apart / squares), 0.035);
+  std::printf("  1728 faces beside 6912: %.1f %% apart, away from the edges %.1f %%\n", 100 * apart / all,
+              100 * std::sqrt(squares_apart / squares));
 }
 
 TEST(RadiationForce, OnSmoothBodiesIsTheMomentumInTheAir) {
@@ -223,6 +255,16 @@ TEST(FarForce, IsDefinedWhereNoSourceIsNear) {
     add_pressure(body, unknowns, air, 1, pressure);
     const Vec3 force = far->forces(point_source(k, source, far->points(), far->normals()), unknowns, air)[0];
     EXPECT_LE(glm::length(force - pressure.langevin_load.force), 0.02 * glm::length(force)) << distance;
+  }
+}
+
+TEST(FarForce, IsLeftOutWhereItWouldTakeTooLong) {
+  for (const double length : {10e-3, 100e-3, 400e-3, 20.0}) {
+    const RigidBody wire(
+        test::transformed(geometry::icosphere(1, 3),
+                          [&](const Vec3& p) { return p * Vec3(length / 20, length / 20, length / 2); }),
+        732);
+    EXPECT_EQ(FarForce::of(wire, {}).has_value(), length < 200e-3) << length;
   }
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 /// Sources this near to the sphere, in its radii, leave too much of their sound above any order.
 constexpr double nearest_source = 1.05;
+/// Points on the sphere that are worth the effort for any body, and per point of the body.
+constexpr double few_points = 5000, points_per_point = 0.5;
 /// ln of the part of a source's sound that may show up in wrong coefficients.
 constexpr double negligible = 7;
 
@@ -42,6 +44,11 @@ std::optional<FarForce> FarForce::of(const RigidBody& body, std::span<const Vec3
   for (const Vec3& source : sources)
     nearest = std::min(nearest, glm::distance(source, centre));
   if (nearest < nearest_source * radius) return {};
+  const double ka = body.wave_number() * radius;
+  const double most = std::max(few_points, points_per_point * static_cast<double>(body.points().size()));
+  if (2 * (ka + 1) * (ka + 1) > most) return {};  // first, because it may be more than any integer
+  const auto rings = static_cast<double>(rings_for(order_of(ka), nearest / radius));
+  if (2 * rings * rings > most) return {};
   return FarForce(body, centre, radius, nearest);
 }
 

@@ -120,10 +120,14 @@ Monomials FitMaker::row(const FaceFit& fit, std::uint32_t face, std::size_t samp
 
 void FitMaker::solve(FaceFit& fit, LeastSquares& squares) {
   const std::size_t terms = terms_of(fit.degree);
+  const std::size_t count = fit.vertices.size();
   squares.factor();
-  for (std::size_t v = 0; v < fit.vertices.size(); ++v)
-    squares.solve(std::span(factors_).subspan(v * terms, terms));
-  fit.factors.assign(factors_.begin(), factors_.end());
+  squares.solve(factors_, count);
+  fit.factors.resize(factors_.size());
+  for (std::size_t v = 0; v < count; ++v) {
+    for (std::size_t i = 0; i < terms; ++i)
+      fit.factors[v * terms + i] = static_cast<float>(factors_[i * count + v]);
+  }
 }
 
 /// To the linear elements, over the area of the faces.
@@ -146,9 +150,9 @@ void FitMaker::fit_areas(FaceFit& fit) {
       squares.add(there, weight);
       const std::array<double, 3> hat = hats(six_point_rule()[sample]);
       for (std::size_t c = 0; c < 3; ++c) {
-        double* const into = &factors_[vertices_.place(t[static_cast<int>(c)]) * terms];
+        double* const into = &factors_[vertices_.place(t[static_cast<int>(c)])];
         for (std::size_t i = 0; i < terms; ++i)
-          into[i] += weight * hat[c] * there[i];
+          into[i * fit.vertices.size()] += weight * hat[c] * there[i];
       }
     }
   }
@@ -214,7 +218,7 @@ bool FitMaker::fit_averages(FaceFit& fit, const Vec3& normal, double side) {
     const double weight = areas_[v] / (side * side) * near * cosine * cosine;
     squares.add(rows_[v], weight);
     for (std::size_t i = 0; i < terms; ++i)
-      factors_[v * terms + i] = weight * rows_[v][i];
+      factors_[i * count + v] = weight * rows_[v][i];
   }
   solve(fit, squares);
   return true;

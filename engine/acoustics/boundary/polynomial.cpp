@@ -68,16 +68,27 @@ void LeastSquares::factor() {
   }
 }
 
-void LeastSquares::solve(std::span<double> x) const {
+void LeastSquares::solve(std::span<double> sums, std::size_t count) const {
+  const auto take = [&](std::size_t from, std::size_t to, double factor) {
+    double* const into = &sums[to * count];
+    const double* const source = &sums[from * count];
+    for (std::size_t side = 0; side < count; ++side)
+      into[side] -= factor * source[side];
+  };
+  const auto scale = [&](std::size_t row) {
+    const double by = 1 / matrix_[row * terms_ + row];
+    for (std::size_t side = 0; side < count; ++side)
+      sums[row * count + side] *= by;
+  };
   for (std::size_t i = 0; i < terms_; ++i) {
     for (std::size_t l = 0; l < i; ++l)
-      x[i] -= matrix_[i * terms_ + l] * x[l];
-    x[i] /= matrix_[i * terms_ + i];
+      take(l, i, matrix_[i * terms_ + l]);
+    scale(i);
   }
   for (std::size_t i = terms_; i-- > 0;) {
     for (std::size_t l = i + 1; l < terms_; ++l)
-      x[i] -= matrix_[l * terms_ + i] * x[l];
-    x[i] /= matrix_[i * terms_ + i];
+      take(l, i, matrix_[l * terms_ + i]);
+    scale(i);
   }
 }
 

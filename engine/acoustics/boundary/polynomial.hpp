@@ -35,8 +35,9 @@ class LeastSquares {
   void add(const Monomials& row, double weight);
   /// Call once after all equations. Directions that the equations leave open become zero.
   void factor();
-  /// Replaces a sum of weight * right * row over the equations by the unknowns.
-  void solve(std::span<double> right) const;
+  /// Replaces a sum of weight * right * row over the equations by the unknowns; for `count` right sides at once, entry
+  /// [unknown * count + side].
+  void solve(std::span<double> sums, std::size_t count = 1) const;
 
  private:
   std::size_t terms_;
