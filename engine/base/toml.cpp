@@ -255,13 +255,22 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
 }
 
 void TomlTable::done() const {
-  for (const auto& [key, value] : as_table(table_)) {
-    const std::string_view name = key.str();
-    const auto known = [name](const Asked& asked) { return asked.read && asked.key == name; };
-    if (std::any_of(asked_.begin(), asked_.end(), known)) continue;
-    std::vector<std::string_view> keys;
-    for (const Asked& asked : asked_)
-      keys.emplace_back(asked.key);
+  std::vector<std::string_view> keys;
+  for (const Asked& asked : asked_)
+    keys.emplace_back(asked.key);
+  const toml::table& table = as_table(table_);
+  const auto is_known = [this](std::string_view name) {
+    return std::ranges::any_of(asked_, [name](const Asked& asked) { return asked.read && asked.key == name; });
+  };
+  // A file of another kind, which somebody else's rig may name. Its content is nobody's business.
+  const bool whole_file = &table == &document_->root;
+  if (whole_file && !table.empty() &&
+      std::ranges::none_of(asked_, [&](const Asked& asked) { return table.contains(asked.key); })) {
+    throw bad_input(document_->file,
+                    fmt::format("is not {}: it has none of the keys {}", name_, fmt::join(keys, ", ")));
+  }
+  for (const auto& [key, value] : table) {
+    if (is_known(key.str())) continue;
     throw fault(key.str(),
                 fmt::format("unknown key {} in {}; known: {}", printable(key.str(), 40), name_, fmt::join(keys, ", ")));
   }

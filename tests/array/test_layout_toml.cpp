@@ -131,7 +131,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
             "line 4: transducers 0 and 1 are at the same place");
   EXPECT_TRUE(fault_of("name = \"x\"\nunit = [[\n").starts_with("line ")) << "whatever the parser calls it";
   EXPECT_TRUE(fault_of("\x01").starts_with("line 1: "));
-  EXPECT_TRUE(fault_of("\"\\u0001\\nb\" = 1").starts_with("line 1: unknown key \\x01\\nb in a layout"));
+  EXPECT_TRUE(fault_of("name = \"x\"\n\"\\u0001\\nb\" = 1").starts_with("line 2: unknown key \\x01\\nb in a layout"));
 }
 
 TEST(LayoutToml, FilesThatAreNone) {

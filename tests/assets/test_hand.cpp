@@ -181,7 +181,9 @@ TEST_F(PoseFile, RefusesWhatIsNoPose) {
   EXPECT_EQ(fault_of("[thumb]\npip = 0.1"), "line 2: unknown key pip in [thumb]; known: cmc, mcp, ip, abduction");
   EXPECT_EQ(fault_of("thumb = 1"), "line 1: thumb must be a table: [thumb]");
   EXPECT_EQ(fault_of("[pinky]\nmcp = 0"),
-            "line 1: unknown key pinky in a hand's pose; known: thumb, index, middle, ring, little");
+            "is not a hand's pose: it has none of the keys thumb, index, middle, ring, little");
+  EXPECT_EQ(fault_of("[thumb]\n[pinky]\nmcp = 0"),
+            "line 2: unknown key pinky in a hand's pose; known: thumb, index, middle, ring, little");
   EXPECT_NE(fault_of("[index"), "");
   std::filesystem::remove(file_);
   EXPECT_REFUSED(read_hand_pose(file_), file_.string() + ": no such file");

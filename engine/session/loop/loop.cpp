@@ -153,14 +153,17 @@ class Overload {
   void planned(double frame_to_drives_s) {
     late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
     if (late_ < in_a_row || std::exchange(warned_, true)) return;
+    const double enough_s = std::ceil(frame_to_drives_s * 30) / 10;
+    const std::string longer = enough_s <= longest_s ? fmt::format("--hold {:.0f}ms, or ", enough_s * 1e3) : "";
     log::warning(
         fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so a frame "
-                    "is out of date before it sounds; give --hold {:.0f}ms, or smaller frames or simpler solids",
-                    frame_to_drives_s * 1e3, hold_s_ * 1e3, std::ceil(frame_to_drives_s * 30) * 100));
+                    "is out of date before it sounds; give {}smaller frames or simpler solids",
+                    frame_to_drives_s * 1e3, hold_s_ * 1e3, longer));
   }
 
  private:
-  static constexpr int in_a_row = 3;  ///< a single late frame is normal
+  static constexpr int in_a_row = 3;       ///< a single late frame is normal
+  static constexpr double longest_s = 10;  ///< the limit of --hold
   double hold_s_;
   int late_ = 0;
   bool warned_ = false;

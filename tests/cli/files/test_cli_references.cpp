@@ -140,14 +140,30 @@ TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
 // Whatever file is given for whatever is wanted: nothing of it is shown.
 TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
   const std::string cube = source_file("assets/cube.glb").string();
-  for (const char* contents :
-       {"Q7Zecret:Q7Zecret:1\n", "Q7Zecret\n", "Q7Zecret = \n", "a = Q7Zecret\n", "a = \"Q7Zecret\nb = 1",
-        "[Q7Zecret\n", "a = 1Q7Zecret\n", "a = '''Q7Zecret", "a = [1, 2 Q7Zecret", "\"\\Q7Zecret\" = 1\n",
-        "a.Q7Zecret = 1\na.Q7Zecret = 1\n", "{Q7Zecret}\n", "{\"a\": Q7Zecret}\n", "sn Q7Zecret 256\n", "1 Q7Zecret\n",
-        "1 2 3 Q7Zecret\n"}) {
+  for (const char* contents : {"Q7Zecret:Q7Zecret:1\n",
+                               "Q7Zecret\n",
+                               "Q7Zecret = \n",
+                               "a = Q7Zecret\n",
+                               "a = \"Q7Zecret\nb = 1",
+                               "[Q7Zecret\n",
+                               "a = 1Q7Zecret\n",
+                               "a = '''Q7Zecret",
+                               "a = [1, 2 Q7Zecret",
+                               "\"\\Q7Zecret\" = 1\n",
+                               "a.Q7Zecret = 1\na.Q7Zecret = 1\n",
+                               "{Q7Zecret}\n",
+                               "{\"a\": Q7Zecret}\n",
+                               "sn Q7Zecret 256\n",
+                               "1 Q7Zecret\n",
+                               "1 2 3 Q7Zecret\n",
+                               "Q7Zecret = 1\n",
+                               "[Q7Zecret]\n",
+                               "[[Q7Zecret]]\na = 1\n",
+                               "[\"Q7Zecret\"]"}) {
     SCOPED_TRACE(contents);
     const std::string file = path("theirs");
     write_text(file, contents);
+    write_text(folder_ / "theirs.toml", std::string(tiny_camera) + "[array]\nlayout = \"theirs\"\n");
     fs::create_directories(folder_ / "board");
     write_text(folder_ / "board/board_A.pat", contents);
     write_text(folder_ / "board/sonicsurface.txt", contents);
@@ -158,6 +174,7 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
              {"touch", "--scene", cube, "--depth", file},
              {"touch", "--scene", cube, "--depth", file, "--camera", file},
              {"run", "--scene", cube, "--rig", file},
+             {"run", "--scene", cube, "--rig", path("theirs.toml")},
              {"run", "--scene", cube, "--source", "recording:" + file},
              {"run", "--scene", cube, "--source", "bag:" + file},
              {"drive", "--layout", path("theirs") + "", "--focus", "0,0,0.1"},
