@@ -9,12 +9,12 @@
 #include <random>
 #include <vector>
 
-#include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/boundary/galerkin.hpp"
+#include "acoustics/boundary/near_pairs.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/compressed/hierarchical_matrix.hpp"
 #include "acoustics/compressed/low_rank.hpp"
 #include "acoustics/compressed/matrix_entries.hpp"
-#include "acoustics/boundary/near_pairs.hpp"
 #include "acoustics/compressed/split_kernels.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
