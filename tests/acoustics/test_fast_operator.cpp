@@ -83,12 +83,12 @@ std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back({"sphere of 980 faces", geometry::icosphere(8e-3, 7)});
   all.push_back({"box of 3072 faces", divided_box({15e-3, 6e-3, 9e-3}, 4)});
-  // A thin plate: its two sides are near to each other everywhere.
-  all.push_back({"plate of 3072 faces", divided_box({20e-3, 0.6e-3, 14e-3}, 4)});
+  // Both sides of this plate are half a wavelength from each other everywhere.
+  all.push_back({"plate of 3072 faces", divided_box({14e-3, 2e-3, 12e-3}, 4)});
   all.push_back({"torus", test::torus(20e-3, 6e-3, 40)});
-  // Many wavelengths long, with faces of many sizes.
-  all.push_back({"needle of 2420 faces", test::transformed(geometry::icosphere(6e-3, 11), [](const Vec3& p) {
-                   return Vec3(p.x, p.y, p.z * (p.z > 0 ? 12 : 1));
+  // One end has far longer faces than the other.
+  all.push_back({"drop of 2420 faces", test::transformed(geometry::icosphere(6e-3, 11), [](const Vec3& p) {
+                   return Vec3(p.x, p.y, p.z * (p.z > 0 ? 5 : 1));
                  })});
   if (test::exhaustive()) all.push_back({"sphere of 8000 faces", geometry::icosphere(20e-3, 20)});
   return test::the_first(2, std::move(all));
