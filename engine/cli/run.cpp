@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -62,10 +63,16 @@ std::string late_line(const RunCommand& o) {
   return fmt::format("ended without finishing, one second after the signal: one of these did not answer: {}", waits);
 }
 
+/// Whether the run's line would stand between events on the same terminal.
+bool mixes_with_events(const RunCommand& o) {
+  return o.events == "-" && isatty(STDOUT_FILENO) != 0;
+}
+
 void run_live(const Extensions& extensions, const RunCommand& given) {
   check(given);
   RunCommand o = given;
-  o.watched = setup::RunLine::is_shown(o.common.quiet);  // the line says how deep fingers are
+  const bool no_line = o.common.quiet || mixes_with_events(o);
+  o.watched = setup::RunLine::is_shown(no_line);  // the line says how deep fingers are
   const Outputs outputs(outputs_of(o, setup::with_builtin(extensions.links)));
   setup::LiveRun live(o, extensions.sources, extensions.links, setup::Interrupt::flag());
 
@@ -73,7 +80,7 @@ void run_live(const Extensions& extensions, const RunCommand& given) {
   std::optional<setup::Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
-  std::optional<setup::RunLine> line(std::in_place, o.link, o.frames, o.common.quiet);
+  std::optional<setup::RunLine> line(std::in_place, o.link, o.frames, no_line);
   session::RunOptions looking;
   looking.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
     preparing.reset();
@@ -100,7 +107,8 @@ void add_run(Program& program) {
        "  palpa run --scene assets/cube.glb --frames 300 --stats json\n"
        "  palpa run --scene assets/cube.glb --source recording:assets/depth/take --events -",
        "--scene --source --rig --link --frames --method --pressure --ceiling --events --record",
-       "On a terminal, a line shows the state of the run. At the end of a run, palpa silences the array."},
+       "On a terminal, a line shows the state of the run, unless events go there. At the end of a run, palpa silences "
+       "the array."},
       add_options_of_run, [&extensions](const RunCommand& o) { run_live(extensions, o); });
 }
 

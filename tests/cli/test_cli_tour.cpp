@@ -85,6 +85,12 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
       if (line.starts("palpa emulate")) {
         ASSERT_TRUE(terminal->shows("silence")) << terminal->text();
         emulator = std::move(terminal);  // for the line after it
+      } else if (line.command.ends_with("--events -")) {
+        EXPECT_TRUE(terminal->shows("\"event\":\"press\"")) << terminal->text();
+        terminal->type("\x03");
+        EXPECT_EQ(terminal->ended_by_signal(), 0);
+        EXPECT_EQ(terminal->text().find("Ctrl-C stops"), std::string::npos) << "a line between the events";
+        EXPECT_EQ(terminal->text().find("palpa: error"), std::string::npos) << terminal->text();
       } else {
         EXPECT_TRUE(terminal->shows("SOUNDING on ")) << terminal->text();
         EXPECT_TRUE(terminal->shows("Ctrl-C stops")) << terminal->text();
