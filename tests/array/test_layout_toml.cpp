@@ -93,7 +93,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("unit = 3"), "line 1: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("\nunit = [3]"), "line 2: unit must be a list of tables: [[unit]]");
   EXPECT_EQ(fault_of("[unit]\n"), "line 1: unit must be a list of tables: [[unit]]");
-  EXPECT_EQ(fault_of("# head\ncolour = 1\n"),
+  EXPECT_EQ(fault_of("name = \"x\"\ncolour = 1\n"),
             "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, "
             "frequency_hz, unit, transducer");
   EXPECT_EQ(fault_of("[[unit]]\ntype = \"autd4\"\n" + pose),

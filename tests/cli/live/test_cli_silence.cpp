@@ -128,7 +128,12 @@ TEST(CliSilence, ItsTerminalIsStopped) {
   Unread terminal = Unread::terminal();
   LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
   stage.hear(20);
-  EXPECT_NE(terminal.read_all().find("SOUNDING"), std::string::npos) << "the state is shown";
+  std::string seen;  // the line with the state is drawn twice a second
+  for (int i = 0; i < 200 && seen.find("SOUNDING") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    seen += terminal.read_all();
+  }
+  EXPECT_NE(seen.find("SOUNDING"), std::string::npos) << seen;
   terminal.stop();
   stage.hear(60);  // twice a second it would draw
   stage.expect_silent_end(run);

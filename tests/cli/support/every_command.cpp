@@ -65,7 +65,7 @@ std::vector<HelpedOption> options_of(const std::string& command) {
 QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
   const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
-  const geometry::Mesh ball = geometry::icosphere(1e-3, 1);
+  const geometry::Mesh ball = geometry::icosphere(1e-3, 3);
   geometry::write_ply(pebble, ball.positions, ball.triangles);
   const geometry::Mesh rounded_tip =
       transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
