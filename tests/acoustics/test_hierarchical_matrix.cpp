@@ -9,12 +9,12 @@
 #include <random>
 #include <vector>
 
-#include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/boundary/galerkin.hpp"
+#include "acoustics/boundary/near_pairs.hpp"
+#include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/compressed/hierarchical_matrix.hpp"
 #include "acoustics/compressed/low_rank.hpp"
 #include "acoustics/compressed/matrix_entries.hpp"
-#include "acoustics/boundary/near_pairs.hpp"
 #include "acoustics/compressed/split_kernels.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
@@ -74,7 +74,7 @@ TEST(SplitKernels, AreProducts) {
 TEST(ClusterTree, CoversTheMatrixOnceAndKeepsNearPairsWhole) {
   // One end of the body has far larger faces than the other.
   const geometry::Mesh mesh = test::transformed(geometry::icosphere(8e-3, 10),
-                                                [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 8 : 1)); });
+                                                [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 4 : 1)); });
   const ClusterTree tree = cluster_tree(mesh, 32);
   const std::size_t size = mesh.positions.size();
   std::vector<std::uint32_t> sorted = tree.order;
