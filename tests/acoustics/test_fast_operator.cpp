@@ -185,11 +185,11 @@ TEST(FastOperator, KeepsSilenceLoudnessAndWhatIsNoNumber) {
   all[2 * size + 7] = {0, nan};
   fast->solve(Way::forth, one);
   fast->solve(Way::forth, all);
-  float largest = 0;
-  for (const Number& value : one)
-    largest = std::max(largest, std::abs(value));
+  std::vector<Number> quieter;
+  for (std::size_t v = 0; v < size; ++v)
+    quieter.push_back(all[v] / loud);
+  EXPECT_LT(difference(quieter, one), 3e-4);
   for (std::size_t v = 0; v < size; ++v) {
-    EXPECT_LE(std::abs(all[v] / loud - one[v]), 1e-3F * largest) << v;
     EXPECT_EQ(all[size + v], Number(0));
     EXPECT_TRUE(std::isnan(all[2 * size + v].real())) << v;
   }

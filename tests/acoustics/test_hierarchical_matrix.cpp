@@ -74,7 +74,7 @@ TEST(SplitKernels, AreProducts) {
 TEST(ClusterTree, CoversTheMatrixOnceAndKeepsNearPairsWhole) {
   // One end of the body has far larger faces than the other.
   const geometry::Mesh mesh = test::transformed(geometry::icosphere(8e-3, 10),
-                                                [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 8 : 1)); });
+                                                [](const Vec3& p) { return Vec3(p.x, p.y, p.z * (p.z > 0 ? 4 : 1)); });
   const ClusterTree tree = cluster_tree(mesh, 32);
   const std::size_t size = mesh.positions.size();
   std::vector<std::uint32_t> sorted = tree.order;
