@@ -229,6 +229,7 @@ void refine(geometry::Mesh& mesh, std::size_t faces) {
         triangles_at[std::minmax(mesh.triangles[t][c], mesh.triangles[t][(c + 1) % 3])].push_back(t);
     }
     std::vector<std::pair<double, Side>> sides;
+    sides.reserve(triangles_at.size());
     for (const auto& [side, triangles] : triangles_at)
       sides.emplace_back(glm::distance(mesh.positions[side.first], mesh.positions[side.second]), side);
     std::ranges::sort(sides, std::greater());

@@ -242,7 +242,8 @@ FaceFit FitMaker::make(std::uint32_t face) {
   // The side of an equilateral triangle of this area; the area vector is twice the area.
   const double side = std::sqrt(2 / std::sqrt(3.0) * glm::length(area));
   const bool edged = std::ranges::any_of(faces_.list(), [&](std::uint32_t f) {
-    return body.sharp[3 * f] || body.sharp[3 * f + 1] || body.sharp[3 * f + 2];
+    const std::size_t first = std::size_t{3} * f;
+    return body.sharp[first] || body.sharp[first + 1] || body.sharp[first + 2];
   });
   if (edged || !fit_averages(fit, normal, side)) {
     choose_faces(face, normal);
