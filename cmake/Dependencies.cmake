@@ -9,6 +9,8 @@ find_package(meshoptimizer REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PNG REQUIRED)
+# It comes with libpng, which needs it.
+find_package(ZLIB REQUIRED)
 find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)

@@ -468,7 +468,6 @@ class Autd3Board final : public Board {
   PartOffset turn_;
   std::vector<Emission> drive_;
   bool drive_waits_ = false;
-
   // What the devices do.
   Stage stage_ = first_message;
   Sent sent_ = Sent::nothing;
@@ -481,7 +480,6 @@ class Autd3Board final : public Board {
   array::Modulation modulation_ = array::Modulation::pressure_sine;
   bool lost_ = false;
   double retry_at_s_ = 0;
-
   Rate plans_, drives_;  ///< drives_: those that no plan has
   PlanTally tally_;
 };
@@ -489,12 +487,14 @@ class Autd3Board final : public Board {
 }  // namespace
 
 BoardKind board_kind() {
-  return {"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
-          [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
-            check(spec.layout);
-            return std::make_unique<Autd3Board>(spec, notes);
-          },
-          true};
+  BoardKind kind{"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
+                 [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
+                   check(spec.layout);
+                   return std::make_unique<Autd3Board>(spec, notes);
+                 },
+                 true};
+  kind.own_layout = [](const std::string&) { return std::string("autd3"); };
+  return kind;
 }
 
 }  // namespace palpa::driver::autd3

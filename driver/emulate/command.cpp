@@ -112,7 +112,8 @@ void add_emulate(cli::Program& program) {
                                 "  palpa emulate autd3 --layout paper",
                                 "",
                                 "Leave it running, and start palpa run --link openmpd:EMU1 or --link "
-                                "autd3:127.0.0.1:8080 in another terminal. Ctrl-C ends it.",
+                                "autd3:127.0.0.1:8080 in another terminal, with the same --layout if you give one. "
+                                "Ctrl-C ends it.",
                                 "BOARD"},
                                add_options, run);
 }

@@ -93,6 +93,7 @@ class BoardLink final : public session::Link {
     unread_s_ = unread ? unread_s_ + step_s : 0;
     if (unread_s_ < hang_s) return false;
     guard_->kill();
+    hung_ = true;
     return true;
   }
 
@@ -148,8 +149,9 @@ class BoardLink final : public session::Link {
     throw Error(static_cast<Exit>(text[0]), std::string(text.substr(1)));
   }
 
-  static std::string how_it_ended(const GuardProcess::Exit& exit) {
+  std::string how_it_ended(const GuardProcess::Exit& exit) const {
     if (!exit.ended) return "palpa-guard does not answer";
+    if (hung_) return fmt::format("palpa-guard took no drive for {} s", hang_s);
     if (exit.by_signal != 0) return fmt::format("signal {} ended palpa-guard", exit.by_signal);
     return fmt::format("palpa-guard ended with exit code {}", exit.code);
   }
@@ -188,6 +190,7 @@ class BoardLink final : public session::Link {
   session::Carried carried_;      ///< of a guard that is gone
   Said last_word_ = Said::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
+  bool hung_ = false;                                         ///< the guard, and was killed
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
   std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };

@@ -24,7 +24,9 @@ void check_header(std::size_t bytes) {
     throw Malformed(fmt::format("a record's header has {} bytes; palpa takes at most {}", bytes, most_header_bytes));
 }
 
-enum Operation : std::uint8_t { message_data = 2, chunk_of_records = 5, connection = 7 };
+enum Operation : std::uint8_t { message_data = 2, bag_header = 3, chunk_of_records = 5, connection = 7 };
+
+constexpr const char* in_a_record = "in the middle of a record";
 
 /// Fills `out`, which has the size given by the chunk, from LZ4 frames.
 void unpack_lz4(std::span<const std::uint8_t> packed, std::span<std::uint8_t> out) {
@@ -49,6 +51,7 @@ void unpack_lz4(std::span<const std::uint8_t> packed, std::span<std::uint8_t> ou
 struct Bag::Header {
   std::optional<std::uint8_t> operation{};
   std::optional<std::uint32_t> connection{}, size{};
+  std::optional<std::uint64_t> index_at{};
   std::optional<double> time_s{};
   std::string_view topic{}, compression{};
 
@@ -63,6 +66,7 @@ struct Bag::Header {
       if (name == "op") operation = value.take<std::uint8_t>();
       if (name == "conn") connection = value.take<std::uint32_t>();
       if (name == "size") size = value.take<std::uint32_t>();
+      if (name == "index_pos") index_at = value.take<std::uint64_t>();
       if (name == "topic") topic = text.substr(equals + 1);
       if (name == "compression") compression = text.substr(equals + 1);
       if (name == "time") {
@@ -89,7 +93,7 @@ void Bag::fault(const std::string& what) const {
 bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
   // A length is not trusted until the file is known to have that many bytes.
   if (bytes > size_ - at_) {
-    cut_short_ = true;
+    cut_short_ = in_a_record;
     return false;
   }
   into.resize(bytes);
@@ -101,7 +105,7 @@ bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
 bool Bag::read_length(std::uint32_t& length) {
   std::array<std::uint8_t, 4> bytes{};
   if (size_ - at_ < bytes.size()) {
-    cut_short_ = true;
+    cut_short_ = in_a_record;
     return false;
   }
   in_.read_at(at_, bytes);
@@ -122,7 +126,7 @@ void Bag::add_connection(const Header& header) {
 void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
   if (!header.size) throw Malformed("a chunk does not say its size");
   if (*header.size == 0 && bytes == 0) {  // its recorder would have written both at its end
-    cut_short_ = true;
+    cut_short_ = in_a_record;
     return;
   }
   if (*header.size > most_chunk_bytes || bytes > most_chunk_bytes)
@@ -150,18 +154,23 @@ void Bag::open_chunk(const Header& header, std::uint32_t bytes) {
 bool Bag::read_record() {
   record_at_ = at_;
   std::uint32_t bytes = 0;
-  if (at_ == size_ || !read_length(bytes)) return false;
+  if (at_ == size_) {
+    if (index_at_ && (*index_at_ == 0 || *index_at_ >= size_)) cut_short_ = "before its index";
+    return false;
+  }
+  if (!read_length(bytes)) return false;
   check_header(bytes);
   if (!read(header_, bytes) || !read_length(bytes)) return false;
   const Header header(header_);
   if (*header.operation == connection) add_connection(header);
+  if (*header.operation == bag_header) index_at_ = header.index_at;
   if (*header.operation == chunk_of_records) {
     open_chunk(header, bytes);
     return !cut_short_;
   }
   // Indices and the like are not needed.
   if (bytes > size_ - at_) {
-    cut_short_ = true;
+    cut_short_ = in_a_record;
     return false;
   }
   at_ += bytes;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,8 +33,9 @@ class Bag {
   /// Returns false at the end. Throws bad_input that names file, byte and fault, for broken records, chunks above
   /// most_chunk_bytes, and chunks compressed with anything but lz4.
   bool next(Message& message);
-  /// Whether the file ends in the middle of a record.
-  bool cut_short() const { return cut_short_; }
+  /// Where the file was cut short: "in the middle of a record", or "before its index", which a recorder writes last.
+  /// Null if it was not, or if its end is not reached.
+  const char* cut_short() const { return cut_short_; }
 
   const std::string& file() const { return in_.name(); }
   /// Throws an Error that names where the record began that next() read last.
@@ -51,7 +53,8 @@ class Bag {
 
   InputFile in_;
   std::uint64_t size_ = 0, at_ = 0, record_at_ = 0;
-  bool cut_short_ = false;
+  const char* cut_short_ = nullptr;
+  std::optional<std::uint64_t> index_at_{};      ///< 0 if the recorder did not write an index
   std::map<std::uint32_t, std::string> topics_;  ///< by connection
   std::vector<std::uint8_t> header_, packed_, chunk_;
   std::size_t chunk_at_ = 0;

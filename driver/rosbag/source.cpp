@@ -59,9 +59,9 @@ class BagSource final : public sensing::DepthSource {
   BagSource(const std::string& file, const sensing::Camera* posed, bool paced) : bag_(file), paced_(paced) {
     there_ = read(next_);
     if (!there_ && bag_.cut_short()) {
-      throw bad_input(file,
-                      "ends in the middle of a record, before its first depth image: the recording was cut short; "
-                      "record it again, or copy the whole file");
+      throw bad_input(file, fmt::format("ends {}, before its first depth image: the recording was cut short; record it "
+                                        "again, or copy the whole file",
+                                        bag_.cut_short()));
     }
     if (!there_)
       throw bad_input(
@@ -116,8 +116,8 @@ class BagSource final : public sensing::DepthSource {
       }
     }
     if (bag_.cut_short() && read_ > 0)
-      log::warning(fmt::format("{}: ends in the middle of a record, after {} depth frames; the recording was cut short",
-                               bag_.file(), read_));
+      log::warning(fmt::format("{}: ends {}, after {} depth frames; the recording was cut short", bag_.file(),
+                               bag_.cut_short(), read_));
     return false;
   }
 

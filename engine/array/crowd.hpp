@@ -16,8 +16,8 @@
 namespace palpa::array {
 
 /// One past the last of the foci that are solved together with focus `first`, the first of its part. A slot of at most
-/// most_solved_foci foci is one part; otherwise a part has as many voices as have at most most_solved_foci foci
-/// together.
+/// most_solved_foci foci is one part. Otherwise, a part consists of as many voices as possible with at most
+/// most_solved_foci foci in total.
 std::size_t part_end(std::span<const SlotFocus> foci, std::size_t first);
 
 /// Fills `heard`, one per focus, with the sum of factor times q_j over the whole array at that focus, in 1/m. Uses no
@@ -30,9 +30,10 @@ void keep_below(const Transfer& transfer, const Layout& layout, std::span<const 
                 std::span<const FocusSource> sources, Weighting weighting, std::span<std::complex<double>> factors,
                 Columns& columns, std::span<std::complex<double>> heard);
 
-/// Only requests may raise other foci. A focus without a request that the array does not resolve from one with a
-/// request (gs_pat_crowded) gets a target that decreases the more they overlap; where both are one focus, it is the
-/// other's target. Lowers `targets` of foci without most_pa; foci with a request whose target is 0 are ignored.
+/// A focus without a request must not make other foci louder. If the array does not resolve it from a focus with a
+/// request (gs_pat_crowded), its target decreases the more the two overlap, down to the target of the other focus where
+/// both are at the same place. Lowers the `targets` of foci without most_pa. Foci with a request are ignored if their
+/// target is 0.
 void cap_unasked(const FocusMatrix& matrix, std::span<const SlotFocus> foci, std::span<double> targets);
 
 /// A focus without a request needs no target: it becomes 0, so that the focus is not corrected while others are.

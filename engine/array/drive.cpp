@@ -123,7 +123,8 @@ double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
   multiply(columns, scratch.matrix);
-  gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
+  gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, care_of(options.solver), scratch.weights,
+         scratch.gs_pat);
   double largest = 0;
   for (std::size_t t = 0; t < columns.transducers; ++t) {
     Complex plain = 0;
@@ -322,6 +323,9 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
   turning.normal.reserve(square);
   for (std::vector<double>* values : {&turning.rest, &turning.miss, &turning.tried_miss})
     values->reserve(few);
+  scratch.gs_pat.shares.reserve(few);
+  reserve(scratch.gs_pat.search, transducers, few);
+  reserve(scratch.gs_pat.climb, transducers, few);
   for (EvenScratch* even : {&scratch.gs_pat.even, &pressures.gs_pat.even, &pressures.even}) {
     for (std::vector<Complex>* values : {&even->pressure, &even->tried_pressure, &even->tried})
       values->reserve(few);

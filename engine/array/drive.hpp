@@ -47,13 +47,17 @@
 namespace palpa::array {
 
 /// How several foci share the array.
-enum class Solver { naive, gs_pat, greedy };
+enum class Solver { naive, gs_pat, greedy, loudest };
 inline constexpr Word<Solver> solver_words[] = {
-    {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}};
+    {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}, {"loudest", Solver::loudest}};
 
 /// The phases that the solver uses for foci that request pressures.
 constexpr FocusPhases phases_of(Solver solver) {
-  return solver == Solver::gs_pat ? FocusPhases::helping : FocusPhases::own;
+  return solver == Solver::gs_pat || solver == Solver::loudest ? FocusPhases::helping : FocusPhases::own;
+}
+
+constexpr Care care_of(Solver solver) {
+  return solver == Solver::loudest ? Care::most : Care::usual;
 }
 
 /// One focus that sounds in a slot: one of a finger's foci, or several if its method plays them together.

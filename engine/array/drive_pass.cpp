@@ -139,8 +139,9 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
 
 void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
-  if (pass_foci_ >= most_foci_) return;
-  const std::size_t most = std::min<std::size_t>(most_slots_, most_foci_ / (pass_foci_ + 1));
+  const bool seeking = seeks(2);
+  if (pass_foci_ >= most_foci_ && !seeking) return;
+  const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
   host_drives_.assign(most, {0, Drive(batch_.transducers)});
   reserve(host_scratch_, layout_, options_, most_foci_);
 }
@@ -167,7 +168,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (count > pass_foci_) {
+  if (count > pass_foci_ || seeks(count)) {
     if (used_host_drives_ == host_drives_.size()) return false;
     drive_for(layout_, foci, options_, add_host_slot(), host_scratch_);
     return true;
@@ -185,7 +186,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   } else if (!solved) {
     batch_.several = true;
   } else {
-    batch_.weighted = options_.solver == Solver::gs_pat;
+    batch_.weighted = options_.solver != Solver::greedy;
     solve_.sizes |= std::uint64_t{1} << (foci_here - 1);
     if (batch_.weighted) used_entries_ += foci_here * foci_here;
   }
@@ -260,9 +261,9 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 }
 
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
-  for (const HostDrive& made : std::span(host_drives_).first(used_host_drives_)) {
-    if (made.slot == slot) return made.drive;
-  }
+  const std::span made = std::span(host_drives_).first(used_host_drives_);  // in the order of their slots
+  const auto found = std::ranges::lower_bound(made, slot, {}, &HostDrive::slot);
+  if (found != made.end() && found->slot == slot) return found->drive;
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
 }
 

@@ -80,7 +80,8 @@ class DriveMemory {
   /// Starts a new batch.
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
-  /// device that ends long loops, drives of more than most_pass_foci() foci are computed here by the twin.
+  /// device that ends long loops, drives of more than most_pass_foci() foci are computed here by the twin, and on every
+  /// device those whose phases the solver `loudest` seeks.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.
@@ -125,6 +126,9 @@ class DriveMemory {
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
+  bool seeks(std::size_t foci) const {
+    return foci > 1 && seeks_loudest(care_of(options_.solver), options_.constraint, foci);
+  }
   std::span<TransducerDrive> add_host_slot();
   void add_focus(const SlotFocus& focus, float gain);
 };

@@ -47,7 +47,7 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
       if (gs_pat_step(scratch.pressure, scratch.targets, {level, 0}, scratch.factors) < gs_pat_still) break;
     }
   }
-  if (constraint != Constraint::normalise) {
+  if (constraint != Constraint::normalise && !scratch.searched) {
     double sum = 0;
     for (const double gain : gains)
       sum += gain;
@@ -133,21 +133,39 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
 }
 
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
-            std::span<FocusWeight> weights, GsPatScratch& scratch) {
+            Care care, std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
   assert(weights.size() == foci && gains.size() == foci && foci <= most_solved_foci);
   for (std::vector<Complex>* values : {&scratch.pressure, &scratch.factors, &scratch.start})
     values->resize(foci);
   scratch.targets.resize(foci);
   find_claims(matrix, scratch.claims);
+  scratch.searched = seeks_loudest(care, constraint, foci);
   const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
   solve(matrix, columns, gains, constraint, weights, scratch);
+  if (!scratch.searched) return;
+  for (std::size_t j = 0; j < foci; ++j)
+    scratch.factors[j] = weights[j].plain;
+  search_phases(matrix, columns, scratch.claims, loudest_search, scratch.factors, scratch.search);
+  find_targets(matrix, gains, scratch);
+  scratch.shares.resize(foci);
+  for (std::size_t j = 0; j < foci; ++j) {
+    scratch.factors[j] *= gains[j];
+    scratch.shares[j] = magnitude(scratch.factors[j]) * scratch.targets[j];
+  }
+  if (constraint == Constraint::clamp) fill_up(matrix, gains, scratch);
+  for (std::size_t j = 0; j < foci; ++j)
+    weights[j].heard = scratch.factors[j];
 }
 
 void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<Complex> sums, GsPatScratch& scratch) {
-  if (columns.foci > gs_pat_few || constraint == Constraint::normalise) return;
+  if (constraint == Constraint::normalise || (columns.foci > gs_pat_few && !scratch.searched)) return;
   for (Complex& sum : sums)
     sum = bounded(sum, constraint);
+  if (scratch.searched) {
+    climb(columns, scratch.targets, loudest_search.finish, scratch.shares, sums, scratch.climb);
+    return;
+  }
   even_phases(columns, scratch.targets, gs_pat_miss, gs_pat_most_tries(columns.transducers), sums, scratch.phases);
 }
 

@@ -37,6 +37,11 @@
 // This applies to up to gs_pat_few foci. More foci are not evened out this way: v_j never exceeds gs_pat_most_weight,
 // and under `uniform` and `clamp` the same step is repeated gs_pat_refinings times over the whole array, p = G P(B c)
 // with P the constraint.
+//
+// Loudness first: the solver `loudest` (Care::most). Foci near each other cannot always be both loud and even. Under
+// `uniform` and `clamp`, the weakest of up to loudest_most_foci foci is made as loud as possible (search.hpp,
+// climb.hpp), from the factors above as one of many starts. Only then the louder foci are lowered towards it, as far as
+// that costs the weakest nothing.
 #pragma once
 
 #include <complex>
@@ -47,6 +52,7 @@
 #include "array/constraint.hpp"
 #include "array/even_out.hpp"
 #include "array/even_phases.hpp"
+#include "array/search.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {
@@ -83,7 +89,19 @@ struct GsPatScratch {
   std::vector<double> claims, targets;
   EvenScratch even;
   PhaseScratch phases;
+  SearchScratch search;
+  ClimbScratch climb;
+  std::vector<double> shares;
+  bool searched = false;  ///< the slot's factors were sought by search.hpp
 };
+
+/// Whether the phases are sought in which the weakest focus is loudest: `loudest`.
+enum class Care { usual, most };
+
+/// Whether they are, in a slot of so many foci.
+constexpr bool seeks_loudest(Care care, Constraint constraint, std::size_t foci) {
+  return care == Care::most && constraint != Constraint::normalise && foci <= loudest_most_foci;
+}
 
 /// The share of the sound of focus `k` that is heard at focus `j`, 0 .. 1; 0 if one of them cannot be reached.
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
@@ -92,11 +110,11 @@ double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
 /// relative to the largest, 0..1, one per focus. At most most_solved_foci foci. The initial phases depend only on
 /// distances, so moving array and foci together or reordering the foci changes only rounding.
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
-            std::span<FocusWeight> weights, GsPatScratch& scratch);
+            Care care, std::span<FocusWeight> weights, GsPatScratch& scratch);
 
 /// Under `uniform` and `clamp`, for the slot for which `scratch` was last used in gs_pat: bounds the sums of the
-/// transducers, B c of the heard factors, and changes their phases until the foci are even. Does not change sums of
-/// more than gs_pat_few foci.
+/// transducers, B c of the heard factors, and changes their phases until the foci are even, or the weakest is as loud
+/// as it gets. Does not change sums of more foci than these methods are for.
 void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<std::complex<double>> sums,
                  GsPatScratch& scratch);
 

@@ -62,7 +62,8 @@ void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_
   even_out(matrix, scratch.claims, {0, gs_pat_miss, tries}, scratch.factors, scratch.even);
 }
 
-/// Gains times claims, but at least as loud as a coinciding focus requires.
+}  // namespace
+
 void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
   for (std::size_t j = 0; j < matrix.foci; ++j) {
     double gain = gains[j];
@@ -75,8 +76,7 @@ void find_targets(const FocusMatrix& matrix, std::span<const double> gains, GsPa
   }
 }
 
-/// Scales the factors so that sums are gs_pat_fill times as large as those of foci that do not hear each other.
-void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
+void fill_up(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratch& scratch) {
   hear(matrix, scratch.factors, scratch.pressure);
   const double power = power_of(scratch.factors, scratch.pressure);
   double alone = 0, wanted = 0;
@@ -89,8 +89,6 @@ void scale(const FocusMatrix& matrix, std::span<const double> gains, GsPatScratc
   for (Complex& factor : scratch.factors)
     factor *= by;
 }
-
-}  // namespace
 
 void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
                std::span<FocusWeight> weights, GsPatScratch& scratch) {
@@ -108,7 +106,7 @@ void solve_few(const FocusMatrix& matrix, const Columns& columns, std::span<cons
       scratch.factors[j] *= gains[j];
     even_out(matrix, scratch.targets, {level, gs_pat_miss, tries}, scratch.factors, scratch.even);
   }
-  if (constraint == Constraint::clamp) scale(matrix, gains, scratch);
+  if (constraint == Constraint::clamp) fill_up(matrix, gains, scratch);
   for (std::size_t j = 0; j < foci; ++j)
     weights[j].heard = scratch.factors[j];
 }

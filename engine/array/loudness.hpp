@@ -3,10 +3,10 @@
 // A finger's request (Voice::pressure_pa, times its gain) is the peak pressure at each of its foci at the crest of its
 // modulation, with directivity and without absorption. It holds in every slot, regardless of other foci
 // (slot_pressures.hpp). If the amplitude of some transducer would exceed 1 in some slot, fingers are lowered, each by
-// one factor for all of its foci and slots (levels.hpp). A finger without a request, beside one with a request, sounds
-// as in the paper with what is left of the array. It gets less if the array does not resolve it from one with a
-// request, because only requests may raise other foci. In slots of more than most_solved_foci foci no focus is louder
-// than requested (crowd.hpp).
+// one factor for all of its foci and slots (levels.hpp). If some fingers have no request, they sound as in the paper,
+// with the rest of the array. Such a finger gets less if the array does not resolve it from a finger with a request,
+// because it must not make the latter louder. In slots of more than most_solved_foci foci no focus is louder than
+// requested (crowd.hpp).
 //
 // Everything is in double precision and the same on every run; a device only sums up the drives.
 #pragma once

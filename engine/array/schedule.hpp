@@ -43,8 +43,8 @@ struct Voice {
   double gain = 1;  ///< intensity, 0..1: an amplitude that the modulation multiplies
   /// Requested peak pressure at each focus, at the crest of the modulation and a gain of 1; 0: no request.
   double pressure_pa = 0;
-  /// The part of it, times the gain, that is to sound; loudness.hpp fills both values. `reached_pa` is the pressure at
-  /// the focus that has the least, and nullopt if no voice of the schedule has a request.
+  /// The part of the request, times the gain, that is played; loudness.hpp fills both values. `reached_pa` is the
+  /// pressure at the weakest focus. It is nullopt if no voice of the schedule has a request.
   double target_pa = 0;
   std::optional<double> reached_pa;
 };

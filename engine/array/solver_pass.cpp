@@ -81,7 +81,7 @@ struct SolverPass::Buffers : SolveBindings {
 };
 
 SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
-  if (solver == Solver::gs_pat) {
+  if (solver == Solver::gs_pat || solver == Solver::loudest) {
     std::uint32_t fewest = 2;
     for (const std::uint32_t most : {shader::solve_hand_foci, shader::solve_finger_foci}) {
       gs_pat_.push_back({fewest,
@@ -111,7 +111,8 @@ SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
 
 std::vector<gpu::ScratchBuffer> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
   // A slot of n foci has n * n entries of two floats, where n is at most most_solved_foci.
-  const VkDeviceSize entries = solver == Solver::gs_pat ? VkDeviceSize{most_foci} * most_solved_foci : 0;
+  const bool solves = solver == Solver::gs_pat || solver == Solver::loudest;
+  const VkDeviceSize entries = solves ? VkDeviceSize{most_foci} * most_solved_foci : 0;
   return {{"focus matrices", entries * 2 * sizeof(float)}};
 }
 

@@ -50,6 +50,8 @@ struct SolveBatch {
 /// phases are equally good within rounding, device and twin may choose differently and diverge from there, to drives
 /// that serve the foci equally well.
 ///
+/// `loudest` is gs_pat here: slots whose phases it seeks are solved by the twin and left out of the batch.
+///
 /// The kernels use the transfer between transducers and foci from shaders/array/drive/transfer_free.glsl, for the
 /// matrix and for the columns G of the foci, one transducer at a time. Another transfer is another file with the same
 /// names.

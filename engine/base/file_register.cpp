@@ -32,8 +32,8 @@ struct Register {
   int keepers = 0;
   std::vector<Claim> claims;
   std::map<FileIdentity, Input> inputs;
-  std::set<Entry> own;
-  std::set<Entry> written;  ///< by this program, which may write them again
+  std::map<Entry, Claim> own;  ///< of no owner and no option
+  std::set<Entry> written;     ///< by this program, which may write them again
 };
 Register& the_register() {
   static Register instance;
@@ -115,17 +115,26 @@ Error read_by_this_command(const std::string& option, const std::string& name, c
   return bad_usage(fmt::format("{}: {} is read by this command, name another {}", option, name, kind));
 }
 
+Error is_own(const Claim& claim) {
+  return bad_usage(fmt::format("{}: {} is a file of palpa's own, name another file", claim.option, claim.place.name));
+}
+
+void identify(Claim& claim) {
+  claim.entry = entry_of(claim.place);
+  if (can_be_lost(claim.place)) claim.born = birth_of(claim.place.path);
+}
+
 }  // namespace
 
 void claim(std::vector<Claim> claims) {
   Register& r = the_register();
-  for (Claim& claim : claims) {
-    claim.entry = entry_of(claim.place);
-    if (can_be_lost(claim.place)) claim.born = birth_of(claim.place.path);
-  }
+  std::ranges::for_each(claims, identify);
   const std::lock_guard lock(r.mutex);
   for (const Claim& mine : claims) {
     if (was_read(r, mine.place)) throw read_by_this_command(mine.option, mine.place.name);
+    for (const auto& [entry, own] : r.own) {
+      if (is_same(own, mine)) throw is_own(mine);
+    }
     if (const std::string inside = mine.is_replaced ? read_inside(r, mine.place) : std::string(); !inside.empty())
       throw read_by_this_command(mine.option, inside, "folder");
     for (const Claim& other : r.claims) {
@@ -184,10 +193,15 @@ void writes(const OutputPlace& place) {
 }
 
 void add_own(const fs::path& file) {
-  const Entry entry = entry_of(output_place(file));
+  Claim own{.owner = nullptr, .option = {}, .place = output_place(file)};
+  identify(own);
   Register& r = the_register();
   const std::lock_guard lock(r.mutex);
-  r.own.insert(entry);
+  for (const Claim& other : r.claims) {
+    if (is_same(own, other)) throw is_own(other);
+  }
+  const Entry entry = own.entry;
+  r.own.insert_or_assign(entry, std::move(own));
 }
 
 }  // namespace file_register

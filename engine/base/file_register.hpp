@@ -58,8 +58,8 @@ struct Claim {
   std::int64_t born = 0;
 };
 
-/// Declares all of the claims, or none. Throws bad_usage for a file that was already read, and for one that another
-/// owner declares under another option.
+/// Declares all of the claims, or none. Throws bad_usage for a file that was already read, for one of palpa's own, and
+/// for one that another owner declares under another option.
 void claim(std::vector<Claim> claims);
 /// Ends all claims of that owner.
 void release(const void* owner);
@@ -73,6 +73,7 @@ bool is_in_use();
 void writes(const OutputPlace& place);
 
 /// Adds one of palpa's own files, which palpa reads and writes without being asked: the viewer's settings, the cache.
+/// Throws bad_usage, naming the option, if the file is declared as an output.
 void add_own(const std::filesystem::path& file);
 
 }  // namespace file_register

@@ -96,9 +96,10 @@ void put(std::string_view text) {
   }
 }
 
-void write(Level at, std::string_view line) {
+/// `least`: the lowest level of the log at which the line is written, usually `at`.
+void write(Level at, std::string_view line, Level least) {
   keep(at, line);
-  if (at > threshold.load(std::memory_order_relaxed)) return;
+  if (least > threshold.load(std::memory_order_relaxed)) return;
   // One write per line keeps lines from different threads apart.
   std::string text = line_of(at, line);
   Relayed& r = relayed();
@@ -113,6 +114,10 @@ void write(Level at, std::string_view line) {
     r.left_out = 0;
   }
   put(text);
+}
+
+void write(Level at, std::string_view line) {
+  write(at, line, at);
 }
 
 /// A malicious file may cause any number of different warnings.
@@ -202,7 +207,7 @@ void debug(std::string_view line) {
 }
 
 void at_once(std::string_view line) {
-  write(Level::warning, line);
+  write(Level::warning, line, Level::error);
 }
 
 void hold_warnings() {

@@ -30,8 +30,8 @@ void error(std::string_view line);
 void warning(std::string_view line);
 void info(std::string_view line);
 void debug(std::string_view line);
-/// A warning that is never held back. It says what the program waits for, which the user who waits for the program
-/// needs to know.
+/// A warning that is never held back, and is also written at the level error. It says what the program waits for, which
+/// the user who waits for the program needs to know.
 void at_once(std::string_view line);
 
 /// From now on, warnings are held instead of written. A program that fails then prints only the reason, and one that

@@ -32,13 +32,13 @@ void refuse_unusable(const Placed& one) {
   const OutputPlace& place = one.place;
   if (one.output->kind == Output::Kind::file || place.kind != OutputPlace::Kind::folder) {
     if (one.output->kind == Output::Kind::folder && place.kind != OutputPlace::Kind::absent) {
-      throw failure(fmt::format("{}: cannot be created: it is a file, name a new folder", place.name));
+      throw failure(fmt::format("{}: cannot be created: it is a file; name a new folder", place.name));
     }
     return refuse_unwritable(place);
   }
   std::error_code fault;
   if (one.output->full != Output::Full::replaced && !fs::is_empty(place.path, fault) && !fault) {
-    throw bad_usage(fmt::format("{}: {} is not empty, name a new folder{}", one.output->option, place.name,
+    throw bad_usage(fmt::format("{}: {} is not empty; name a new folder{}", one.output->option, place.name,
                                 one.output->full == Output::Full::may_be_replaced
                                     ? ", or give --overwrite to replace the recording in it"
                                     : ""));

@@ -4,18 +4,29 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/row.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "gpu/device.hpp"
 
 namespace palpa::bench {
 
+/// A user's model for measure_surface.
+struct Model {
+  std::string name;
+  geometry::Scene scene;
+};
+/// Reads a glTF file, and prepares its solids once, so that a bad file is refused before anything is measured. Throws
+/// as load_gltf, make_solids and prepare_solids do.
+Model load_model(const std::string& file);
+
 struct Context {
   const gpu::Device& device;
   std::uint32_t runs = 200;
-  std::string scene;  ///< an additional model for measure_surface; may be empty
+  std::optional<Model> model;  ///< measured as well by measure_surface
   std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };
 

@@ -111,7 +111,8 @@ constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise}
                        {"greedy", Solver::greedy, Constraint::uniform},
                        {"gs-pat normalise", Solver::gs_pat, Constraint::normalise},
                        {"gs-pat uniform", Solver::gs_pat, Constraint::uniform},
-                       {"gs-pat clamp", Solver::gs_pat, Constraint::clamp}};
+                       {"gs-pat clamp", Solver::gs_pat, Constraint::clamp},
+                       {"loudest uniform", Solver::loudest, Constraint::uniform}};
 
 /// The references for the figures: those of naive under the same constraint, and those of greedy.
 struct Yardsticks {

@@ -196,6 +196,13 @@ double measure_contacts(const Context& context, const std::string& name, const s
 
 }  // namespace
 
+Model load_model(const std::string& file) {
+  Model model{std::filesystem::path(file).filename().string(), geometry::load_gltf(file)};
+  const Environment off("PALPA_CACHE", "off");
+  prepare(model.scene);
+  return model;
+}
+
 void measure_surface(const Context& context, std::vector<Row>& rows) {
   const setup::PosedRig set_up = setup::load_posed_rig({});
   const geometry::Ply finger = geometry::read_ply(setup::find_asset("finger.ply"));
@@ -218,15 +225,14 @@ void measure_surface(const Context& context, std::vector<Row>& rows) {
   };
   model("75,000 faces", {"bench", {{"ball", dented_ball(75'000)}}}, frame);
   model("1,000,000 faces", {"bench", {{"ball", dented_ball(1'000'000)}}}, frame);
-  if (context.scene.empty()) return;
-  const geometry::Scene scene = geometry::load_gltf(context.scene);
+  if (!context.model) return;
   // 3 mm into its highest vertex.
   Vec3 top(0, -1e300, 0);
-  for (const geometry::SceneMesh& part : scene.meshes) {
+  for (const geometry::SceneMesh& part : context.model->scene.meshes) {
     for (const Vec3& p : part.mesh.positions)
       top = p.y > top.y ? p : top;
   }
-  model(std::filesystem::path(context.scene).filename().string(), scene, touched_at(top - Vec3(0, 0.003, 0)));
+  model(context.model->name, context.model->scene, touched_at(top - Vec3(0, 0.003, 0)));
 }
 
 }  // namespace palpa::bench

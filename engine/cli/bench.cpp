@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -86,16 +88,20 @@ std::string bench_table(const std::vector<bench::Row>& rows, const gpu::DeviceDe
 
 void run_bench(const BenchCommand& o, const Extensions& extensions) {
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
-  refuse_output_as_input(o.scene);  // it is read late
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes, which --backend cpu does not have");
   if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
     throw bad_usage("--scene goes with --suite surface or --suite all");
+  std::optional<bench::Model> model;
+  if (!o.scene.empty()) {
+    const setup::Preparing progress(o.common.quiet);
+    model = bench::load_model(o.scene);
+  }
   const gpu::Device device(setup::device_options(o.common));
   std::vector<bench::Row> rows;
   std::unique_ptr<setup::Progress> bar;
   std::string shown;
-  const bench::Context context{device, o.runs, o.scene,
+  const bench::Context context{device, o.runs, std::move(model),
                                [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
                                  if (what != shown || !bar) {
                                    bar.reset();

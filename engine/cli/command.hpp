@@ -40,7 +40,7 @@ using Action = std::function<void()>;
 
 /// The texts of a subcommand in its help (setup/help.hpp). No line may have more than setup::help_columns.
 struct CommandText {
-  const char* name;
+  const char* name;            ///< "touch", or "study analyse" for a subcommand of the group "study"
   const char* summary;         ///< one line, also in `palpa --help`
   const char* examples;        ///< shown below the options, one command per line, indented by two spaces
   const char* usual = "";      ///< the ten options that people use, separated by spaces; "": all of its own
@@ -55,6 +55,10 @@ struct Program {
   const setup::CommonOptions* common = nullptr;  ///< its common options
   std::map<std::string, CommandText> texts{};    ///< of all subcommands, by name
 };
+
+/// Adds a group, a word that only precedes subcommands of its own: `palpa study analyse`. Call it before these are
+/// added. The summary is one line.
+void add_group(Program& program, const char* name, const char* summary);
 
 /// Adds a subcommand; its options go on the returned app. The command has its own struct of options, with a member
 /// `CommonOptions common`, which lives as long as the program. Call `finish_command` after adding the command's own

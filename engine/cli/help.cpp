@@ -1,6 +1,6 @@
 #include "cli/help.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -18,8 +18,28 @@ using setup::HelpLength;
 
 constexpr const char* summary = "feel a 3-D model in mid-air, from depth images to a driven ultrasound array";
 
+std::vector<const CLI::App*> inside(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// All subcommands that do something; those of a group in its place.
 std::vector<const CLI::App*> commands_of(const Program& program) {
-  return static_cast<const CLI::App&>(program.app).get_subcommands([](const CLI::App*) { return true; });
+  std::vector<const CLI::App*> commands;
+  for (const CLI::App* command : inside(program.app)) {
+    const std::vector<const CLI::App*> own = inside(*command);
+    if (own.empty()) commands.push_back(command);
+    commands.insert(commands.end(), own.begin(), own.end());
+  }
+  return commands;
+}
+
+std::string group_page(const CLI::App& group) {
+  const std::string& name = group.get_name();
+  std::string page = fmt::format("palpa {0}: {1}\n\nUsage: palpa {0} SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", name,
+                                 group.get_description());
+  for (const CLI::App* command : inside(group))
+    page += setup::help_row(command->get_name(), command->get_description());
+  return page + fmt::format("\nMore help: palpa help {} {}\n", name, inside(group).front()->get_name());
 }
 
 constexpr const char* first_lines =
@@ -50,7 +70,7 @@ constexpr const char* last_lines =
 std::string overview(const Program& program, HelpLength length) {
   std::string page = fmt::format("palpa: {}\n\nUsage: palpa SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", summary);
   for (const CLI::App* command : commands_of(program))
-    page += setup::help_row(command->get_name(), command->get_description());
+    page += setup::help_row(setup::command_name(*command), command->get_description());
   page += "\n";
   page += first_lines;
   if (length == HelpLength::usual) return page;
@@ -59,9 +79,10 @@ std::string overview(const Program& program, HelpLength length) {
 }
 
 std::string page_of(const Program& program, const CLI::App& command, HelpLength length) {
-  const CommandText& text = program.texts.at(command.get_name());
+  if (!inside(command).empty()) return group_page(command);
+  const CommandText& text = program.texts.at(setup::command_name(command));
   return setup::help_page(command,
-                          {.name = "palpa " + command.get_name(),
+                          {.name = "palpa " + setup::command_name(command),
                            .arguments = text.arguments,
                            .summary = text.summary,
                            .usual = text.usual,
@@ -79,18 +100,26 @@ std::optional<std::string> help_asked(const Program& program, int argc, const ch
   if (all) words.pop_back();
   const HelpLength length = all ? HelpLength::all : HelpLength::usual;
   if (words.empty()) return overview(program, length);
-  for (const CLI::App* command : commands_of(program)) {
-    if (command->get_name() == words.front() && words.size() == 1) return page_of(program, *command, length);
+  const std::string name = fmt::format("{}", fmt::join(words, " "));
+  const CLI::App* group = nullptr;
+  for (const CLI::App* command : inside(program.app)) {
+    if (command->get_name() == name) return page_of(program, *command, length);
+    if (command->get_name() == words.front() && !inside(*command).empty()) group = command;
   }
-  const std::string fault = words.size() > 1 ? "give palpa help one subcommand, and the word all or nothing"
-                                             : setup::unknown_subcommand(program.app, words.front());
+  for (const CLI::App* command : commands_of(program)) {
+    if (setup::command_name(*command) == name) return page_of(program, *command, length);
+  }
+  const std::string fault = words.size() == 1 ? setup::unknown_subcommand(program.app, words.front())
+                            : group && words.size() == 2
+                                ? setup::unknown_subcommand(*group, words.back())
+                                : "give palpa help one subcommand, and the word all or nothing";
   throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
 }
 
 std::string help_of_line(const Program& program, int argc, const char* const* argv) {
   const HelpLength length = setup::help_length(argc, argv);
-  const std::vector<CLI::App*> chosen = program.app.get_subcommands();
-  return chosen.empty() ? overview(program, length) : page_of(program, *chosen.front(), length);
+  const CLI::App& chosen = setup::chosen_command(program.app);
+  return &chosen == &program.app ? overview(program, length) : page_of(program, chosen, length);
 }
 
 }  // namespace palpa::cli

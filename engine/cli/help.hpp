@@ -11,11 +11,11 @@ namespace palpa::cli {
 
 /// The page of the whole program: its subcommands; with all, also what they share.
 std::string overview(const Program& program, setup::HelpLength length);
-/// The page of a subcommand.
+/// The page of a subcommand. That of a group lists its subcommands.
 std::string page_of(const Program& program, const CLI::App& command, setup::HelpLength length);
 
 /// The page that a line asks for before any option is read: `palpa` alone, and `palpa help [SUBCOMMAND] [all]`. Empty
-/// for all other lines. Throws bad_usage for a subcommand that does not exist.
+/// for all other lines. "study analyse" may be one word or two. Throws bad_usage for a subcommand that does not exist.
 std::optional<std::string> help_asked(const Program& program, int argc, const char* const* argv);
 /// The page for a line with --help, after it has been read.
 std::string help_of_line(const Program& program, int argc, const char* const* argv);

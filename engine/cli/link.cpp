@@ -95,7 +95,7 @@ class Sweep {
 };
 
 void run_link(const Extensions& extensions, const LinkCommand& o) {
-  if (o.what != "test") throw bad_usage("give palpa link test: nothing else can be tried out");
+  if (o.what != "test") throw bad_usage("give palpa link test, which is the only form of this command");
   if (o.link.empty()) throw bad_usage("--link is missing: give a link of palpa run, such as null or a board");
   setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
   const std::vector<session::LinkKind> links = setup::with_builtin(extensions.links);

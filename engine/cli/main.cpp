@@ -1,6 +1,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,6 +33,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_scatter(program);
   add_simulate(program);
   add_decompose(program);
+  add_study(program);
   add_bench(program);
   for (const auto& add : extensions.commands)
     add(program);
@@ -57,10 +59,16 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
 
 }  // namespace
 
+void add_group(Program& program, const char* name, const char* summary) {
+  program.app.add_subcommand(name, summary)->require_subcommand(1);
+}
+
 CLI::App& add_command(Program& program, const CommandText& text) {
-  CLI::App* command = program.app.add_subcommand(text.name, text.summary);
   program.texts.emplace(text.name, text);
-  return *command;
+  const std::string name = text.name;
+  const std::size_t space = name.find(' ');
+  if (space == std::string::npos) return *program.app.add_subcommand(name, text.summary);
+  return *program.app.get_subcommand(name.substr(0, space))->add_subcommand(name.substr(space + 1), text.summary);
 }
 
 void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action) {

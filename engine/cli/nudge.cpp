@@ -196,7 +196,7 @@ void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout,
 
 void check_nudge(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
-  if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn are for the target; --nudge needs none");
+  if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn place the target, which --nudge does not use");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
 

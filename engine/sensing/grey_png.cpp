@@ -25,8 +25,8 @@ void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint3
       throw bad_input(file.string(), fmt::format("is a {} PNG, but {} must be {}-bit grey", png.kind(), what, bits));
     }
     if (png.width() != width || png.height() != height) {
-      throw bad_input(file.string(),
-                      fmt::format("is {}x{} pixels, its camera is {}x{}", png.width(), png.height(), width, height));
+      throw bad_input(file.string(), fmt::format("is {}x{} pixels, but its camera is {}x{}", png.width(), png.height(),
+                                                 width, height));
     }
     out.resize(std::size_t{width} * height);
     png.read_grey(out);

@@ -144,8 +144,8 @@ RayTables make_rays(std::span<const Camera> cameras) {
   RayTables tables;
   for (const Camera& camera : cameras) {
     if (camera.mask && camera.mask->pixels.size() != std::size_t{camera.width} * camera.height) {
-      throw bad_usage(fmt::format("camera {}: a mask of {} pixels for {} x {}", camera.name, camera.mask->pixels.size(),
-                                  camera.width, camera.height));
+      throw bad_usage(fmt::format("camera {}: its mask has {} pixels, but its image has {} x {}", camera.name,
+                                  camera.mask->pixels.size(), camera.width, camera.height));
     }
     CameraTable& table = tables.cameras.emplace_back();
     table.width = camera.width;
@@ -162,7 +162,7 @@ RayTables make_rays(std::span<const Camera> cameras) {
     tables.pixels += pixel_count(camera);
   }
   if (tables.padded_pixels > most_pixels) {
-    throw bad_usage(fmt::format("the cameras have {} pixels together, at most {} are supported", tables.padded_pixels,
+    throw bad_usage(fmt::format("the cameras have {} pixels together; at most {} are supported", tables.padded_pixels,
                                 most_pixels));
   }
   tables.rays.assign(tables.padded_pixels, glm::vec2(no_ray));
@@ -228,8 +228,8 @@ void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std
     const CameraTable& table = tables.cameras[i];
     const std::vector<std::uint16_t>& depth = frames[i].depth;
     if (depth.size() != std::size_t{table.width} * table.height) {
-      throw bad_usage(
-          fmt::format("depth frame {} has {} pixels, its camera {}x{}", i, depth.size(), table.width, table.height));
+      throw bad_usage(fmt::format("depth frame {} has {} pixels, but its camera has {}x{}", i, depth.size(),
+                                  table.width, table.height));
     }
     std::uint16_t* out = packed.data() + table.first_pixel;
     if (table.pitch == table.width) {

@@ -49,7 +49,7 @@ std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path&
     const bool is_toml = name == "recording.toml";
     std::error_code ignored;
     if (file->is_directory(ignored) || !(is_toml || std::regex_match(name, ours))) {
-      throw bad_usage(fmt::format("{} has {}, which is not part of a recording, name a new folder", folder.string(),
+      throw bad_usage(fmt::format("{} has {}, which is not part of a recording; name a new folder", folder.string(),
                                   printable(name, 60)));
     }
     if (!is_toml) files.push_back(file->path());
@@ -57,7 +57,8 @@ std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path&
   }
   if (fault) throw failure(fmt::format("{}: cannot be read: {}", folder.string(), fault.message()));
   if (!has_toml) {
-    throw bad_usage(fmt::format("{} has no recording.toml, so it is no recording, name a new folder", folder.string()));
+    throw bad_usage(
+        fmt::format("{} has no recording.toml, so it is not a recording; name a new folder", folder.string()));
   }
   files.push_back(folder / "recording.toml");
   return files;
@@ -77,7 +78,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
     return;
   }
   if (existing == Existing::refused)
-    throw bad_usage(fmt::format("{} is not empty, name a new folder", folder.string()));
+    throw bad_usage(fmt::format("{} is not empty; name a new folder", folder.string()));
   old_ = files_to_replace(folder);
 }
 

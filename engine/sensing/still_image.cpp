@@ -60,7 +60,7 @@ std::vector<bool> near_steps(const std::vector<double>& depth, std::uint32_t wid
 }  // namespace
 
 void StillFrames::add(std::span<const std::uint16_t> depth, std::optional<std::uint64_t> number) {
-  if (depth.size() != pixel_count(camera_)) throw bad_usage("a depth frame of another size than its camera's");
+  if (depth.size() != pixel_count(camera_)) throw bad_usage("a depth frame has another size than its camera");
   last_ = number.value_or(frames_.empty() ? 0 : last_ + 1);
   if (frames_.empty()) first_ = last_;
   frames_.emplace_back(depth.begin(), depth.end());

@@ -29,9 +29,9 @@ struct Posed {
 };
 
 /// Renders by casting each pixel centre's ray (through the lens distortion) at the triangles; the nearest hit wins.
-/// Static parts and everything derived from them are rendered once. A frame costs the area that the skin covers, plus
-/// the noise of everything visible. Throws bad_input for a mesh in which so many layers lie behind each other that an
-/// image would take more than 64 rays per pixel.
+/// Static parts and everything derived from them are rendered once. The time for a frame depends on the area that the
+/// skin covers, plus the noise of everything visible. Throws bad_input for a mesh in which so many layers lie behind
+/// each other that an image would take more than 64 rays per pixel.
 class SyntheticRig {
  public:
   /// `occluders` (world coordinates, e.g. the array's boards) never move. They are visible and hide what is behind

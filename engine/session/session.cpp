@@ -64,7 +64,7 @@ struct Session::State {
       names.push_back(solid.name);
     if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
       throw bad_usage(
-          "the solver greedy drives all transducers in full: it cannot give a pressure; take gs-pat or naive");
+          "the solver greedy drives all transducers in full: it cannot give a pressure; use gs-pat or naive");
     planner = device ? make_gpu_planner(*device, setting, scheduler) : make_host_planner(setting, scheduler);
   }
 
@@ -164,14 +164,14 @@ const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_
 
 const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
   if (!state_->setting.cameras.empty()) {
-    throw bad_usage("a session with cameras touches depth frames, not skin points");
+    throw bad_usage("a session with cameras takes depth frames, not skin points");
   }
   return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
   if (state_->setting.cameras.empty()) {
-    throw bad_usage("a session without cameras touches skin points, not depth frames");
+    throw bad_usage("a session without cameras takes skin points, not depth frames");
   }
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
 }

@@ -45,8 +45,7 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
 
 Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
   if (options.hold_auto && options.every_frame)
-    throw bad_usage(
-        "--hold auto goes without --every-frame, which makes frames wait for the loop, so that none is late");
+    throw bad_usage("--hold auto and --every-frame exclude each other: with --every-frame, no frame is late");
   if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame);
 }

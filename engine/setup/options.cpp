@@ -16,6 +16,7 @@ namespace {
 constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"gs-pat", SolverChoice::gs_pat},
                                                {"greedy", SolverChoice::greedy},
+                                               {"loudest", SolverChoice::loudest},
                                                {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
@@ -28,6 +29,8 @@ array::Solver solver_of(SolverChoice choice) {
       return array::Solver::gs_pat;
     case SolverChoice::greedy:
       return array::Solver::greedy;
+    case SolverChoice::loudest:
+      return array::Solver::loudest;
     case SolverChoice::naive:
     case SolverChoice::adjoint:
       return array::Solver::naive;
@@ -44,7 +47,8 @@ void add_common(CLI::App& app, CommonOptions& options) {
   group.choice("--backend", options.backend, {{"gpu", Backend::gpu}, {"cpu", Backend::cpu}},
                "what computes, a GPU or the processor; the results are the same");
   group.text("--json", options.json, "FILE|-", "writes the results as JSON into a file, or with - to stdout [no JSON]");
-  group.flag("--quiet", options.quiet, "prints no summary, no progress and no warnings");
+  group.flag("--quiet", options.quiet,
+             "prints no summary, no progress, and no warnings except that palpa waits for a pipe's reader");
   group.choice("--log-level", options.log_level, log::level_words,
                "the least important messages that are printed on stderr [warning]");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0},
@@ -214,15 +218,25 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
 }
 
+namespace {
+
+/// Throws bad_usage if the option is given although the air absorbs nothing.
+void refuse_without_absorption(const AirOptions& options, const char* name, bool given) {
+  if (!given || options.absorption != options.not_normally) return;
+  throw bad_usage(std::string(name) + (options.absorption ? " sets how much air absorbs, and --no-absorption that it "
+                                                            "absorbs nothing: give one of them"
+                                                          : " goes with --absorption: it sets how much air absorbs"));
+}
+
+}  // namespace
+
+void refuse_idle_humidity(const AirOptions& options) {
+  refuse_without_absorption(options, "--humidity", options.humidity_percent != AirOptions().humidity_percent);
+}
+
 void refuse_idle_air(const AirOptions& options) {
-  const AirOptions usual;
-  if (options.absorption != options.not_normally) return;
-  const char* given = options.humidity_percent != usual.humidity_percent ? "--humidity"
-                      : options.pressure_pa != usual.pressure_pa         ? "--air-pressure"
-                                                                         : nullptr;
-  if (given)
-    throw bad_usage(fmt::format(
-        "{} sets how much air absorbs, and --no-absorption that it absorbs nothing: give one of them", given));
+  refuse_idle_humidity(options);
+  refuse_without_absorption(options, "--air-pressure", options.pressure_pa != AirOptions().pressure_pa);
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
@@ -251,7 +265,7 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
   if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
-    throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; take gs-pat or naive");
+    throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; use gs-pat or naive");
 }
 
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {

@@ -123,12 +123,13 @@ struct AirOptions {
 void add_air_options(CLI::App& app, AirOptions& options);
 /// If a sound speed is given, the temperature is 20 degrees Celsius. Throws bad_usage as medium() does.
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
-/// Throws bad_usage if humidity or pressure of the air is given without absorption. This is for results that do not
-/// depend on the air's density either.
+/// Throws bad_usage if a humidity is given without absorption, which is all that it affects.
+void refuse_idle_humidity(const AirOptions& options);
+/// The same for humidity and pressure of the air. This is for results that do not depend on the air's density either.
 void refuse_idle_air(const AirOptions& options);
 
 /// --solver: one of the engine's solvers, or `adjoint`, which is naive with the transfer of a finger.
-enum class SolverChoice { naive, gs_pat, greedy, adjoint };
+enum class SolverChoice { naive, gs_pat, greedy, loudest, adjoint };
 /// --transfer: foci are computed from the transducers' sound in free air or on a finger.
 enum class TransferChoice { free, finger };
 

@@ -14,14 +14,8 @@
 namespace palpa::setup {
 namespace {
 
-/// The app whose options are being parsed when an error occurs: the subcommand, or otherwise the program.
-CLI::App& reading(CLI::App& app) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  return chosen.empty() ? app : *chosen.front();
-}
-
 std::string name_of(const CLI::App& app, const CLI::App& command) {
-  return &app == &command ? app.get_name() : fmt::format("{} {}", app.get_name(), command.get_name());
+  return &app == &command ? app.get_name() : fmt::format("{} {}", app.get_name(), command_name(command));
 }
 
 std::string shown(const std::string& word) {
@@ -66,9 +60,9 @@ bool comes_before_subcommand(const CLI::App& command, const std::string& word, i
 std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
   const std::string word = first_left(app, argc, argv);
   const bool option = word.size() > 1 && word.front() == '-';
-  const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
-  const CLI::App& command = reading(app);
-  if (!option && has_commands && &command == &app) return unknown_subcommand(app, word);
+  const CLI::App& command = chosen_command(app);
+  const bool has_commands = !command.get_subcommands([](const CLI::App*) { return true; }).empty();
+  if (!option && has_commands) return unknown_subcommand(command, word);
   if (!option) return fmt::format("'{}' does not belong to an option: each value follows its own option", shown(word));
   if (&command == &app || !is_option_of(command, word))
     return fmt::format("{} has no option '{}'{}", name_of(app, command), shown(word),
@@ -92,6 +86,18 @@ std::string mismatch(const CLI::App& command, const std::string& sentence) {
 
 }  // namespace
 
+CLI::App& chosen_command(CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : chosen_command(*chosen.front());
+}
+
+std::string command_name(const CLI::App& command) {
+  const CLI::App* group = command.get_parent();
+  // The program itself has no parent and is not part of the name.
+  if (group == nullptr || group->get_parent() == nullptr) return command.get_name();
+  return fmt::format("{} {}", command_name(*group), command.get_name());
+}
+
 std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -102,7 +108,7 @@ std::string unknown_subcommand(const CLI::App& app, const std::string& word) {
 void parse(CLI::App& app, int argc, const char* const* argv) {
   const auto fail = [&](const std::string& fault) {
     const char* mark = fault.ends_with('?') ? "" : ";";
-    throw bad_usage(fmt::format("{}{} see {} --help", fault, mark, name_of(app, reading(app))));
+    throw bad_usage(fmt::format("{}{} see {} --help", fault, mark, name_of(app, chosen_command(app))));
   };
   try {
     app.parse(argc, argv);
@@ -113,7 +119,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::ExtrasError&) {
     fail(unexpected(app, argc, argv));
   } catch (const CLI::ArgumentMismatch& error) {
-    fail(mismatch(reading(app), error.what()));
+    fail(mismatch(chosen_command(app), error.what()));
   } catch (const CLI::RequiredError&) {
     // For a word that is not a subcommand, the parser first reports the missing subcommand.
     fail(app.remaining(true).empty() ? "a subcommand is required" : unexpected(app, argc, argv));

@@ -9,6 +9,11 @@ class App;
 
 namespace palpa::setup {
 
+/// The innermost subcommand on the line that was parsed; `app`, the program, if the line has none.
+CLI::App& chosen_command(CLI::App& app);
+/// "touch", or "study analyse" for a subcommand of a group.
+std::string command_name(const CLI::App& command);
+
 /// "unknown subcommand 'tuoch': did you mean touch?", without the question if no subcommand of `app` is near.
 std::string unknown_subcommand(const CLI::App& app, const std::string& word);
 

@@ -272,6 +272,21 @@ void Group::texts(const std::string& name, std::vector<std::string>& target, con
       ->group(heading_);
 }
 
+void Group::words(const std::string& name, std::vector<std::string>& target, const std::string& type,
+                  const std::string& help) const {
+  app_->add_option_function<std::vector<std::string>>(
+          name,
+          [type, &target](const std::vector<std::string>& all) {
+            for (const std::string& text : all) {
+              if (text.empty()) throw bad_usage(fmt::format("a word of the line is empty, give {}", type));
+            }
+            target = all;
+          },
+          help)
+      ->type_name(type)
+      ->group(heading_);
+}
+
 void Group::pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
                  const std::string& help) const {
   app_->add_option_function<std::vector<std::string>>(

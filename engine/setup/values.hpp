@@ -73,6 +73,10 @@ class Group {
   /// An option that may be given several times, with one value each time.
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
              const std::string& help, const Check& check = {}) const;
+  /// Words that are not options and follow the command's name; any number of them. The parser takes brackets around a
+  /// word, "[a,b]", for a list of words.
+  void words(const std::string& name, std::vector<std::string>& target, const std::string& type,
+             const std::string& help) const;
   /// Two texts after one another: "--line A B".
   void pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
             const std::string& help) const;

@@ -93,7 +93,7 @@ void StageMemory::set(std::span<const sensing::DepthFrame> images) {
 
 void StageMemory::set(std::span<const sensing::SkinPoint> points) {
   const StageSetting& setting = stage_->setting_;
-  if (stage_->tables_.pixels != 0) throw bad_usage("a stage with cameras touches depth frames, not skin points");
+  if (stage_->tables_.pixels != 0) throw bad_usage("a stage with cameras takes depth frames, not skin points");
   const std::uint32_t most = setting.most_points != 0 ? setting.most_points : shader::contacts_most_points;
   if (points.size() > most) {
     throw bad_usage(fmt::format("{} skin points in one frame: there is room for {}", points.size(), most));

@@ -14,7 +14,7 @@
 #include "acoustics/bodies/sphere_series.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "acoustics/field/waves.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/mesh/topology.hpp"
@@ -77,17 +77,7 @@ geometry::Mesh two_cubes(double gap) {
   constexpr double half = 1e-3;
   geometry::Mesh both;
   for (const double low : {0.0, 2 * half + gap}) {
-    geometry::Mesh cube = test::box({-half, -half, low}, {half, half, low + 2 * half});
-    geometry::Mesh finer;
-    for (const glm::uvec3& t : cube.triangles) {
-      const Vec3 &a = cube.positions[t.x], &b = cube.positions[t.y], &c = cube.positions[t.z];
-      const auto first = static_cast<unsigned>(finer.positions.size());
-      finer.positions.insert(finer.positions.end(), {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0});
-      for (const glm::uvec3& small :
-           {glm::uvec3(0, 3, 5), glm::uvec3(3, 1, 4), glm::uvec3(5, 4, 2), glm::uvec3(3, 4, 5)})
-        finer.triangles.push_back(small + first);
-    }
-    geometry::append(both, geometry::weld(finer, 1e-9));
+    geometry::append(both, test::divided(test::box({-half, -half, low}, {half, half, low + 2 * half}), 1));
   }
   return both;
 }

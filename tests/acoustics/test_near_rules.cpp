@@ -11,7 +11,7 @@
 
 #include "acoustics/boundary/dense_lu.hpp"
 #include "acoustics/boundary/near_rules.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

@@ -18,7 +18,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_grid.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
-#include "acoustics/boundary/polynomial.hpp"
+#include "acoustics/elements/polynomial.hpp"
 #include "acoustics/field/waves.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
@@ -145,7 +145,7 @@ std::vector<Kind> spheres() {
                           {"geodesic, 500", geometry::icosphere(radius, 5), 0.02},
                           {"uneven, 500", uneven(5, 1), 0.035},
                           {"globe, 880", test::sphere(radius, 16, 30), 0.02}};
-  if (test::instrumented()) return kinds;
+  if (test::instrumented()) return test::the_first(2, kinds);
   kinds.push_back({"geodesic, 980", geometry::icosphere(radius, 7), 0.02});
   kinds.push_back({"uneven, 980", uneven(7, 2), 0.035});
   if (test::exhaustive()) {
@@ -229,8 +229,8 @@ TEST(RadiationForce, OnSmoothBodiesIsTheMomentumInTheAir) {
   };
   for (const Body& body :
        {Body{"spheroid", {5e-3, 5e-3, 12e-3}}, Body{"lens", {9e-3, 9e-3, 4e-3}}, Body{"egg", {4e-3, 6e-3, 9e-3}}}) {
-    for (const double wave_number : {300.0, 732.7}) {
-      const geometry::Mesh mesh = test::transformed(geometry::icosphere(1, test::instrumented() ? 7 : 9),
+    for (const double wave_number : test::the_first<double>(1, {300, 732.7})) {
+      const geometry::Mesh mesh = test::transformed(geometry::icosphere(1, test::instrumented() ? 6 : 9),
                                                     [&](const Vec3& p) { return p * body.stretch; });
       const Pushed pushed(mesh, wave_number);
       const Vec3 far = pushed.far_area();
@@ -259,7 +259,7 @@ TEST(FarForce, IsDefinedWhereNoSourceIsNear) {
 }
 
 TEST(FarForce, IsLeftOutWhereItWouldTakeTooLong) {
-  for (const double length : {10e-3, 100e-3, 400e-3, 20.0}) {
+  for (const double length : test::the_first<double>(2, {10e-3, 400e-3, 100e-3, 20})) {
     const RigidBody wire(
         test::transformed(geometry::icosphere(1, 3),
                           [&](const Vec3& p) { return p * Vec3(length / 20, length / 20, length / 2); }),

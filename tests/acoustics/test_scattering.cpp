@@ -18,7 +18,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "acoustics/field/waves.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/mesh/topology.hpp"
@@ -168,7 +168,7 @@ TEST(Scattering, SphereInPlaneWaveAndNearSource) {
 
 TEST(Scattering, ErrorFallsFasterThanTheFacesSquared) {
   std::vector<std::pair<int, double>> errors;
-  for (const int divisions : {6, 8, 10, 12}) {
+  for (const int divisions : test::the_first<int>(2, {6, 8, 10, 12})) {
     errors.emplace_back(divisions, plane_wave_error(sphere_of(divisions), radius));
     std::printf("  %d faces: %.3f %%\n", 20 * divisions * divisions, 100 * errors.back().second);
   }
@@ -184,7 +184,9 @@ TEST(Scattering, InsideNothingResonates) {
   constexpr std::size_t drawn = 4;
   // A peak is about 0.02 wide.
   const double step = test::exhaustive() ? 0.005 : test::instrumented() ? 0.05 : 0.01;
-  for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
+  std::vector<double> resonances{5.7635, 5.9404};
+  if (test::exhaustive()) resonances.insert(resonances.end(), {5.6467, 6.2832});
+  for (const double resonance : test::the_first(1, resonances)) {
     std::vector<double> errors, answers;
     for (double ka = resonance * 0.99; ka < resonance * 1.01; ka += step) {
       const RigidBody body(geometry::icosphere(radius, 7), ka / radius);
@@ -295,21 +297,7 @@ TEST(BodyMesh, WhatIsInsideIsNeverFarFromTheBody) {
 
 /// A box of faces a few millimetres wide: edges, corners and flat sides.
 geometry::Mesh fine_box() {
-  geometry::Mesh box = test::box({-7e-3, -5e-3, -4e-3}, {7e-3, 5e-3, 4e-3});
-  for (int round = 0; round < 3; ++round) {
-    geometry::Mesh finer;
-    for (const glm::uvec3& t : box.triangles) {
-      const Vec3 &a = box.positions[t.x], &b = box.positions[t.y], &c = box.positions[t.z];
-      const Vec3 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
-      const auto first = static_cast<unsigned>(finer.positions.size());
-      finer.positions.insert(finer.positions.end(), {a, b, c, ab, bc, ca});
-      for (const glm::uvec3& small :
-           {glm::uvec3(0, 3, 5), glm::uvec3(3, 1, 4), glm::uvec3(5, 4, 2), glm::uvec3(3, 4, 5)})
-        finer.triangles.push_back(small + first);
-    }
-    box = geometry::weld(finer, 1e-9);
-  }
-  return box;
+  return test::divided(test::box({-7e-3, -5e-3, -4e-3}, {7e-3, 5e-3, 4e-3}), 3);
 }
 
 TEST(Scattering, SourceAndReceiverMayBeExchanged) {

@@ -11,6 +11,7 @@
 #include "array/greedy.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
+#include "support/instrumented.hpp"
 
 namespace palpa::array {
 namespace {
@@ -110,7 +111,7 @@ Served serve(const Backend& backend, const Layout& layout, const std::vector<std
 
 TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
   const Layout layout = load_layout("paper");
-  const auto sets = crowds({});
+  const auto sets = test::the_first(8, crowds({}));
   const Served greedy = serve(GetParam(), layout, sets, with(Solver::greedy));
   for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
     const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
@@ -391,7 +392,7 @@ TEST_P(SolverOn, TheOrderOfTheFociDoesNotMatter) {
 // among them.
 TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
   const Layout layout = load_layout("paper");
-  const auto sets = crowds({});
+  const auto sets = test::the_first(8, crowds({}));
   for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
     const Served twin = serve(backends[0], layout, sets, with(Solver::gs_pat, constraint));
     const Served device = serve(backends[1], layout, sets, with(Solver::gs_pat, constraint));

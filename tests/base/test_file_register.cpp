@@ -154,6 +154,17 @@ TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
   write_file(path("settings"), "y");
 }
 
+TEST_F(RegisterTest, PalpasOwnFilesAreNoOutputs) {
+  const KeptRegister kept;
+  file_register::add_own(path("input"));
+  file_register::add_own(path("absent"));
+  for (const char* name : {"input", "soft", "hard", "absent"})
+    EXPECT_NE(refusal({{"--screenshot", path(name)}}).find("is a file of palpa's own"), std::string::npos) << name;
+  const Outputs outputs({{"--json", path("new")}});
+  EXPECT_CONTAINS(test::error_of([&] { file_register::add_own(path("deep/../new")); }, Exit::usage),
+                  "--json: " + path("new") + " is a file of palpa's own");
+}
+
 TEST_F(RegisterTest, TwoOwnersHaveDifferentFilesUnlessItIsTheSameOption) {
   const Outputs first({{"--json", path("soft")}, {"--csv", path("new")}});
   EXPECT_NE(refusal({{"--events", path("hard")}}).find("--json and --events name the same file"), std::string::npos);

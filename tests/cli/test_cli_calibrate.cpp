@@ -212,6 +212,18 @@ TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
   }
 }
 
+TEST_F(Calibrate, WarnsOfAnotherScaleFromOneAndAHalfPercentOn) {
+  const Rig truth = rig_of_a_board();
+  const std::string rig = write("lost.toml", lost(truth));
+  for (const auto& [scale, warns] : {std::pair(1.012, false), std::pair(1.018, true)}) {
+    const std::string source =
+        record(std::to_string(scale), truth, glm::scale(default_pose_of_target(truth), Vec3(scale)));
+    const Result result = palpa_here({"calibrate", "--rig", rig, "--source", source, "--out", file("found.toml")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err_lines().size(), warns ? truth.cameras.size() : 0) << scale << ": " << result.err;
+  }
+}
+
 TEST_F(Calibrate, ACameraThatDoesNotSeeTheTargetIsNamed) {
   Rig truth = coarse(rig_of_a_board());
   truth.cameras[1].T_world_camera = looking({0.2, 0.2, -0.25}, {0.5, -0.2, -0.8});

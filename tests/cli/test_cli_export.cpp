@@ -189,8 +189,7 @@ TEST_F(CliExport, APauseOfDaysCostsNothing) {
 }
 
 TEST_F(CliExport, AShortDwellMakesAPauseNoLonger) {
-  ASSERT_EQ(exported(take(6, 3), {"--dwell", "100us", "--layout", "openmpd", "--events", in("e.jsonl"), "--json",
-                                  in("s.json"), "--quiet"})
+  ASSERT_EQ(exported(take(6, 3), {"--dwell", "100us", "--events", in("e.jsonl"), "--json", in("s.json"), "--quiet"})
                 .exit_code,
             0);
   const json stats = json::parse(read_text(in("s.json")));

@@ -58,6 +58,9 @@ TEST(Help, AWordIsEnough) {
   EXPECT_EQ(page({"help", "touch", "all"}), page({"touch", "--help=all"}));
   EXPECT_EQ(page({"help", "link", "all"}), page({"link", "--help", "all"})) << "it has a word that is no option";
   EXPECT_EQ(page({"touch", "--scene", "none.glb", "--help"}), page({"help", "touch"}));
+  EXPECT_EQ(page({"help", "study", "analyse"}), page({"study", "analyse", "--help"}));
+  EXPECT_EQ(page({"help", "study", "power", "all"}), page({"study", "power", "--help", "all"}));
+  EXPECT_EQ(page({"help", "study analyse"}), page({"help", "study", "analyse"}));
 }
 
 TEST(Help, AMistypedWordIsUnderstood) {
@@ -69,6 +72,19 @@ TEST(Help, AMistypedWordIsUnderstood) {
   refused({"touch", "--scnee", "a.glb"}, "palpa touch has no option '--scnee': did you mean --scene?");
   refused({"help", "wave"}, "unknown subcommand 'wave'; see palpa --help");
   refused({"help", "touch", "run"}, "give palpa help one subcommand");
+  refused({"study", "analyze"}, "unknown subcommand 'analyze': did you mean analyse? see palpa study --help");
+  refused({"help", "study", "pwoer"}, "unknown subcommand 'pwoer': did you mean power? see palpa --help");
+  refused({"study"}, "a subcommand is required; see palpa study --help");
+  refused({"study", "--seed", "1"}, "palpa study has no option '--seed'; see palpa study --help");
+  refused({"study", "power", "--trails", "3"}, "palpa study power has no option '--trails': did you mean --trials?");
+  refused({"--quiet", "study", "power"}, "'--quiet' comes before the subcommand: give it after; see palpa study power");
+}
+
+TEST(Help, AGroupListsItsSubcommands) {
+  const std::string group = page({"study", "--help"});
+  EXPECT_EQ(page({"help", "study"}), group);
+  for (const char* name : {"analyse", "compare", "power"})
+    EXPECT_NE(group.find("\n  " + std::string(name) + " "), std::string::npos) << group;
 }
 
 TEST(Help, ComesInTwoLengths) {

@@ -17,6 +17,7 @@
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/gltf/write.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
@@ -107,20 +108,7 @@ TEST(Scatter, TheForceFromAfarNeedsAirWithoutSources) {
 
 TEST(Scatter, AnEdgyBodyThatIsTooCoarseIsWarnedOf) {
   // Half as fine as the box on which both ways to the force agree.
-  geometry::Mesh coarse = test::box({-6e-3, -6e-3, -6e-3}, {6e-3, 6e-3, 6e-3});
-  for (int round = 0; round < 2; ++round) {
-    geometry::Mesh finer;
-    for (const glm::uvec3& t : coarse.triangles) {
-      const Vec3 &a = coarse.positions[t.x], &b = coarse.positions[t.y], &c = coarse.positions[t.z];
-      const Vec3 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
-      const auto first = static_cast<unsigned>(finer.positions.size());
-      finer.positions.insert(finer.positions.end(), {a, b, c, ab, bc, ca});
-      for (const glm::uvec3& small :
-           {glm::uvec3(0, 3, 5), glm::uvec3(3, 1, 4), glm::uvec3(5, 4, 2), glm::uvec3(3, 4, 5)})
-        finer.triangles.push_back(small + first);
-    }
-    coarse = geometry::weld(finer, 1e-9);
-  }
+  const geometry::Mesh coarse = test::divided(test::box({-6e-3, -6e-3, -6e-3}, {6e-3, 6e-3, 6e-3}), 2);
   const Result result = palpa_here({"scatter", "--mesh", ply_of("coarse-box", coarse), "--plane-wave", "0.48,0.6,0.64",
                                     "--sound-speed", "343", "--force", "--json", "-"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -265,7 +253,7 @@ TEST(Scatter, ASourceCloseToTheMeshIsToldOrRefused) {
   EXPECT_EQ(from("9mm").err, "");
   const Result near = from("6.2mm");
   EXPECT_EQ(near.exit_code, 0);
-  EXPECT_NE(near.err.find("the faces do not follow the wave"), std::string::npos) << near.err;
+  EXPECT_NE(near.err.find("nearer than two sides, results are less exact"), std::string::npos) << near.err;
   expect_failure(from("5.3mm"), 2, "from the mesh");
   EXPECT_EQ(from("5.3mm", {"--force"}).exit_code, 0);
 }
@@ -402,7 +390,7 @@ TEST(Scatter, RefusesWavesThatAreNone) {
   refused({"--plane-wave", "0,0,1", "--absorption"}, "lossless");
 }
 
-TEST(Scatter, BodiesSmallerThanAMicrometreAreBadInput) {
+TEST(Scatter, WhatIsSmallerThanAMicrometreIsBadInput) {
   const geometry::Mesh octahedron = geometry::icosphere(2e-3, 1);
   geometry::Mesh two = octahedron;
   geometry::append(two, transformed(octahedron, [](const Vec3& p) { return p * 5e-16 + Vec3(3e-3, 0, 0); }));
@@ -417,6 +405,70 @@ TEST(Scatter, BodiesSmallerThanAMicrometreAreBadInput) {
     expect_failure(result, 4, name + ".ply: ");
     expect_failure(result, 4, "a body measures at least a micrometre");
   }
+  // The same holds wherever a mesh is a body, a solid or skin.
+  const std::string file = folder() / "dust.ply", cube = source_file("assets/cube.glb");
+  const std::string scene = folder() / "dust.glb";
+  const geometry::SceneMesh solid{"dust", box(Vec3(0), Vec3(1e-9))};
+  geometry::write_glb(scene, std::span(&solid, 1));
+  const auto refused = [](const std::vector<std::string>& line, const std::string& told) {
+    expect_failure(palpa_here(with(line, {"--backend", "cpu"})), 4, told);
+  };
+  refused({"simulate", "--scene", cube, "--finger", file}, file + ": is only ");
+  refused({"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", file},
+          file + ": is only ");
+  refused({"run", "--scene", cube, "--source", "synthetic:" + file}, file + ": is only ");
+  refused({"export", "--scene", cube, "--source", "synthetic:" + file, "--frames", "1", "--foci", "-"},
+          "skin measures at least a micrometre");
+  refused({"calibrate", "--source", "synthetic:" + file}, "skin measures at least a micrometre");
+  refused({"touch", "--scene", scene, "--points", source_file("assets/finger.ply")},
+          scene + ": mesh \"dust\" is only 1e-09 m across");
+}
+
+/// The corner of a cube of this size. Its sides are halved towards the corner, this many times.
+geometry::Mesh graded_corner(double size, int halvings) {
+  geometry::Mesh mesh;
+  for (int i = 0; i <= halvings; ++i) {
+    const double side = std::ldexp(size, -i);
+    for (const Vec3& p : {Vec3(side, 0, 0), Vec3(0, side, 0), Vec3(0, 0, side)})
+      mesh.positions.push_back(p);
+  }
+  mesh.positions.emplace_back(0, 0, 0);
+  const auto tip = static_cast<unsigned>(mesh.positions.size() - 1), last = tip - 3;
+  mesh.triangles = {{0, 1, 2}, {tip, last + 1, last}, {tip, last, last + 2}, {tip, last + 2, last + 1}};
+  for (unsigned at = 0; at < last; at += 3) {
+    for (const auto& [p, q] : {std::pair(1u, 0u), std::pair(0u, 2u), std::pair(2u, 1u)}) {
+      mesh.triangles.emplace_back(at + p, at + q, at + p + 3);
+      mesh.triangles.emplace_back(at + q, at + q + 3, at + p + 3);
+    }
+  }
+  return mesh;
+}
+
+TEST(Scatter, FacesTooSmallForSinglePrecisionAreBadInput) {
+  const auto ascii = [](const std::string& name, const geometry::Mesh& mesh) {
+    const std::filesystem::path file = folder() / (name + ".ply");
+    geometry::write_ply(file, mesh.positions, mesh.triangles, geometry::PlyFormat::ascii);
+    return file.string();
+  };
+  const std::string fine = ascii("fine", graded_corner(4e-3, 20)), tiny = ascii("tiny", graded_corner(4e-3, 30));
+  const Result result = palpa_here({"scatter", "--mesh", fine, "--plane-wave", "0,0,1", "--json", "-"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["faces"], 124);
+  for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
+           {"scatter", "--mesh", tiny, "--plane-wave", "0,0,1"},
+           {"simulate", "--scene", source_file("assets/cube.glb"), "--finger", tiny},
+           {"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", tiny}}) {
+    expect_failure(palpa_here(line), 4, tiny + ": face ");
+    expect_failure(palpa_here(line), 4, "at least 1e-09 m long and a nanometre high");
+  }
+  // Pieces beside each other that are far from the middle of a large body.
+  geometry::Mesh large = graded_corner(90, 0);
+  for (const double x : {-90 - 3.5e-6, -90 + 1.5e-6}) {
+    geometry::append(large, transformed(graded_corner(1.5e-6, 0), [&](const Vec3& p) { return p + Vec3(x, 0, 0); }));
+  }
+  expect_failure(palpa_here({"scatter", "--force", "--mesh", ascii("large", large), "--frequency", "1kHz",
+                             "--plane-wave", "0,0,1"}),
+                 4, "at least 1.8e-05 m long");
 }
 
 }  // namespace

@@ -29,6 +29,16 @@ TEST(Usage, ABadLineIsOneLineAndExitCode2) {
   expect_failure(palpa({"drive", "--json", ""}), 2, "--json");
 }
 
+TEST(Usage, OneCameraBesideTheDefaultRigIsOfferedARigOfItsOwn) {
+  const std::vector<std::string> run{"run", "--scene", source_file("assets/cube.glb"), "--backend", "cpu", "--source"};
+  for (const char* source : {"v4l2:/dev/video0", "realsense:123"}) {
+    const Result result = palpa_here(with(run, {source}));
+    if (result.err.find("this palpa was built without librealsense2") != std::string::npos) continue;
+    expect_failure(result, 2, "names 1 camera, but " + source_file("assets/rigs/paper.toml").string() + " describes 3");
+    expect_failure(result, 2, "palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in");
+  }
+}
+
 TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   const auto refused = [](const std::vector<std::string>& line, const std::string& told) {
     const Result result = palpa_here(line);

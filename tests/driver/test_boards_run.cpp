@@ -65,6 +65,11 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("plans transferred"), std::string::npos) << result.err;
   expect_counts(result.out);
+  // Without a layout, the link's own array is one unit.
+  const Result own = palpa({"link", "test", "--link", "autd3:" + address, "--last", "1", "--each", "20ms", "--rest",
+                            "0", "--log-level", "info"});
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_NE(own.err.find("palpa uses the link's own array, --layout autd3"), std::string::npos) << own.err;
   emulator.signal(SIGTERM);
   EXPECT_EQ(emulator.wait(10).exit_code, 0);
   std::ifstream file(folder / "report.json");

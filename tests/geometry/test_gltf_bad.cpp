@@ -259,7 +259,7 @@ const std::vector<Case> cases{
      "\"attributes\" is missing"},
     {"PositionText", [](GltfBuilder& b) { b.doc["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = "0"; },
      "not an index"},
-    {"PositionsTwoWide", [](GltfBuilder& b) { b.doc["accessors"][0]["type"] = "VEC2"; }, "they are VEC3"},
+    {"PositionsTwoWide", [](GltfBuilder& b) { b.doc["accessors"][0]["type"] = "VEC2"; }, "they must be VEC3"},
     {"PositionsShort",
      [](GltfBuilder& b) {
        b.doc["accessors"][0]["componentType"] = 5122;

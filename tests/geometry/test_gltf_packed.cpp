@@ -332,7 +332,7 @@ TEST(Meshopt, FaultsAreNamed) {
   EXPECT_CONTAINS(packed_fault_of(bad), "\"mode\" is \"\"");
   bad = good;
   bad.doc["bufferViews"][0]["byteStride"] = 16;
-  EXPECT_CONTAINS(packed_fault_of(bad), "has a byteStride of 12, the buffer view one of 16");
+  EXPECT_CONTAINS(packed_fault_of(bad), "has a byteStride of 12, but the buffer view has one of 16");
   // Indices to missing vertices are found after unpacking, as in a plain file.
   bad = test::meshopt_file(pebble());
   bad.doc["accessors"][0]["count"] = 100;

@@ -81,7 +81,8 @@ help_pages() {
       "$bin/palpa" help "$command" $page | too_long "palpa help $command $page" || found=1
       pages=$((pages + 1))
     done
-  done < <("$bin/palpa" help | awk '/^Subcommands:/ { inside = 1; next } /^$/ { inside = 0 } inside && /^  [a-z]/ { print $1 }')
+  done < <("$bin/palpa" help | awk '/^Subcommands:/ { inside = 1; next } /^$/ { inside = 0 }
+                                    inside && /^  [a-z]/ { sub(/^  /, ""); sub(/  .*/, ""); print }')
   echo "   $pages pages"
   ((pages > 20)) && return "$found"
 }

@@ -17,7 +17,7 @@ PLACES = {
     "engine/geometry/parts/convex_hull.cpp": "/dev/null",
     "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",
     "engine/setup/program.cpp": "/dev/null",
-    "viewer/run/film.cpp": "makes its folder", "viewer/app/settings.cpp": "makes the folder of the settings, palpa's own",
+    "viewer/run/film.cpp": "makes its folder", "viewer/options/settings.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
     "driver/rosbag/bag.cpp": "reads a bag as a stream; tells the register itself",
     "driver/sonicsurface/line.cpp": "a serial port", "driver/sonicsurface/pty.cpp": "a terminal of its own",

@@ -270,7 +270,7 @@ class Case:
             base = [command, "--scene", self.file("scene"), "--source", self.source(), *frames,
                     "--rig", self.file("rig", 0.2) if draw.random() < 0.7 else str(ROOT / "assets/rigs/paper.toml")]
             if command == "export":
-                base += ["--foci", self.out(draw.choice([".csv", ".json"]))]
+                base += self.one_of(["--foci", self.out(draw.choice([".csv", ".json"]))], ["--drives", self.out(".bin")])
         elif command == "scatter":
             sound = self.one_of(["--plane-wave", self.value("", "X,Y,Z")], ["--point-source", self.value("", "X,Y,Z")],
                                 lambda: ["--layout", "openmpd", "--drive", self.file("drive")])

@@ -111,20 +111,30 @@ struct Start {
   int exit_code = 0;
 };
 
-std::vector<Start> starts(const std::string& name, const std::string& body) {
+/// `folder`: for a body, and for pictures.
+std::vector<Start> starts(const std::string& name, const fs::path& folder) {
+  const std::string cube = source_file("assets/cube.glb");
   if (name == "palpa") {
-    return {
-        {{"--version"}}, {{"doctor", "--quiet"}}, {{"scatter", "--mesh", body, "--plane-wave", "0,0,1", "--csv", "-"}}};
+    return {{{"--version"}},
+            {{"doctor", "--quiet"}},
+            {{"scatter", "--mesh", write_small_body(folder), "--plane-wave", "0,0,1", "--csv", "-"}}};
   }
-  if (name == "palpa-viewer") return {{{"--version"}}};
+  if (name == "palpa-viewer") {
+    return {{{"--version"}},
+            {with({"--headless", "--scene", cube, "--source", "synthetic", "--noise-free", "--layout", "autd3",
+                   "--size", "64x48", "--frames", "1", "--quiet"},
+                  {"--screenshot", folder / "run.png"})},
+            {{"--scene", cube}, 3}};  // looks for a display
+  }
   if (name == "palpa-guard") return {{{}, 1}};
   return {{{}, 2}};  // one line of usage
 }
 
 /// Runs it in a folder, to which a shell changes first.
 Result run_in(const fs::path& folder, const fs::path& program, const Arguments& arguments) {
-  return run_program("/bin/sh", with({"-c", "cd \"$0\" && exec \"$@\"", folder, program}, arguments),
-                     {.environment = {where_assets_are(), {"PALPA_CACHE", "off"}}});
+  return run_program(
+      "/bin/sh", with({"-c", "cd \"$0\" && exec \"$@\"", folder, program}, arguments),
+      {.environment = {where_assets_are(), {"PALPA_CACHE", "off"}, {"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
 }
 
 // A user who unpacks an archive and starts palpa there must not run the archive's contents.
@@ -137,7 +147,6 @@ TEST(Programs, LoadNothingFromTheCurrentFolder) {
     names.insert(elf.needed.begin(), elf.needed.end());
   std::size_t started = 0;
   const fs::path folder = scratch_folder("decoys");
-  const std::string body = write_small_body(folder);
   const fs::path mark = folder / "a-decoy-was-loaded";
   for (const std::string& name : names)
     fs::copy_file(PALPA_DECOY, folder / name);
@@ -148,7 +157,7 @@ TEST(Programs, LoadNothingFromTheCurrentFolder) {
 
   for (const auto& [file, elf] : found) {
     if (!elf.program || !of_users(file)) continue;
-    for (const Start& start : starts(file.filename(), body)) {
+    for (const Start& start : starts(file.filename(), folder)) {
       const Result result = run_in(folder, file, start.arguments);
       const std::string what = file.string() + (start.arguments.empty() ? "" : " " + start.arguments.front());
       EXPECT_EQ(result.exit_code, start.exit_code) << what << ": " << result.err.substr(0, result.err.find('\n'));

@@ -151,6 +151,18 @@ TEST(FindTarget, TellsATargetOfAnotherScale) {
   }
 }
 
+TEST(FindTarget, TellsAnotherScaleFromOneAndAHalfPercentOn) {
+  const Side low{30, 190, 0.4}, above{90, 40, 0.5};
+  for (const auto& [side, scale] : {std::pair(low, 1.012), std::pair(above, 0.988)}) {
+    const FoundTarget found = found_at(side, scale);
+    EXPECT_FALSE(scale_is_off(found)) << found.scale << " +- " << found.scale_deviation;
+  }
+  for (const auto& [side, scale] : {std::pair(low, 0.982), std::pair(above, 1.018)}) {
+    const FoundTarget found = found_at(side, scale);
+    EXPECT_TRUE(scale_is_off(found)) << found.scale << " +- " << found.scale_deviation;
+  }
+}
+
 TEST(FindTarget, FindsNoFaultWithTheScaleOfAGoodOne) {
   // Where little but three faces is seen the scale hangs on the roof, a square centimetre, and is hardly known.
   std::vector<Side> sides{{40, 150, 0.7}, {25, 135, 0.45}, {80, 20, 0.75}, {30, 10, 0.5}, {45, 20, 0.75}};

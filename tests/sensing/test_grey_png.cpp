@@ -58,7 +58,7 @@ TEST(GreyPng, MasksRoundTripAndAreNoDepthImages) {
   write_png8(scratch("m.png"), 9, 5, mask);
   read_png8(scratch("m.png"), 9, 5, back);
   EXPECT_EQ(mask, back);
-  EXPECT_REFUSED(read_png8(scratch("m.png"), 5, 9, back), "m.png: is 9x5 pixels, its camera is 5x9");
+  EXPECT_REFUSED(read_png8(scratch("m.png"), 5, 9, back), "m.png: is 9x5 pixels, but its camera is 5x9");
   std::vector<std::uint16_t> depth;
   EXPECT_REFUSED(read_png16(scratch("m.png"), 9, 5, depth), "but a depth image must be 16-bit grey");
   write_png16(scratch("m.png"), 9, 5, std::vector<std::uint16_t>(45));
@@ -105,7 +105,7 @@ TEST(GreyPng, OtherImagesAreRefusedByName) {
   write_other(scratch("c.png"), PNG_FORMAT_LINEAR_RGB_ALPHA, 4, 3);
   EXPECT_REFUSED(read(), "16-bit colour with alpha");
   write_png16(scratch("c.png"), 3, 4, std::vector<std::uint16_t>(12));
-  EXPECT_REFUSED(read(), "c.png: is 3x4 pixels, its camera is 4x3");
+  EXPECT_REFUSED(read(), "c.png: is 3x4 pixels, but its camera is 4x3");
   test::write_text(scratch("c.png"), "hello, this is no image");
   EXPECT_REFUSED(read(), "c.png: is not a PNG file");
   test::write_text(scratch("c.png"), "");

@@ -139,7 +139,7 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   const Take take = random_take(3, 2);
   write(folder, take);
   EXPECT_NE(test::error_of([&] { RecordingWriter(folder, take.cameras); }, Exit::usage)
-                .find("is not empty, name a new folder"),
+                .find("is not empty; name a new folder"),
             std::string::npos);
   RecordingWriter writer(fresh("refuse2"), take.cameras);
   writer.write(take.sets[1]);
@@ -359,7 +359,7 @@ TEST(Recording, FaultsAreNamed) {
   Recording recording = load_text(folder, text + camera_text);
   recording.cameras[0].width = 5;
   FrameSet set;
-  EXPECT_REFUSED(read_entry(recording, 0, set), "0.png: is 4x3 pixels, its camera is 5x3");
+  EXPECT_REFUSED(read_entry(recording, 0, set), "0.png: is 4x3 pixels, but its camera is 5x3");
   fs::remove(folder / "1.png");
   EXPECT_REFUSED(read_entry(recording, 1, set), "1.png: no such file");
 }

@@ -245,7 +245,7 @@ TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
   std::filesystem::remove(mask_file());
   EXPECT_REFUSED(mask(), "rig.toml: line 14: mask " + mask_file() + ": no such file");
   write_mask(480, 848, [](auto, auto) { return false; });
-  EXPECT_REFUSED(mask(), "sleeves.png: is 480x848 pixels, its camera is 848x480");
+  EXPECT_REFUSED(mask(), "sleeves.png: is 480x848 pixels, but its camera is 848x480");
   write_png16(mask_file(), 848, 480, std::vector<std::uint16_t>(848 * 480, 1));
   EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": is a 16-bit grey PNG, but a mask must be 8-bit grey");
   write_text(mask_file(), "no picture");

@@ -177,7 +177,7 @@ TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
     report.end(control);
   });
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
-  EXPECT_CONTAINS(said, "from capture to drives took 250 ms, too long for the hold of 100 ms");
+  EXPECT_CONTAINS(said, "the time from capture to drives was 250 ms, too long for the hold of 100 ms");
   EXPECT_CONTAINS(said, "only every 3rd pixel of every 3rd row was used");
   EXPECT_CONTAINS(said, "--hold");
   EXPECT_EQ(to_text(Effort{2, 3}),

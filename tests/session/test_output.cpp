@@ -153,6 +153,14 @@ std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
   const array::PhaseScratch& phases = work.gs_pat.phases;
   add(phases.tried, phases.pressure, phases.tried_pressure, phases.pull, phases.alike, phases.across,
       phases.tried_across, phases.normal, phases.rest, phases.miss, phases.tried_miss);
+  const array::SearchScratch& search = work.gs_pat.search;
+  add(work.gs_pat.shares, search.part.cosine, search.part.sine, search.part.loud, search.part.asked, search.starts,
+      search.factors, search.pressure, search.does, search.merits, search.shares);
+  for (const array::ClimbScratch* climb : {&search.climb, &work.gs_pat.climb}) {
+    add(climb->tried, climb->pressure, climb->tried_pressure, climb->pull, climb->stiff_pull, climb->turn,
+        climb->growth, climb->loud, climb->tried_loud, climb->tried_shares, climb->change, climb->slopes, climb->counts,
+        climb->step.normal, climb->step.ones, climb->step.rest, climb->step.takes, climb->step.returns);
+  }
   add(work.pressures.gains, work.pressures.targets, work.pressures.weights);
   add_even(work.pressures.even);
   return room;
@@ -191,7 +199,7 @@ TEST(Output, AReservedScratchNeverGrows) {
   schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
   const Plan plan = out.plan_of(schedule);
   ASSERT_FALSE(plan.cycle.is_listed());
-  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat}) {
+  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat, array::Solver::loudest}) {
     out.setting.drive.solver = solver;
     out.setting.drive.constraint = array::Constraint::uniform;
     SlotScratch scratch;

@@ -12,6 +12,7 @@
 #include "fakes.hpp"
 #include "session/loop/early_start.hpp"
 #include "session/loop/loop.hpp"
+#include "session/loop/slow_solver.hpp"
 #include "session/watch/effort.hpp"
 #include "support/captured.hpp"
 #include "support/side_by_side.hpp"
@@ -142,6 +143,27 @@ TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   EXPECT_EQ(link.got, 300u);
 }
 
+/// The number of planned frames after which the warning comes if `every`th frame is planned; 0: none in 200.
+int warned_after(std::uint64_t every, int touching_in_a_row = 1000) {
+  SlowSolver solver;
+  int after = 0, told = 0;
+  for (int planned = 1; planned <= 200; ++planned) {
+    if (planned % touching_in_a_row == 0) solver.idle();
+    if (!solver.planned(1 + every * static_cast<std::uint64_t>(planned))) continue;
+    after = planned;
+    ++told;
+  }
+  EXPECT_LE(told, 1);
+  return after;
+}
+
+TEST(Overload, ASlowSolverIsToldOnceIfItKeepsLeavingOutFrames) {
+  EXPECT_EQ(warned_after(1), 0);
+  EXPECT_EQ(warned_after(2), 7);
+  EXPECT_EQ(warned_after(10), 2);
+  EXPECT_EQ(warned_after(2, 5), 0);  // touches that end before it matters
+}
+
 TEST(Overload, IsToldOnceWithBothFigures) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 60;
@@ -151,7 +173,7 @@ TEST(Overload, IsToldOnceWithBothFigures) {
   loop.run();
   const std::string told = testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
-  EXPECT_TRUE(told.starts_with("palpa: warning: overloaded: from frame to drives takes ")) << told;
+  EXPECT_TRUE(told.starts_with("palpa: warning: overloaded: the time from frame to drives is ")) << told;
   EXPECT_NE(told.find(" ms, longer than the hold of 20 ms"), std::string::npos) << told;
   EXPECT_NE(told.find("give --hold "), std::string::npos) << told;
 }

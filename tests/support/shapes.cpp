@@ -1,6 +1,7 @@
 #include "support/shapes.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace palpa::test {
@@ -91,6 +92,19 @@ Mesh unshared(const Mesh& mesh) {
     out.triangles.emplace_back(first, first + 1, first + 2);
   }
   return out;
+}
+
+Mesh divided(const Mesh& mesh, int times) {
+  if (times == 0) return mesh;
+  Mesh finer;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const Vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+    const auto first = static_cast<std::uint32_t>(finer.positions.size());
+    finer.positions.insert(finer.positions.end(), {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0});
+    for (const glm::uvec3& small : {glm::uvec3(0, 3, 5), glm::uvec3(3, 1, 4), glm::uvec3(5, 4, 2), glm::uvec3(3, 4, 5)})
+      finer.triangles.push_back(small + first);
+  }
+  return divided(geometry::weld(finer, 1e-9), times - 1);
 }
 
 Mesh transformed(Mesh mesh, const std::function<Vec3(const Vec3&)>& map) {

@@ -22,6 +22,9 @@ geometry::Mesh torus(double radius, double tube, int segments);
 /// The mesh with three separate vertices for every triangle.
 geometry::Mesh unshared(const geometry::Mesh& mesh);
 
+/// The mesh with each triangle divided into four, `times` times, with shared vertices.
+geometry::Mesh divided(const geometry::Mesh& mesh, int times);
+
 geometry::Mesh transformed(geometry::Mesh mesh, const std::function<Vec3(const Vec3&)>& map);
 
 /// Coordinates rounded to single precision, as a file stores them.

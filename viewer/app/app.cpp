@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "viewer/app/own_files.hpp"
 #include "viewer/app/pick.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/panels/panels.hpp"
@@ -26,6 +28,13 @@ bool goes_on(const WindowEvent& event) {
   constexpr std::string_view characters = ",.-+=z";
   return event.key == Key::left || event.key == Key::right ||
          characters.find(static_cast<char>(event.key)) != std::string_view::npos;
+}
+
+/// The event with its place counted from the area's top left.
+WindowEvent in_area(WindowEvent event, const Area& area) {
+  event.x -= area.left;
+  event.y -= area.top;
+  return event;
 }
 
 /// The kinds that exist without this window, and those that the user controls in it.
@@ -49,7 +58,10 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
   desk_.live = options_.is_live();
   desk_.panels = around_.panels;
   recall();
-  if (around_.panels) ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
+  if (around_.panels) {
+    ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
+    list_own_files(desk_);
+  }
   if (desk_.live) {
     run_.start(desk_.edit.options());
     begin_run();
@@ -59,7 +71,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
     desk_.state.time.playing = show_->changes();
   }
   if (options_.participant) open_participant(true);
-  ratio_ = options_.pixel_ratio.value_or(1);
+  ratio_ = options_.pixel_ratio.value_or(around_.ratio);
   desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, beside_panels(size));
 }
 
@@ -82,21 +94,44 @@ void App::recall() {
   if (!options_.given.contains("--fine")) desk_.state.fine = recalled.fine;
   desk_.state.time.slots_per_s = recalled.slots_per_s;
   desk_.panels = desk_.panels && recalled.panels;
+  desk_.headings = recalled.headings;
+  desk_.recent = recalled.recent;
+  window_ = recalled.window;
   memory_.begin(settings());
 }
 
 Settings App::settings() const {
-  return {desk_.state.layers, desk_.state.dark, desk_.panels, desk_.state.fine, desk_.state.time.slots_per_s};
+  return {.layers = desk_.state.layers,
+          .dark = desk_.state.dark,
+          .panels = desk_.panels,
+          .fine = desk_.state.fine,
+          .slots_per_s = desk_.state.time.slots_per_s,
+          .headings = desk_.headings,
+          .window = window_,
+          .recent = desk_.recent};
 }
 
-void App::say(log::Level level, const std::string& line, double now_s) {
+std::string App::title() const {
+  const std::string& scene = desk_.edit.options().scene;
+  const std::string name = std::filesystem::path(scene).filename().string();
+  if (desk_.live) return fmt::format("{}, live ({})", name, desk_.edit.options().source);
+  if (desk_.empty) return "";
+  if (name.empty()) return options_.layout.empty() ? options_.input.rig : options_.layout;
+  return name + (picture().fingers.empty() ? "" : ", one touch");
+}
+
+void App::settled(const std::string& about) {
+  if (std::erase_if(desk_.toasts, [&](const Toast& toast) { return toast.about == about; }) > 0) stale_.redraw();
+}
+
+void App::say(log::Level level, const std::string& line, double now_s, const std::string& about) {
   stale_.redraw();
   if (const auto same = std::ranges::find(desk_.toasts, line, &Toast::text); same != desk_.toasts.end()) {
     same->until_s = now_s + toast_s;  // a second reading gives the same warning
     return;
   }
   if (desk_.toasts.size() >= 4) desk_.toasts.pop_front();
-  desk_.toasts.push_back({line, level, now_s + toast_s});
+  desk_.toasts.push_back({line, level, now_s + toast_s, about});
   desk_.log.push_back({level, line});
 }
 
@@ -104,10 +139,16 @@ bool App::changing() const {
   return std::ranges::any_of(picture().fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
 }
 
+Area App::picture_area(const Size& size) const {
+  const double width = size.width, height = size.height, line = text_height * ratio_;
+  if (!ui_) return {0, 0, width, height};
+  const double panels = desk_.panels ? panels_width(width, line) : 0;
+  return {0, std::clamp(strip_height(line), 0.0, std::max(height - 1, 0.0)), std::max(width - panels, 1.0), height};
+}
+
 Size App::beside_panels(const Size& size) const {
-  if (!ui_ || !desk_.panels) return size;
-  const double panels = panels_width(size.width, text_height * ratio_);
-  return {std::max(size.width - static_cast<std::uint32_t>(panels), 1U), size.height};
+  const Area area = picture_area(size);
+  return {static_cast<std::uint32_t>(area.right - area.left), static_cast<std::uint32_t>(area.bottom - area.top)};
 }
 
 void App::handle(const WindowEvent& event, const Size& whole_size) {
@@ -118,11 +159,18 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
   // Before any picture, even if something lies over the button.
   if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
+  const bool escape = event.kind == WindowEvent::Kind::key && event.down && event.key == Key::escape;
+  if (escape && ui_ && ui_->close_list()) return stale_.redraw();
   const bool taken =
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
   if (ui_) stale_.redraw();
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (event.repeat && !goes_on(event)) return;
+  if (escape && (desk_.picker || desk_.help)) return close_innermost();
+  handle_in_picture(in_area(event, picture_area(whole_size)), size);
+}
+
+void App::handle_in_picture(const WindowEvent& event, const Size& size) {
   // What is held stays held until it is released, even while a run restarts and there are no handles.
   const bool handles = desk_.state.slice_handles && desk_.state.layers.shows(Layer::slice);
   if ((handles || slice_.hand.dragging()) && slice_.hand.handle(event, sight(size), desk_.state.slice)) {
@@ -139,75 +187,6 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
     return read_at(event.x, event.y, size);
   const Box home = home_of(options_, picture(), desk_.state);
   if (controls_.handle(event, desk_.state.viewpoint, home, size.width, size.height) == Reply::redraw) stale_.redraw();
-}
-
-void App::handle_key(const WindowEvent& event) {
-  stale_.redraw();
-  switch (event.key) {
-    case Key::space:
-      if (desk_.playback) {
-        Playback play = desk_.asked.play.value_or(*desk_.playback);
-        play.playing = !play.playing;
-        desk_.asked.play = play;
-      } else {
-        desk_.state.time.playing = !desk_.state.time.playing;
-      }
-      return;
-    case Key::left:
-      desk_.asked.step -= 1;
-      return;
-    case Key::right:
-      desk_.asked.step += 1;
-      return;
-    case Key::tab:
-      desk_.panels = !desk_.panels;
-      return;
-    case Key::escape:
-      if (opening_.busy()) return cancel_opening();  // desk_.opening shows it from the next picture on
-      desk_.help || desk_.reading ? void() : void(quitting_ = true);
-      desk_.help = false;
-      desk_.reading.reset();
-      desk_.state.picked.reset();
-      return;
-    default:
-      break;
-  }
-  if (participant_key(event.key)) return;
-  switch (static_cast<char>(event.key)) {
-    case 'p':
-      desk_.asked.participant = !desk_.participant.open;
-      break;
-    case 'q':
-      quitting_ = true;
-      break;
-    case 'h':
-      desk_.help = !desk_.help;
-      break;
-    case 'o':
-      switch_off();
-      break;
-    case 'r':
-      desk_.asked.record = true;
-      break;
-    case 'c':
-      if (desk_.live) desk_.asked.copy = true;
-      break;
-    case ',':
-      desk_.asked.slots -= 1;
-      break;
-    case '.':
-      desk_.asked.slots += 1;
-      break;
-    case '-':
-      desk_.state.time.slots_per_s = std::max(desk_.state.time.slots_per_s / 2, 0.5);
-      break;
-    case '+':
-    case '=':
-      desk_.state.time.slots_per_s = std::min(desk_.state.time.slots_per_s * 2, 667.0);
-      break;
-    default:
-      break;
-  }
 }
 
 void App::read_at(double x, double y, const Size& size) {
@@ -227,6 +206,7 @@ void App::advance(double now_s, const Size& whole_size) {
   if (const std::string scene = desk_.edit.options().scene; scene_watch_.look(scene, now_s)) open_again(scene, now_s);
   advance_slots(now_s);
   listen(now_s);
+  advance_participant(now_s);
   if (std::ranges::any_of(desk_.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; })) stale_.redraw();
   stale_.look(desk_.state);
 }
@@ -252,6 +232,10 @@ void App::show_doing() {
                    ? std::optional(static_cast<double>(doing->done) / static_cast<double>(doing->total))
                    : std::nullopt;
   if (loads) stale_.redraw();
+  const bool idle = desk_.live_state == LiveState::ended || desk_.live_state == LiveState::failed;
+  const bool has_object = !desk_.edit.options().scene.empty();
+  desk_.can_start = desk_.live ? idle : has_object && static_cast<bool>(around_.goes_live);
+  desk_.empty = show_ && picture().solids.empty() && picture().transducers.empty() && !picture().skin;
 }
 
 /// Silence at once. Nothing begins until the user starts it.
@@ -266,14 +250,13 @@ void App::switch_off() {
 void App::do_asked(double now_s, const Size& size) {
   const Desk::Asked asked = std::exchange(desk_.asked, {});
   if (desk_.live && ui_) do_placing(now_s);
-  const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
   if (asked.all_off) switch_off();
-  if (asked.plane) turn_slice(*asked.plane);
-  if (asked.view) look(desk_.state.viewpoint, *asked.view);
-  if (asked.frame || asked.view) fit(desk_.state.viewpoint, home_of(options_, picture(), desk_.state), aspect);
+  do_views(asked, size);
   for (const OptionText& option : asked.options)
     set_option(option, now_s);
+  if (!asked.open.empty()) open(asked.open, now_s);
   if (asked.copy) copy_command(now_s);
+  if (asked.copy_picture) copy_picture(now_s, size);
   if (asked.play) player_.play(*asked.play);
   if (asked.go_to) player_.go_to(*asked.go_to);
   if (asked.participant) try_participant(*asked.participant);
@@ -288,16 +271,18 @@ void App::do_asked(double now_s, const Size& size) {
         asked.slots > 0 ? time.slot + static_cast<std::uint64_t>(asked.slots) : time.slot - std::min(time.slot, back);
     show_slot_now();
   }
-  if (asked.start || asked.view || asked.frame) stale_.redraw();
-  if (asked.start && !asked.all_off && desk_.live) start_run();
+  if (asked.start) stale_.redraw();
+  if (asked.start && !asked.all_off) start_run();
 }
 
-void App::copy_command(double now_s) {
-  const std::string command = desk_.edit.command();
-  if (around_.copy) around_.copy(command);
-  say(log::Level::info, command, now_s);
-  if (moved_.placing().moved())
-    say(log::Level::warning, "the command line does not have the moved things: save the scene, then copy", now_s);
+void App::do_views(const Desk::Asked& asked, const Size& size) {
+  Viewpoint& viewpoint = desk_.state.viewpoint;
+  const double aspect = static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u);
+  if (asked.plane) turn_slice(*asked.plane);
+  if (asked.view) look(viewpoint, *asked.view);
+  if (asked.frame || asked.view) fit(viewpoint, home_of(options_, picture(), desk_.state), aspect);
+  if (asked.frame_touch) fit(viewpoint, extent(picture(), Extent::touch, desk_.state), aspect);
+  if (asked.view || asked.frame || asked.frame_touch) stale_.redraw();
 }
 
 void App::show_slot_now() {
@@ -331,6 +316,7 @@ std::optional<double> App::next_s() const {
     sooner(toast.until_s);
   if (!desk_.edit.options().scene.empty()) sooner(scene_watch_.next_s());
   if (desk_.opening) sooner(now_s_ + 0.1);
+  if (desk_.participant.says_how_to_leave) sooner(leave_line_until_s_);
   if (sounds_.busy()) sooner(now_s_ + 0.03);
   if (run_.under_way()) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
   return next;
@@ -356,15 +342,31 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
     ui_->set_dark(desk_.state.dark);
     ui_->begin(size.width, size.height, ratio, now_s - last_render_s_);
     desk_.picture = &picture();
-    show_placing(beside_panels(size));
+    show_marks(size);
     draw_panels(desk_, now_s);
     take_placing();
+    desk_.places.list = ui_->has_list();
     frame.sheet = &ui_->end();
   }
   last_render_s_ = now_s;
   stale_.drew();
+  const auto below = static_cast<std::int32_t>(picture_area(size).top);
   frame.views = views_from(desk_.state.viewpoint, options_, picture(), beside_panels(size), ratio);
+  for (View& view : frame.views)
+    view.area.offset.y += below;
   return frame;
+}
+
+/// What lies flat on the picture, in a window of that size.
+void App::show_marks(const Size& size) {
+  desk_.marks.clear();
+  show_placing(beside_panels(size));
+  show_reading(beside_panels(size));
+  const Area area = picture_area(size);
+  for (FlatMark& mark : desk_.marks) {
+    for (Vec2& point : mark.points)
+      point += Vec2(area.left, area.top);
+  }
 }
 
 bool App::finish(double patience_s) {

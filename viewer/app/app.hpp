@@ -15,15 +15,15 @@
 #include "viewer/app/moved_by_hand.hpp"
 #include "viewer/app/opening.hpp"
 #include "viewer/app/scene_watch.hpp"
-#include "viewer/app/settings.hpp"
 #include "viewer/app/show.hpp"
 #include "viewer/app/staleness.hpp"
-#include "viewer/app/viewer_options.hpp"
+#include "viewer/desk/desk.hpp"
 #include "viewer/hands/controls.hpp"
 #include "viewer/hands/slice_hand.hpp"
 #include "viewer/live/recording_player.hpp"
 #include "viewer/live/run_control.hpp"
-#include "viewer/panels/desk.hpp"
+#include "viewer/options/settings.hpp"
+#include "viewer/options/viewer_options.hpp"
 #include "viewer/panels/ui.hpp"
 #include "viewer/render/drawn_picture.hpp"
 #include "viewer/sound/sounds.hpp"
@@ -46,6 +46,7 @@ struct Surroundings {
   /// Called before a touch becomes a live run. Empty: a touch cannot become one.
   std::function<void()> goes_live;
   bool panels = true;
+  double ratio = 1;  ///< pixels per point at first
   /// The file that remembers the settings. Empty: they are not remembered.
   std::filesystem::path settings;
 };
@@ -62,6 +63,8 @@ class App {
   /// Processes what is new at `now_s`, and does what the panels asked for.
   void advance(double now_s, const Size& size);
   bool quitting() const { return quitting_; }
+  /// "cube.glb, live (mouse)": what is shown, and how.
+  std::string title() const;
 
   /// Whether the picture has changed since the last render().
   bool dirty() const { return stale_.dirty() || (ui_ && ui_->restless()); }
@@ -84,6 +87,8 @@ class App {
   /// Throws bad_usage if --monitor is not one of them.
   void tell_monitors(std::vector<std::string> names);
   void participant_window_failed(const std::string& fault);
+  /// Warns once if the window's shape is not that of the rig's screen.
+  void participant_fills(const Size& size);
   void try_participant(bool open);
   /// "save as": writes the objects as they stand now, and continues the run with that file. Shows the error if it
   /// fails.
@@ -91,13 +96,21 @@ class App {
   /// Records how long the last picture took.
   void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
 
+  /// The font of the panels; see Ui::use_font.
+  void use_font(std::string ttf) {
+    if (ui_) ui_->use_font(std::move(ttf));
+  }
+  /// The window's place is remembered for the next one.
+  void window_is_at(const WindowPlace& place) { window_ = place; }
+
   const Desk& desk() const { return desk_; }
   const Picture& picture() const { return show_ ? std::as_const(*show_).picture() : live_.picture; }
   /// Goes to the next slot, whatever the time.
   void go_on() { desk_.asked.slots = 1; }
   /// Whether a live run has shown a frame since the last call. Without a live run, always true.
   bool showed_frame() { return !desk_.live || std::exchange(live_.fresh, false); }
-  void say(log::Level level, const std::string& line, double now_s);
+  /// Shows a line for a while. `about`: what it is about; see settled().
+  void say(log::Level level, const std::string& line, double now_s, const std::string& about = {});
   bool loading() const { return run_.loading(); }
   /// Whether a live run is under way of which no frame has been shown yet.
   bool awaits_frame() const { return run_.under_way() && !live_.any; }
@@ -117,10 +130,18 @@ class App {
  private:
   Settings settings() const;
   void recall();
+  void handle_in_picture(const WindowEvent& event, const Size& size);
   void handle_key(const WindowEvent& event);
+  void character_key(const WindowEvent& event);
+  void play_or_pause();
+  void close_innermost();
+  void ask_to_quit();
   bool participant_key(Key key);
   void read_at(double x, double y, const Size& size);
-  /// The part of a picture of that size that the panels leave free.
+  /// What was about this is in order again, so its lines go.
+  void settled(const std::string& about);
+  /// The part of a window of that size that panels and strip leave free, and its size.
+  Area picture_area(const Size& size) const;
   Size beside_panels(const Size& size) const;
   Sight sight(const Size& size) const;
 
@@ -130,14 +151,19 @@ class App {
   void advance_slots(double now_s);
   void show_doing();
   void do_asked(double now_s, const Size& size);
+  void do_views(const Desk::Asked& asked, const Size& size);
   void copy_command(double now_s);
+  void copy_picture(double now_s, const Size& size);
 
   // The run and its options.
   void begin_run();
   void change_run(LiveEdit edit, bool again = false);
   bool goes_together(const LiveEdit& edit);
   void start_run();
+  void go_live(LiveEdit edit);
   void set_option(const OptionText& asked, double now_s);
+  void set_touch_option(const LiveEdit& edit, const OptionText& asked);
+  void frame_object(const Size& size);
   void switch_off();
   void show_link(double now_s);
   void show_recording(double now_s);
@@ -147,13 +173,18 @@ class App {
   void open(const std::string& path, double now_s);
   void open_again(const std::string& scene, double now_s);
   void open_scene(const std::string& path);
+  void open_skin(const std::string& path, double now_s);
   void play_recording(const std::string& path);
+  void remember_file(const std::string& path);
   void cancel_opening();
   void switch_object(int by);
 
   // What is moved by hand.
   void place();
+  void show_marks(const Size& size);
   void show_placing(const Size& size);
+  void show_depths(const Size& size);
+  void show_reading(const Size& size);
   void take_placing();
   void do_placing(double now_s);
 
@@ -166,19 +197,21 @@ class App {
   void listen(double now_s);
 
   void open_participant(bool open);
+  void advance_participant(double now_s);
   Picture& shown_picture() { return show_ ? show_->picture() : live_.picture; }
 
   ViewerOptions options_;
   Surroundings around_;
   Desk desk_;
   SettingsMemory memory_;
+  std::optional<WindowPlace> window_;
   std::unique_ptr<Show> show_;  ///< the single touch; null while there is a live run
   struct LivePicture {
     Picture picture;
     session::SlotScratch slot;
-    bool framed = false;  ///< the viewpoint was set to its first scene
-    bool any = false;     ///< the run has shown a frame
-    bool fresh = false;   ///< it has shown a frame since the last showed_frame()
+    std::string framed;  ///< the scene that the viewpoint was set to
+    bool any = false;    ///< the run has shown a frame
+    bool fresh = false;  ///< it has shown a frame since the last showed_frame()
   } live_;
   RecordingPlayer player_;
   MovedByHand moved_;
@@ -196,6 +229,9 @@ class App {
   Controls controls_;
   double ratio_ = 1;
   double next_slot_s_ = 0, last_render_s_ = 0, now_s_ = 0;
+  double leave_line_until_s_ = 0;  ///< the participant's window says how to leave it
+  std::string stretched_;          ///< the warning about that window's shape that was given
+  double quit_asked_s_ = -1e9;     ///< when somebody wanted to quit while the array sounded
   bool quitting_ = false;
 };
 

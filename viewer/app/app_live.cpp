@@ -1,12 +1,14 @@
 // The live run in a window: how it begins, changes and ends, and what is shown of it.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "base/error.hpp"
 #include "setup/interrupt.hpp"
 #include "viewer/app/app.hpp"
+#include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 
 namespace palpa::viewer {
@@ -20,6 +22,9 @@ std::string free_folder() {
     if (!std::filesystem::exists(name, ignored)) return name;
   }
 }
+
+/// What errors are about.
+constexpr const char *about_options = "options", *about_run = "run";
 
 }  // namespace
 
@@ -41,6 +46,7 @@ void App::begin_run() {
 void App::change_run(LiveEdit edit, bool again) {
   const bool other = desk_.live && (again || !edit.runs_as(desk_.edit));
   if (other && !goes_together(edit)) return;
+  settled(about_options);
   desk_.edit = std::move(edit);
   if (other) run_.change(desk_.edit.options());
 }
@@ -51,14 +57,37 @@ bool App::goes_together(const LiveEdit& edit) {
     edit.check();
     return true;
   } catch (const Error& error) {
-    say(log::Level::error, error.what(), now_s_);
+    say(log::Level::error, error.what(), now_s_, about_options);
     return false;
   }
 }
 
-/// Begins again, whether switched off or not.
+/// Begins again, whether switched off or not. A touch becomes a live run with a finger that the pointer holds, unless
+/// another source is given.
 void App::start_run() {
-  if (goes_together(desk_.edit)) run_.start(desk_.edit.options());
+  LiveEdit edit = desk_.edit;
+  if (desk_.live) {
+    if (goes_together(edit)) run_.start(edit.options());
+    return;
+  }
+  if (!edit.line().contains("--source")) edit.set("--source", "mouse");
+  go_live(std::move(edit));
+}
+
+/// The single touch ends, and a live run begins. Options that only concern the touch are ignored from then on.
+void App::go_live(LiveEdit edit) {
+  edit.leave_touch();
+  if (!around_.goes_live || !goes_together(edit)) return;
+  around_.goes_live();
+  desk_.live = true;
+  desk_.edit = std::move(edit);
+  live_.picture = show_->picture();
+  live_.framed = show_->picture().solids.empty() ? "" : desk_.edit.options().scene;
+  show_.reset();
+  sounds_.forget();
+  desk_.state.time.playing = true;
+  run_.start(desk_.edit.options());
+  begin_run();
 }
 
 /// Sets an option to the text of its field. If that is not a value of the option, everything stays as it is.
@@ -66,10 +95,33 @@ void App::set_option(const OptionText& asked, double now_s) {
   LiveEdit edit = desk_.edit;
   try {
     edit.set(asked.option, asked.text);
+    if (!desk_.live) set_touch_option(edit, asked);
   } catch (const Error& error) {
-    return say(log::Level::error, error.what(), now_s);
+    return say(log::Level::error, error.what(), now_s, about_options);
   }
   change_run(std::move(edit));
+}
+
+/// A touch has most of the options of a run, and is found again with them. Throws bad_usage.
+void App::set_touch_option(const LiveEdit& edit, const OptionText& asked) {
+  const auto info = std::ranges::find(live_table(), asked.option, &setup::OptionInfo::name);
+  const bool applies = info != live_table().end() && is_of_touch(*info);
+  if (!applies || desk_.empty || edit.options().scene.empty()) return;
+  setup::Given given = options_.given;
+  given.erase(asked.option);
+  if (asked.text) given[asked.option] = asked.text->empty() ? std::vector<std::string>() : std::vector{*asked.text};
+  ViewerOptions touch = options_of(given);
+  check(touch);
+  stale_.redraw();
+  opening_.begin_touch(touch, touch.input.scene == options_.input.scene);
+}
+
+/// The first object is seen as the command line says, another one from the same side.
+void App::frame_object(const Size& size) {
+  const std::string& scene = run_.options().scene;
+  if (live_.framed.empty()) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+  if (!live_.framed.empty() && live_.framed != scene) desk_.asked.frame = true;
+  live_.framed = scene;
 }
 
 void App::advance_live(double now_s, const Size& size) {
@@ -88,8 +140,7 @@ void App::advance_live(double now_s, const Size& size) {
     stale_.add(Stale::surfaces);
     moved_.begin_scene(session, rest, run_.options().scene, HeldFinger::is_held(run_.options().source));
     place();
-    if (!std::exchange(live_.framed, true))
-      desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+    frame_object(size);
   }
   live_.fresh = live_.fresh || fresh;
   live_.any = live_.any || fresh;
@@ -100,8 +151,9 @@ void App::advance_live(double now_s, const Size& size) {
   }
   if (const std::optional<std::string> fault = run_.advance()) {
     stale_.redraw();
-    if (!fault->empty()) say(log::Level::error, *fault, now_s);
+    if (!fault->empty()) say(log::Level::error, *fault, now_s, about_run);
   }
+  if (run_.state() == RunState::running) settled(about_run);
   if (run_.state() != RunState::ready) return;
   if (quitting_) return run_.stay();
   show_recording(now_s);  // a recording ends with its run

@@ -1,40 +1,76 @@
 // Opens things while something is shown: dropped files, scenes that were written again, recordings that were made.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
+#include "base/error.hpp"
 #include "viewer/app/app.hpp"
 
 namespace palpa::viewer {
+namespace {
+
+constexpr const char* about_opening = "opening";  ///< what errors are about
+constexpr std::size_t most_recent = 6;
+
+}  // namespace
 
 void App::open(const std::string& path, double now_s) {
   const std::filesystem::path file(path);
   const std::string ending = file.extension().string();
   std::error_code ignored;
   if (ending == ".glb" || ending == ".gltf") return open_scene(path);
+  if (ending == ".ply") return open_skin(path, now_s);
   if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
-    return say(log::Level::warning, fmt::format("{}: is not a .glb, a .gltf or a recording", path), now_s);
+    return say(log::Level::warning, fmt::format("{}: is not a .glb, a .gltf, a .ply or a recording", path), now_s,
+               about_opening);
   if (!desk_.live && !around_.goes_live)
     return say(log::Level::warning, "a recording needs --source: start palpa-viewer with it", now_s);
+  if (desk_.edit.options().scene.empty())
+    return say(log::Level::warning, fmt::format("{}: open the object first that the recording touches", path), now_s,
+               about_opening);
   stale_.redraw();
   opening_.begin_recording(path);
 }
 
-/// The run or the picture stays until the file is loaded and found to be a scene.
+/// The run or the picture stays until the file is loaded and found to be a scene. In an empty window, a live run of it
+/// begins.
 void App::open_scene(const std::string& path) {
   stale_.redraw();
   LiveEdit edit = desk_.edit;
   edit.open_scene(path);
   const bool same = edit.runs_as(desk_.edit);
-  if (desk_.live) {
+  if (desk_.live || (desk_.empty && around_.goes_live)) {
     if (goes_together(edit)) opening_.begin_scene(edit.options(), same);
     return;
   }
   ViewerOptions touch = options_;
   touch.input.scene = path;
   touch.input.gltf_scene = edit.options().gltf_scene;
+  touch.given["--scene"] = {path};
+  if (!touch.input.gltf_scene) touch.given.erase("--gltf-scene");
   opening_.begin_touch(touch, same);
+}
+
+/// A PLY is what touches: the finger that the pointer holds, or the skin of a single touch.
+void App::open_skin(const std::string& path, double now_s) {
+  if (desk_.live || desk_.empty) {
+    set_option({"--source", "mouse:" + path}, now_s);
+    if (desk_.empty) say(log::Level::info, path + ": touches the object that you open next", now_s);
+    return;
+  }
+  setup::Given given = options_.given;
+  given.erase("--depth");
+  given["--points"] = {path};
+  try {
+    ViewerOptions touch = options_of(given);
+    check(touch);
+    stale_.redraw();
+    opening_.begin_touch(touch, true);
+  } catch (const Error& error) {
+    say(log::Level::error, error.what(), now_s, about_opening);
+  }
 }
 
 /// Opens a scene that was written again. A run that has ended stays silent until a person starts it. A run that failed
@@ -50,17 +86,32 @@ void App::advance_opening(double now_s) {
   std::optional<Opened> opened = opening_.take();
   if (!opened) return;
   stale_.redraw();
-  if (!opened->fault.empty()) return say(log::Level::error, opened->fault, now_s);
+  if (!opened->fault.empty()) return say(log::Level::error, opened->fault, now_s, about_opening);
+  settled(about_opening);
+  remember_file(opened->path);
   if (opened->kind == Opened::Kind::recording) return play_recording(opened->path);
   LiveEdit edit = desk_.edit;
   edit.open_scene(opened->path);
+  if (opened->kind == Opened::Kind::scene && !desk_.live) {
+    desk_.edit = std::move(edit);
+    return start_run();
+  }
   change_run(std::move(edit), opened->same);
   if (opened->kind != Opened::Kind::touch) return;
   show_ = std::move(opened->show);
   options_ = std::move(*opened->touch);
   sounds_.forget();
-  desk_.asked.frame = true;
+  if (!opened->same) desk_.asked.frame = true;
   stale_.add(Stale::surfaces);
+}
+
+void App::remember_file(const std::string& path) {
+  std::error_code fault;
+  const std::string whole = std::filesystem::absolute(path, fault).lexically_normal().string();
+  if (fault) return;
+  std::erase(desk_.recent, whole);
+  desk_.recent.insert(desk_.recent.begin(), whole);
+  if (desk_.recent.size() > most_recent) desk_.recent.resize(most_recent);
 }
 
 void App::cancel_opening() {
@@ -69,23 +120,12 @@ void App::cancel_opening() {
   say(log::Level::info, "loading was cancelled", now_s_);
 }
 
-/// A live run goes on with the recording. A touch becomes a live run, and options that only concern the touch are
-/// ignored from then on.
+/// A live run goes on with the recording. A touch becomes a live run.
 void App::play_recording(const std::string& path) {
   LiveEdit edit = desk_.edit;
   edit.play_recording(path);
   if (desk_.live) return change_run(std::move(edit));
-  edit.leave_touch();
-  if (!goes_together(edit)) return;
-  around_.goes_live();
-  desk_.live = true;
-  desk_.edit = std::move(edit);
-  live_.picture = show_->picture();
-  show_.reset();
-  sounds_.forget();
-  desk_.state.time.playing = true;
-  run_.start(desk_.edit.options());
-  begin_run();
+  go_live(std::move(edit));
 }
 
 }  // namespace palpa::viewer

@@ -2,12 +2,19 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
 #include "viewer/app/app.hpp"
+#include "viewer/app/own_files.hpp"
 
 namespace palpa::viewer {
+namespace {
+
+constexpr double leave_line_s = 10;
+
+}  // namespace
 
 /// The rig's screen is read only when it is needed, because a rig may have none.
 void App::open_participant(bool open) {
@@ -20,7 +27,22 @@ void App::open_participant(bool open) {
     view.setting = participant_of(options);
   }
   view.open = true;
+  leave_line_until_s_ = now_s_ + leave_line_s;
+  stretched_.clear();
   stale_.redraw();
+}
+
+/// On a single monitor, the participant's window covers the other, so it says how to leave it.
+void App::advance_participant(double now_s) {
+  Desk::ParticipantWindowState& view = desk_.participant;
+  view.says_how_to_leave = view.open && view.monitors.size() == 1 && now_s < leave_line_until_s_;
+}
+
+void App::participant_fills(const Size& size) {
+  const Desk::ParticipantWindowState& view = desk_.participant;
+  if (!view.open || !view.setting || size.width == 0 || size.height == 0) return;
+  const std::string line = stretched(view.setting->screen, size.width, size.height);
+  if (line != std::exchange(stretched_, line) && !line.empty()) say(log::Level::warning, line, now_s_);
 }
 
 void App::try_participant(bool open) {
@@ -56,6 +78,7 @@ void App::participant_window_failed(const std::string& fault) {
 
 void App::handle_participant(const WindowEvent& event) {
   if (event.kind != WindowEvent::Kind::key || !event.down || event.repeat) return;
+  stale_.redraw();
   if (event.key == Key::escape) return try_participant(false);
   if (event.key == key_of('o')) return switch_off();
   participant_key(event.key);
@@ -65,6 +88,10 @@ void App::handle_participant(const WindowEvent& event) {
 bool App::participant_key(Key key) {
   if (key == key_of('v')) {
     desk_.participant.hidden = !desk_.participant.hidden;
+  } else if (key == key_of('p')) {
+    desk_.asked.participant = !desk_.participant.open;
+  } else if (key == key_of('q')) {
+    ask_to_quit();
   } else if (key == Key::page_up || key == Key::page_down) {
     switch_object(key == Key::page_down ? 1 : -1);
   } else {
@@ -76,25 +103,17 @@ bool App::participant_key(Key key) {
 
 /// Opens the next or previous scene of its folder, by name.
 void App::switch_object(int by) {
-  const std::filesystem::path now(desk_.edit.options().scene);
+  const std::string& now = desk_.edit.options().scene;
   if (now.empty()) return;
-  const std::filesystem::path folder = now.has_parent_path() ? now.parent_path() : ".";
-  std::vector<std::filesystem::path> scenes;
-  std::error_code fault;
-  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
-    const std::filesystem::path ending = entry->path().extension();
-    if (ending == ".glb" || ending == ".gltf") scenes.push_back(entry->path().filename());
-  }
-  std::ranges::sort(scenes);
-  const auto here = std::ranges::find(scenes, now.filename());
-  if (fault || here == scenes.end() || scenes.size() < 2)
-    return say(log::Level::warning, folder.string() + ": has no other scene to switch to", now_s_);
+  const std::vector<std::string> scenes = scenes_beside(now);
+  const auto here = std::ranges::find_if(scenes, [&](const std::string& scene) {
+    return std::filesystem::path(scene).filename() == std::filesystem::path(now).filename();
+  });
+  if (here == scenes.end() || scenes.size() < 2)
+    return say(log::Level::warning, now + ": its folder has no other object to switch to", now_s_);
   const auto count = static_cast<std::ptrdiff_t>(scenes.size());
   const std::ptrdiff_t next = (here - scenes.begin() + by + count) % count;
-  open(
-      (now.has_parent_path() ? folder / scenes[static_cast<std::size_t>(next)] : scenes[static_cast<std::size_t>(next)])
-          .string(),
-      now_s_);
+  open(scenes[static_cast<std::size_t>(next)], now_s_);
 }
 
 }  // namespace palpa::viewer

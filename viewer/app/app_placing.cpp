@@ -32,7 +32,14 @@ void App::show_placing(const Size& size) {
   placed.chosen = placing.chosen();
   placed.follows = placing.follows();
   placed.moved = placing.moved();
+  placed.can_undo = placing.can_undo();
   placed.tip = placing.holds_finger() ? std::optional(Vec3(placing.finger()[3])) : std::nullopt;
+  show_depths(size);
+}
+
+/// How deep fingers are, beside their contacts.
+void App::show_depths(const Size& size) {
+  const Sight seen = sight(size);
   desk_.depths.clear();
   const std::shared_ptr<const LiveScene>& scene = run_.scene();
   if (!scene) return;
@@ -53,6 +60,17 @@ void App::show_placing(const Size& size) {
     beside.x += 48 * seen.ratio;
     desk_.marks.push_back({.points = {beside}, .label = fmt::format("{:.1f} mm", finger.depth_m * 1e3)});
   }
+}
+
+/// What was read, below the point that was read.
+void App::show_reading(const Size& size) {
+  if (!desk_.reading) return;
+  const Reading& reading = *desk_.reading;
+  const Projected at = project(projection(desk_.state.viewpoint, size.width, size.height), reading.at);
+  std::string text = fmt::format("{}  {:.2f}  {:.2f}  {:.2f} mm", reading.what, reading.at.x * 1e3, reading.at.y * 1e3,
+                                 reading.at.z * 1e3);
+  if (reading.depth_m) text += fmt::format("\n{:.2f} mm deep", *reading.depth_m * 1e3);
+  if (at.visible) desk_.marks.push_back({.points = {Vec2(at.x, at.y + 34 * ratio_)}, .label = text});
 }
 
 /// Takes what the panels changed in the values that show_placing() has just given them.

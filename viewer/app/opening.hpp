@@ -8,8 +8,8 @@
 #include <string>
 
 #include "viewer/app/show.hpp"
-#include "viewer/app/viewer_options.hpp"
 #include "viewer/live/loader.hpp"
+#include "viewer/options/viewer_options.hpp"
 
 namespace palpa::viewer {
 

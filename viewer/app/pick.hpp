@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "viewer/panels/desk.hpp"
+#include "viewer/desk/desk.hpp"
 
 namespace palpa::viewer {
 

@@ -9,7 +9,7 @@
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
 #include "session/session.hpp"
-#include "viewer/app/viewer_options.hpp"
+#include "viewer/options/viewer_options.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/sound/field_slice.hpp"
 #include "viewer/sound/sounding.hpp"

@@ -38,6 +38,7 @@ class Placing {
   bool follows() const { return follows_; }
   void follow(bool on) { follows_ = on; }
   void undo();
+  bool can_undo() const { return !history_.empty(); }
   /// Returns all solids to where the scene has them.
   void restore();
 

@@ -16,6 +16,11 @@ bool HeldFinger::is_held(const std::string& source) {
   return source == "mouse" || source.starts_with("mouse:");
 }
 
+std::string HeldFinger::without_hand(const std::string& source) {
+  constexpr std::size_t length = 5;  // of "mouse"
+  return is_held(source) ? "synthetic" + source.substr(length) : source;
+}
+
 session::SourceKind HeldFinger::source() {
   return session::synthetic_source("mouse",
                                    "mouse[:MESH]: a rendered fingertip, or another mesh, that follows the pointer",

@@ -20,6 +20,8 @@ class HeldFinger {
 
   /// Whether --source is of the kind `mouse`.
   static bool is_held(const std::string& source);
+  /// The source where there is no hand: a held finger dips by itself. Other sources stay.
+  static std::string without_hand(const std::string& source);
   /// The kind `mouse`. The finger must outlive the sources that it opens.
   session::SourceKind source();
 

@@ -38,6 +38,8 @@ class LiveEdit {
   /// copied_table(). Throws bad_usage for a text that is not a value of the option, and then changes nothing.
   void set(const std::string& option, const std::optional<std::string>& text);
 
+  /// The options of the run as on a command line.
+  const setup::Given& line() const { return line_; }
   /// Whether a run with either is the same run.
   bool runs_as(const LiveEdit& other) const { return line_ == other.line_; }
   /// The command `palpa run` with the same options and those of copied_table().

@@ -100,8 +100,7 @@ std::string run_command(const setup::Given& given, const setup::Given& copied) {
   there.merge(setup::known_to(copied_table(), copied));
   // `palpa run` has no pointer to follow, so its finger dips by itself.
   if (const auto source = there.find("--source"); source != there.end() && !source->second.empty()) {
-    std::string& name = source->second.front();
-    if (HeldFinger::is_held(name)) name.replace(0, 5, "synthetic");
+    source->second.front() = HeldFinger::without_hand(source->second.front());
   }
   return setup::command_line("palpa run", whole_table(), there);
 }

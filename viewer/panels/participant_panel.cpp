@@ -5,6 +5,7 @@
 #include <string>
 
 #include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -28,12 +29,13 @@ void draw_barrier(Participant& setting) {
   if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
   tip("Distance from slit to slit; with rows, of two rows");
   if (setting.stereo == Stereo::columns) {
-    if (drag("gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm")) setting.barrier_gap_m = barrier.gap_m;
+    if (drag("gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm") && barrier.gap_m != 0)
+      setting.barrier_gap_m = barrier.gap_m;
     tip("From the screen to its barrier, towards the eyes");
   }
   drag("phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
   tip("Position of the slits, as a part of the pitch");
-  if (ImGui::SmallButton("as usual")) {
+  if (ImGui::Button("reset the barrier")) {
     setting.barrier_pitch_m.reset();
     setting.barrier_gap_m.reset();
     setting.barrier_phase = 0;
@@ -45,33 +47,34 @@ void draw_barrier(Participant& setting) {
 
 void draw_participant_panel(Desk& desk) {
   Desk::ParticipantWindowState& view = desk.participant;
-  if (ImGui::SmallButton(view.open ? "close" : "open")) desk.asked.participant = !view.open;
-  tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P; Escape in it");
-  ImGui::SameLine();
+  if (ImGui::Button(view.open ? "close" : "open")) desk.asked.participant = !view.open;
+  tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P, in both "
+      "windows");
+  if (view.monitors.size() == 1) {
+    ImGui::TextWrapped("There is one monitor: it will cover this window. P or Escape closes it.");
+  }
   ImGui::Checkbox("object hidden", &view.hidden);
   tip("The participant sees the marker tile alone. Key: V");
   ImGui::BeginDisabled(view.open);
   ImGui::SetNextItemWidth(-1);
   const std::string now = view.monitor < view.monitors.size() ? view.monitors[view.monitor] : "no monitor";
-  if (ImGui::BeginCombo("##monitor", now.c_str())) {
+  drop_down("##monitor", now, [&] {
     for (std::size_t i = 0; i < view.monitors.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::Selectable(view.monitors[i].c_str(), i == view.monitor)) view.monitor = i;
       ImGui::PopID();
     }
-    ImGui::EndCombo();
-  }
+  });
   ImGui::EndDisabled();
   tip("Which monitor it fills");
   if (!view.setting) return;
   Participant& setting = *view.setting;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
-  if (ImGui::BeginCombo("stereo", std::string(word_of(stereo_words, setting.stereo)).c_str())) {
+  drop_down("stereo", std::string(word_of(stereo_words, setting.stereo)), [&] {
     for (const Word<Stereo>& entry : stereo_words) {
       if (ImGui::Selectable(entry.word, entry.value == setting.stereo)) setting.stereo = entry.value;
     }
-    ImGui::EndCombo();
-  }
+  });
   tip("How the two eyes' pictures become one");
   drag("eyes apart", setting.eyes_apart_m, mm, 0.1f, 1, 100, "%.1f mm");
   tip("From eye to eye");

@@ -2,10 +2,12 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
 #include <string>
 
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
+#include "viewer/panels/widgets.hpp"
 #include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {
@@ -19,10 +21,15 @@ ImVec2 place(const Vec2& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y)};
 }
 
-void draw_label(ImDrawList& list, const FlatMark& mark) {
+void draw_label(ImDrawList& list, const FlatMark& mark, const Area& free) {
   const ImVec2 size = ImGui::CalcTextSize(mark.label.c_str()), at = place(mark.points.front());
-  const ImVec2 from(at.x - size.x / 2, at.y - size.y / 2);
   const float room = 0.25f * ImGui::GetFontSize();
+  const auto within = [&](float from, float length, double low, double high) {
+    const float least = static_cast<float>(low) + room;
+    return std::clamp(from, least, std::max(static_cast<float>(high) - length - room, least));
+  };
+  const ImVec2 from(within(at.x - size.x / 2, size.x, free.left, free.right),
+                    within(at.y - size.y / 2, size.y, free.top, free.bottom));
   list.AddRectFilled({from.x - room, from.y - room * 0.5f}, {from.x + size.x + room, from.y + size.y + room * 0.5f},
                      ImGui::GetColorU32(ImGuiCol_WindowBg, 0.85f), room);
   list.AddText(from, mark.colour.a > 0 ? colour_of(mark.colour) : ImGui::GetColorU32(ImGuiCol_Text),
@@ -31,12 +38,12 @@ void draw_label(ImDrawList& list, const FlatMark& mark) {
 
 }  // namespace
 
-void draw_marks(const std::vector<FlatMark>& marks) {
+void draw_marks(const std::vector<FlatMark>& marks, const Area& free) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float point = ImGui::GetFontSize() / static_cast<float>(text_height);
   for (const FlatMark& mark : marks) {
     if (!mark.label.empty()) {
-      draw_label(list, mark);
+      draw_label(list, mark, free);
       continue;
     }
     for (const Vec2& p : mark.points)
@@ -52,7 +59,7 @@ void draw_place_panel(Desk& desk) {
     ImGui::Text("%s  %.2f mm deep", depth.solid.c_str(), depth.depth_m * 1e3);
     tip("Depth below the solid's surface of a finger's deepest skin point that a camera sees");
   }
-  if (desk.depths.empty()) ImGui::TextDisabled("nothing touches");
+  if (desk.depths.empty()) ImGui::TextUnformatted("nothing touches");
   if (placed.tip) {
     ImGui::Text("tip  %.1f  %.1f  %.1f mm", placed.tip->x * 1e3, placed.tip->y * 1e3, placed.tip->z * 1e3);
     tip("Where the held finger's tip is in the world");
@@ -62,31 +69,46 @@ void draw_place_panel(Desk& desk) {
   }
   const char* none = "none";
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.6f);
-  if (ImGui::BeginCombo("handles", placed.chosen ? placed.things[*placed.chosen].c_str() : none)) {
+  drop_down("handles", placed.chosen ? placed.things[*placed.chosen] : none, [&] {
     if (ImGui::Selectable(none, !placed.chosen)) placed.chosen.reset();
     for (std::size_t i = 0; i < placed.things.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::Selectable(placed.things[i].c_str(), placed.chosen == i)) placed.chosen = i;
       ImGui::PopID();
     }
-    ImGui::EndCombo();
-  }
+  });
+  desk.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
-  if (ImGui::SmallButton("undo")) placed.undo = true;
+  ImGui::BeginDisabled(!placed.can_undo);
+  if (ImGui::Button("undo")) placed.undo = true;
+  desk.places.named["undo"] = last_area();
+  ImGui::EndDisabled();
   tip("Undoes the last move. Key: Ctrl Z");
   ImGui::SameLine();
   ImGui::BeginDisabled(!placed.moved);
-  if (ImGui::SmallButton("as in the scene")) placed.restore = true;
+  if (ImGui::Button("as in the file")) placed.restore = true;
+  ImGui::EndDisabled();
   tip("Puts all solids back where their file has them");
-  ImGui::SameLine();
-  if (ImGui::SmallButton("save as")) placed.save = !placed.file.empty();
+  ImGui::BeginDisabled(!placed.moved);
+  if (ImGui::Button("save as")) placed.save = !placed.file.empty();
+  desk.places.named["save as"] = last_area();
+  ImGui::EndDisabled();
   tip("Writes the solids as they are now and runs with that file, so the command line includes the moves");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(-1);
+  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
   ImGui::InputText("##file", &placed.file);
   if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
   tip("A .glb file; an existing one is replaced");
-  ImGui::EndDisabled();
+  ImGui::SameLine(0, gap);
+  if (ImGui::Button("...", {button, 0}))
+    desk.picker = FilePicker{.title = "a name for the moved objects",
+                             .option = save_as,
+                             .endings = {".glb"},
+                             .is_new = true,
+                             .folder = ".",
+                             .name = placed.file};
+  tip("Chooses a folder and a name");
 }
 
 }  // namespace palpa::viewer

@@ -10,6 +10,7 @@
 
 #include "acoustics/felt/skin.hpp"
 #include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/field_marks.hpp"
 #include "viewer/picture/palette.hpp"
@@ -26,10 +27,6 @@ struct Band {
   double low_hz, high_hz;
 };
 constexpr std::array<Band, 2> bands{Band{"flutter", 5, 50}, Band{"vibration (PC)", 40, 400}};
-
-float em(float lines) {
-  return lines * ImGui::GetFontSize();
-}
 
 ImU32 packed(const Colour& colour, float alpha = 1) {
   return ImGui::ColorConvertFloat4ToU32({colour.r, colour.g, colour.b, colour.a * alpha});
@@ -66,13 +63,14 @@ void draw_ground(ImDrawList& draw, const Plot& plot, const Theme& theme) {
     const double value = plot.most * i / 2;
     draw.AddLine({plot.low.x, plot.y(value)}, {plot.high.x, plot.y(value)},
                  packed(theme.faint_ink, i == 0 ? 1.0f : 0.4f));
-    const std::string text = fmt::format("{:g}", value);
+    const std::string text = fmt::format("{:g}{}", 100 * value, i == 2 ? " %" : "");
     draw.AddText({plot.low.x - ImGui::CalcTextSize(text.c_str()).x - em(0.3f), plot.y(value) - em(0.5f)},
                  packed(theme.ink), text.c_str());
   }
   for (const double hz : {5.0, 20.0, 50.0, 100.0, 200.0, 400.0}) {
     draw.AddLine({plot.x(hz), plot.high.y}, {plot.x(hz), plot.high.y + em(0.25f)}, packed(theme.ink));
-    centred(draw, {plot.x(hz), plot.high.y + em(0.25f)}, packed(theme.ink), fmt::format("{:g}", hz));
+    centred(draw, {plot.x(hz), plot.high.y + em(0.25f)}, packed(theme.ink),
+            fmt::format("{:g}{}", hz, hz == 5 ? " Hz" : ""));
   }
 }
 
@@ -129,14 +127,14 @@ void draw_spectrum_panel(const Desk& desk) {
   }
   const float width = ImGui::GetContentRegionAvail().x, above = em(1.15f) * static_cast<float>(bands.size()) + em(0.2f);
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const Plot plot{{at.x + em(2.2f), at.y + above}, {at.x + width - em(0.8f), at.y + above + em(7)}, chart_top(most)};
+  const Plot plot{{at.x + em(2.8f), at.y + above}, {at.x + width - em(1.2f), at.y + above + em(7)}, chart_top(most)};
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw_ground(draw, plot, theme);
   for (std::size_t f = 0; f < fingers; ++f)
     draw_lines(draw, plot, desk.spectra[f], f, fingers, theme);
   ImGui::Dummy({width, above + em(8.4f)});
-  tip("How strongly the pressure around the foci changes, by its mean, at each frequency in Hz; in full colour: the "
-      "part that is felt");
+  tip("How strongly the pressure around the foci changes at each frequency, in percent of its mean; in full colour: "
+      "the part that is felt");
   for (std::size_t f = 0; f < fingers; ++f)
     say_what_is_felt(desk.spectra[f], f);
 }
@@ -156,13 +154,14 @@ void draw_sound_panel(Desk& desk) {
         "Sound pressure of the slot that is shown. Drag the middle along the arrow, the ends to turn it");
   if (!desk.state.layers.shows(Layer::slice)) return;
   for (const Word<setup::Plane>& entry : setup::plane_words) {
-    if (ImGui::SmallButton(entry.word)) desk.asked.plane = entry.value;
+    if (ImGui::Button(entry.word)) desk.asked.plane = entry.value;
     tip("Its axes in the world, through the middle of the touch");
     ImGui::SameLine();
   }
   auto size_mm = static_cast<float>(desk.state.slice.size_m.x * 1e3);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##size", &size_mm, 5, 300, "%.0f mm", ImGuiSliderFlags_Logarithmic)) {
+  if (ImGui::SliderFloat("##size", &size_mm, 5, 300, "side %.0f mm",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
     const Vec2 before = desk.state.slice.size_m;
     desk.state.slice.size_m = before * (std::clamp(size_mm, 5.0f, 300.0f) * 1e-3 / before.x);
   }

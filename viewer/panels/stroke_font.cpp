@@ -65,7 +65,8 @@ Glyphs make_stroke_font(ImFontAtlas& atlas, double ratio) {
     const std::string text = utf8(code);
     const double wide = drawing::text_width(text + "|", capitals * ratio) -
                         drawing::text_width("|", capitals * ratio);  // with the gap that follows it
-    const auto advance = static_cast<float>(std::max(std::round(wide), 2.0));
+    const auto advance =
+        static_cast<float>(std::max(std::ceil(wide), 2.0));  // rounded up, so that letters do not touch
     const int width = static_cast<int>(std::ceil(wide + ratio)) + 2;
     glyphs.push_back({atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(code), width, height, advance, {-1, 0}),
                       draw_glyph(text, width, height, ratio)});
@@ -80,6 +81,13 @@ Glyphs make_stroke_font(ImFontAtlas& atlas, double ratio) {
         coverage[(place.Y + y) * static_cast<unsigned>(width) + place.X + x] = glyph.pixels.at(x, y)[0];
     }
   }
+  return glyphs_of(atlas);
+}
+
+Glyphs glyphs_of(ImFontAtlas& atlas) {
+  unsigned char* coverage = nullptr;
+  int width = 0, rows = 0;
+  atlas.GetTexDataAsAlpha8(&coverage, &width, &rows);
   Glyphs out;
   static std::uint64_t versions = 0;
   out.version = ++versions;

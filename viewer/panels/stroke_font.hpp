@@ -14,4 +14,7 @@ inline constexpr double text_height = 17;
 /// Replaces the font of `atlas` by one for `ratio` pixels per point. Returns its pixels.
 Glyphs make_stroke_font(ImFontAtlas& atlas, double ratio);
 
+/// The pixels of the font that `atlas` has.
+Glyphs glyphs_of(ImFontAtlas& atlas);
+
 }  // namespace palpa::viewer

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "viewer/panels/file_font.hpp"
 #include "viewer/panels/stroke_font.hpp"
 
 namespace palpa::viewer {
@@ -44,7 +45,7 @@ void set_style(double ratio, bool dark) {
   ImGuiStyle style;
   dark ? ImGui::StyleColorsDark(&style) : ImGui::StyleColorsLight(&style);
   style.WindowRounding = style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
-  style.WindowBorderSize = 1;
+  style.WindowBorderSize = style.FrameBorderSize = 1;
   style.FramePadding = {6, 2};
   style.ItemSpacing = {7, 4};
   style.WindowPadding = {9, 7};
@@ -52,7 +53,11 @@ void set_style(double ratio, bool dark) {
   style.Colors[ImGuiCol_WindowBg].w = 1;
   // The strokes are thin, so ImGui's grey is too faint.
   style.Colors[ImGuiCol_TextDisabled] = dark ? ImVec4{0.64f, 0.65f, 0.68f, 1} : ImVec4{0.40f, 0.40f, 0.42f, 1};
-  style.Colors[ImGuiCol_FrameBg] = dark ? ImVec4{0.22f, 0.24f, 0.28f, 1} : ImVec4{0.86f, 0.88f, 0.91f, 1};
+  style.Colors[ImGuiCol_FrameBg] = dark ? ImVec4{0.22f, 0.24f, 0.28f, 1} : ImVec4{1, 1, 1, 1};
+  style.Colors[ImGuiCol_FrameBgHovered] = dark ? ImVec4{0.27f, 0.31f, 0.38f, 1} : ImVec4{0.87f, 0.93f, 1, 1};
+  style.Colors[ImGuiCol_Border] = dark ? ImVec4{0.46f, 0.49f, 0.54f, 1} : ImVec4{0.50f, 0.53f, 0.57f, 1};
+  style.Colors[ImGuiCol_CheckMark] = dark ? ImVec4{0.45f, 0.72f, 1, 1} : ImVec4{0.05f, 0.33f, 0.68f, 1};
+  style.Colors[ImGuiCol_SliderGrab] = dark ? ImVec4{0.36f, 0.56f, 0.80f, 1} : ImVec4{0.55f, 0.72f, 0.92f, 1};
   style.ScaleAllSizes(static_cast<float>(ratio));
   ImGui::GetStyle() = style;
 }
@@ -62,6 +67,7 @@ void set_style(double ratio, bool dark) {
 struct Ui::State {
   ImGuiContext* context = nullptr;
   Glyphs glyphs;
+  std::string ttf;  ///< a font's bytes; empty: palpa's own strokes
   Sheet sheet;
   bool dark = false;
   double ratio = 0;
@@ -109,6 +115,11 @@ void Ui::set_dark(bool dark) {
   if (std::exchange(state_->dark, dark) != dark && state_->ratio > 0) set_style(state_->ratio, dark);
 }
 
+void Ui::use_font(std::string ttf) {
+  state_->ttf = std::move(ttf);
+  state_->ratio = 0;
+}
+
 bool Ui::take(const WindowEvent& event, bool on_text) {
   State& s = *state_;
   const ImGuiIO& io = ImGui::GetIO();
@@ -149,12 +160,25 @@ void Ui::forget() {
   ImGui::ClearActiveID();
 }
 
+bool Ui::has_list() const {
+  return state_->context->OpenPopupStack.Size > 0;
+}
+
+bool Ui::close_list() {
+  if (!has_list()) return false;
+  ImGui::ClosePopupToLevel(state_->context->OpenPopupStack.Size - 1, true);
+  ImGui::ClearActiveID();
+  state_->settle = 2;
+  return true;
+}
+
 void Ui::begin(double width, double height, double ratio, double seconds) {
   State& s = *state_;
   ImGuiIO& io = ImGui::GetIO();
   if (ratio != s.ratio) {
     s.ratio = ratio;
-    s.glyphs = make_stroke_font(*io.Fonts, ratio);
+    std::optional<Glyphs> glyphs = s.ttf.empty() ? std::nullopt : make_file_font(*io.Fonts, s.ttf, ratio);
+    s.glyphs = glyphs ? std::move(*glyphs) : make_stroke_font(*io.Fonts, ratio);
     set_style(ratio, s.dark);
   }
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};

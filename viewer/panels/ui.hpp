@@ -20,6 +20,9 @@ class Ui {
   Ui& operator=(const Ui&) = delete;
 
   void set_dark(bool dark);
+  /// The bytes of a TrueType font to be used from the next picture on. If they are invalid, palpa's own strokes are
+  /// used.
+  void use_font(std::string ttf);
 
   /// Whether the panels want the event for themselves: the pointer is over one, or text is being typed. They see every
   /// event at the next begin(), except for a key's repetitions. `on_text`: a button is pressed where text is typed, so
@@ -28,6 +31,11 @@ class Ui {
   /// Discards events that were taken but that no picture has seen yet. A button that is held down is not a click any
   /// more.
   void forget();
+
+  /// Whether a list has dropped down.
+  bool has_list() const;
+  /// Closes the innermost list that has dropped down. Returns false if there is none.
+  bool close_list();
 
   /// Begins a picture of that many pixels, with `ratio` pixels per point, `seconds` after the last. It shows what the
   /// ImGui:: functions called between begin() and end() draw.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "acoustics/felt/skin.hpp"
+#include "viewer/picture/backing.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -27,18 +28,13 @@ struct Plot {
   }
 };
 
-void draw_panel(Ink& ink, const Vec2& low, const Vec2& high, const Theme& theme) {
-  // Strokes have round ends, so many thin ones make a panel with hardly rounded corners.
-  for (double y = low.y; y <= high.y; y += ink.px(4))
-    ink.line({low.x, y}, {high.x, y}, 5, theme.background);
-}
-
 void draw_grid(Ink& ink, const Plot& plot, const Theme& theme) {
   for (int i = 0; i <= 4; ++i) {
     const double value = plot.most * i / 4;
     ink.line(plot.at(0, value), plot.at(highest_hz, value), i == 0 ? 1.2 : 0.8,
              i == 0 ? theme.ink : with_alpha(theme.faint_ink, 0.35F));
-    ink.text(fmt::format("{:g}", value), plot.at(0, value) + Vec2(-ink.px(7), ink.px(3)), 7, theme.ink, Align::right);
+    const std::string share = fmt::format("{:g}{}", 100 * value, i == 4 ? " %" : "");
+    ink.text(share, plot.at(0, value) + Vec2(-ink.px(7), ink.px(3)), 7, theme.ink, Align::right);
   }
   for (int hz = 0; hz <= static_cast<int>(highest_hz); hz += 100) {
     const Vec2 foot = plot.at(hz, 0);
@@ -120,10 +116,11 @@ void draw_chart(Ink& ink, const Picture& picture, double width, double height, c
       if (line.frequency_hz <= highest_hz) most = std::max(most, line.around);
     }
   }
-  draw_panel(ink, low, low + size, theme);
-  const Plot plot{low.x + ink.px(40), low.x + size.x - ink.px(30), low.y + ink.px(44), low.y + size.y - ink.px(26),
+  draw_backing(ink, low, low + size, theme);
+  const Plot plot{low.x + ink.px(44), low.x + size.x - ink.px(30), low.y + ink.px(44), low.y + size.y - ink.px(26),
                   chart_top(most)};
-  ink.text("vibration of the skin by frequency, of its mean pressure", low + Vec2(ink.px(8), ink.px(12)), 8, theme.ink);
+  ink.text("vibration of the skin by frequency, in percent of its mean pressure", low + Vec2(ink.px(8), ink.px(12)), 8,
+           theme.ink);
   draw_key(ink, low + Vec2(ink.px(46), ink.px(26)), theme);
   draw_grid(ink, plot, theme);
   draw_bars(ink, plot, picture.spectra);

@@ -4,18 +4,24 @@
 #include <string>
 
 #include "drawing/field_picture.hpp"
+#include "viewer/picture/backing.hpp"
 #include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
 namespace {
 
-constexpr double left_of_all = 112, right_of_all = 210;        // points: axes and scale
+constexpr double left_of_all = 112, right_of_all = 210;  // points: axes and scale
+constexpr double above_axes = 80;
 constexpr double longest = 300, shortest = 150, step_up = 50;  // points
 constexpr double letters = 8, thick = 9;
 
 void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double length, const Theme& theme) {
   constexpr int pieces = 96;
   const std::string note = note_of(bar), title = note.empty() ? bar.title : bar.title + " (" + note + ")";
+  const double wide = std::max(length, drawing::text_width(title, ink.px(letters)));
+  const Vec2 middle = at + Vec2(length / 2, 0), half((wide / 2) + ink.px(12), 0);
+  draw_backing(ink, middle - half - Vec2(0, ink.px(24)), middle + half + Vec2(0, ink.px(bar.most > 0 ? 25 : -4)),
+               theme);
   ink.label(title, at + Vec2(length / 2, -ink.px(10)), letters, theme.ink, drawing::Align::centre);
   if (!(bar.most > 0)) return;
   for (int i = 0; i < pieces; ++i) {
@@ -37,11 +43,16 @@ void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double le
 
 void draw_bars(drawing::Ink& ink, const Picture& picture, const Layers& layers, double width, double height,
                double chart, const Theme& theme) {
-  const double left = std::max(ink.px(left_of_all), chart * width + ink.px(24));
-  const double room = width - ink.px(right_of_all) - left;
+  double left = std::max(ink.px(left_of_all), chart * width + ink.px(24));
+  double room = width - ink.px(right_of_all) - left;
+  double y = height - ink.px(34);
+  if (room < ink.px(shortest) && chart == 0) {  // no room between axes and scale, so above them
+    left = ink.px(22);
+    room = width - 2 * left;
+    y -= ink.px(above_axes);
+  }
   if (room < ink.px(shortest)) return;
   const double length = std::min(room, ink.px(longest));
-  double y = height - ink.px(34);
   for (const ColourBar& bar : picture.bars) {
     if (!layers.shows(bar.layer)) continue;
     draw_bar(ink, bar, {left + (room - length) / 2, y}, length, theme);

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "drawing/ink.hpp"
 #include "viewer/hands/slice_hand.hpp"
+#include "viewer/picture/backing.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/colour_bars.hpp"
 #include "viewer/picture/palette.hpp"
@@ -141,72 +146,110 @@ std::string counted(std::size_t n, std::string_view one) {
   return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
-void draw_legend(Ink& ink, const Picture& picture, const Layers& layers, const Theme& theme) {
-  const double x = ink.px(22), line_height = ink.px(19);
-  double y = ink.px(30);
-  const Vec2 swatch(x + ink.px(5), 0);
-  const auto entry = [&](std::string_view words) {
-    ink.label(words, {x + ink.px(20), y}, text_size, theme.ink);
-    y += line_height;
+/// A line of the legend: a sign, drawn around its middle, and words.
+struct Entry {
+  std::function<void(const Vec2& middle)> sign;
+  std::string words;
+};
+
+std::string names_of_solids(const Picture& picture) {
+  std::string names;
+  std::size_t named = 0;
+  for (const SurfaceMark& solid : picture.solids) {
+    if (solid.part.value_or(0) != 0) continue;  // named with its first part
+    if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
+    ++named;
+  }
+  return named > 4 ? names + fmt::format(" and {} more", named - 4) : names;
+}
+
+std::string words_of(const FingerMarks& finger, std::size_t index) {
+  const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
+  std::string foci = counted(static_cast<std::size_t>(own), "focus");
+  if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");
+  return fmt::format("finger {}: {}, {}", index, counted(finger.contacts, "contact"), foci);
+}
+
+std::vector<Entry> legend_entries(Ink& ink, const Picture& picture, const Layers& layers, const Theme& theme) {
+  std::vector<Entry> entries;
+  const auto disc = [&ink](double radius, const Colour& colour) {
+    return [&ink, radius, colour](const Vec2& at) { ink.disc(at, radius, colour); };
   };
-  const auto middle = [&] { return Vec2(swatch.x, y - ink.px(text_size / 2)); };
-  if (!picture.title.empty()) {
-    ink.label(picture.title, {x, y}, text_size * 1.3, theme.ink, Align::left, 1.15);
-    y += line_height * 1.35;
-  }
-  if (!picture.solids.empty() && (layers.shows(Layer::solids) || layers.shows(Layer::edges))) {
-    std::string names;
-    std::size_t named = 0;
-    for (const SurfaceMark& solid : picture.solids) {
-      if (solid.part.value_or(0) != 0) continue;  // named with its first part
-      if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
-      ++named;
-    }
-    if (named > 4) names += fmt::format(" and {} more", named - 4);
-    const Vec2 m = middle();
-    ink.swatch(m, theme.solid_rim, theme.edge);
-    entry(names);
-  }
-  if (picture.skin && layers.shows(Layer::skin)) {
-    const Vec2 m = middle();
-    ink.swatch(m, theme.skin_rim, theme.skin_point);
-    entry(picture.skin->name);
-  }
-  if (picture.skin_count > 0 && layers.shows(Layer::points)) {
-    ink.disc(middle(), 3, theme.skin_point);
-    entry(counted(picture.skin_count, "skin point"));
-  }
+  if (!picture.solids.empty() && (layers.shows(Layer::solids) || layers.shows(Layer::edges)))
+    entries.push_back({[&](const Vec2& at) { ink.swatch(at, theme.solid_rim, theme.edge); }, names_of_solids(picture)});
+  if (picture.skin && layers.shows(Layer::skin))
+    entries.push_back({[&](const Vec2& at) { ink.swatch(at, theme.skin_rim, theme.skin_point); }, picture.skin->name});
+  if (picture.skin_count > 0 && layers.shows(Layer::points))
+    entries.push_back({disc(3, theme.skin_point), counted(picture.skin_count, "skin point")});
   std::size_t loose = 0;
   for (const ContactMark& c : picture.contacts)
     loose += c.finger ? 0 : 1;
   constexpr std::size_t most_fingers = 8;
   for (std::size_t f = 0; f < std::min(picture.fingers.size(), most_fingers); ++f) {
-    const FingerMarks& finger = picture.fingers[f];
     const Colour colour = finger_colour(static_cast<std::uint32_t>(f));
-    ink.disc(middle() - Vec2(ink.px(5), 0), 3.4, colour);
-    ink.disc(middle() + Vec2(ink.px(5), 0), 5, colour);
-    ink.disc(middle() + Vec2(ink.px(5), 0), 3.5, rgb(0xffffff));
-    const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
-    std::string foci = counted(static_cast<std::size_t>(own), "focus");
-    if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");
-    entry(fmt::format("finger {}: {}, {}", f, counted(finger.contacts, "contact"), foci));
+    const auto sign = [&ink, colour](const Vec2& at) {
+      ink.disc(at - Vec2(ink.px(5), 0), 3.4, colour);
+      ink.disc(at + Vec2(ink.px(5), 0), 5, colour);
+      ink.disc(at + Vec2(ink.px(5), 0), 3.5, rgb(0xffffff));
+    };
+    entries.push_back({sign, words_of(picture.fingers[f], f)});
   }
   if (picture.fingers.size() > most_fingers)
-    entry(fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger")));
-  if (loose > 0 && layers.shows(Layer::contacts)) {
-    ink.disc(middle(), 3.4, theme.loose_contact);
-    entry(fmt::format("{} of no finger", counted(loose, "contact")));
-  }
-  if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers)) {
-    ink.disc(middle(), 4, theme.idle_transducer);
-    entry(counted(picture.transducers.size(), "transducer"));
-  }
+    entries.push_back({{}, fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger"))});
+  if (loose > 0 && layers.shows(Layer::contacts))
+    entries.push_back({disc(3.4, theme.loose_contact), fmt::format("{} of no finger", counted(loose, "contact"))});
+  if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers))
+    entries.push_back({disc(4, theme.idle_transducer), counted(picture.transducers.size(), "transducer")});
+  return entries;
 }
 
-/// Phase as hue around a wheel, amplitude as brightness from its centre outwards.
-void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Theme& theme) {
-  const double radius = 26, right = 84;
-  const Vec2 centre(width - ink.px(right), ink.px(64));
+/// As much of the words as is no wider.
+std::string cut_to(std::string words, double height, double width) {
+  if (drawing::text_width(words, height) <= width) return words;
+  while (!words.empty() && drawing::text_width(words + "...", height) > width)
+    words.pop_back();
+  return words + "...";
+}
+
+/// At the top left. Returns its lower right corner; the top left of the picture if there is nothing to say.
+Vec2 draw_legend(Ink& ink, const Picture& picture, const Layers& layers, double width, const Theme& theme) {
+  const double x = ink.px(22), line_height = ink.px(19), letters = ink.px(text_size), title_letters = 1.3 * letters;
+  const double room = std::max(width - 2 * x, 1.0), indent = ink.px(20);
+  std::vector<Entry> entries = legend_entries(ink, picture, layers, theme);
+  const std::string title = cut_to(picture.title, title_letters, room);
+  double right = title.empty() ? 0 : x + drawing::text_width(title, title_letters);
+  for (Entry& entry : entries) {
+    entry.words = cut_to(std::move(entry.words), letters, room - indent);
+    right = std::max(right, x + indent + drawing::text_width(entry.words, letters));
+  }
+  if (right == 0) return {0, 0};
+  double y = ink.px(30);
+  const double lines = static_cast<double>(entries.size()) + (title.empty() ? 0 : 1.35);
+  const Vec2 low(x - ink.px(10), y - letters - ink.px(7)),
+      high(right + ink.px(10), low.y + lines * line_height + ink.px(5));
+  draw_backing(ink, low, high, theme);
+  if (!title.empty()) {
+    ink.text(title, {x, y}, text_size * 1.3, theme.ink, Align::left, 1.15);
+    y += line_height * 1.35;
+  }
+  for (const Entry& entry : entries) {
+    if (entry.sign) entry.sign({x + ink.px(5), y - letters / 2});
+    ink.text(entry.words, {x + indent, y}, text_size, theme.ink);
+    y += line_height;
+  }
+  return high;
+}
+
+/// Phase as hue around a wheel, amplitude as brightness from its centre outwards. At the top right; below the legend if
+/// there is no room beside it.
+void draw_drive_wheel(Ink& ink, const Picture& picture, const Vec2& legend, double width, double height,
+                      const Theme& theme) {
+  const double radius = 26, half = 66, above = 44, below = 68;
+  Vec2 centre(width - ink.px(half + 18), ink.px(64));
+  if (legend.x > centre.x - ink.px(half)) centre = Vec2(ink.px(half + 12), legend.y + ink.px(above + 6));
+  const double axes = ink.px(104);
+  if (centre.x + ink.px(half) > width || centre.y + ink.px(below) + axes > height) return;
+  draw_backing(ink, centre - Vec2(ink.px(half), ink.px(above)), centre + Vec2(ink.px(half), ink.px(below)), theme);
   constexpr int sectors = 96, rings = 9;
   for (int ring = 0; ring < rings; ++ring) {
     const double r = ink.px(radius * (ring + 0.5) / rings);
@@ -217,12 +260,12 @@ void draw_drive_wheel(Ink& ink, const Picture& picture, double width, const Them
                radius / rings + 0.6, c);
     }
   }
-  ink.label("0", centre + Vec2(ink.px(radius + 9), ink.px(4)), 8, theme.ink);
-  ink.label("\u03c0", centre + Vec2(-ink.px(radius + 9), ink.px(4)), 8, theme.ink, Align::right);
-  ink.label("hue: phase", centre + Vec2(0, -ink.px(radius + 8)), 8, theme.ink, Align::centre);
-  ink.label("brightness: amplitude", centre + Vec2(0, ink.px(radius + 18)), 8, theme.faint_ink, Align::centre);
-  ink.label(counted(picture.transducers.size(), "transducer"), centre + Vec2(0, ink.px(radius + 36)), 8, theme.ink,
-            Align::centre);
+  ink.text("0", centre + Vec2(ink.px(radius + 9), ink.px(4)), 8, theme.ink);
+  ink.text("\u03c0", centre + Vec2(-ink.px(radius + 9), ink.px(4)), 8, theme.ink, Align::right);
+  ink.text("hue: phase", centre + Vec2(0, -ink.px(radius + 8)), 8, theme.ink, Align::centre);
+  ink.text("brightness: amplitude", centre + Vec2(0, ink.px(radius + 18)), 8, theme.ink, Align::centre);
+  ink.text(counted(picture.transducers.size(), "transducer"), centre + Vec2(0, ink.px(radius + 36)), 8, theme.ink,
+           Align::centre);
 }
 
 void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
@@ -260,6 +303,7 @@ void draw_scale(Ink& ink, const Picture& picture, const Viewpoint& viewpoint, co
       options.inset ? 0 : chart_in_the_way(picture, options.width, options.height, options.ratio, pixels + ink.px(40));
   const Vec2 right(options.width - ink.px(24), options.height - ink.px(28) - below), left = right - Vec2(pixels, 0);
   const Vec2 tick(0, ink.px(4));
+  draw_backing(ink, left - Vec2(ink.px(10), ink.px(22)), right + Vec2(ink.px(10), ink.px(8)), theme);
   ink.line(left, right, 1.6, theme.ink);
   ink.line(left - tick, left + tick, 1.6, theme.ink);
   ink.line(right - tick, right + tick, 1.6, theme.ink);
@@ -311,8 +355,9 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
     return;
   }
   in_layer(Layer::legend, [&] {
-    draw_legend(ink, picture, layers, theme);
-    if (picture.driven && layers.shows(Layer::transducers)) draw_drive_wheel(ink, picture, options.width, theme);
+    const Vec2 legend = draw_legend(ink, picture, layers, options.width, theme);
+    if (picture.driven && layers.shows(Layer::transducers))
+      draw_drive_wheel(ink, picture, legend, options.width, options.height, theme);
     draw_axes(ink, viewpoint, options.height);
     draw_scale(ink, picture, viewpoint, options, theme);
     draw_chart(ink, picture, options.width, options.height, theme);

@@ -1,6 +1,39 @@
 #include "viewer/render/participant.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "drawing/canvas.hpp"
+#include "drawing/ink.hpp"
+
 namespace palpa::viewer {
+
+std::string stretched(const sensing::Screen& screen, std::uint32_t width, std::uint32_t height) {
+  constexpr double tolerance = 0.02;
+  const double factor = screen.width_m / screen.height_m / (static_cast<double>(width) / height);
+  if (std::abs(factor - 1) <= tolerance) return {};
+  return fmt::format(
+      "the participant's picture of {}x{} pixels is stretched {:.2f} times in width, because the rig's screen is {:g} "
+      "x "
+      "{:g} mm: objects do not appear where they are felt",
+      width, height, factor, screen.width_m * 1e3, screen.height_m * 1e3);
+}
+
+void write_line(drawing::Pixels& picture, std::string_view text, double ratio) {
+  const auto rows = std::min(static_cast<std::uint32_t>(std::lround(28 * ratio)), picture.height);
+  const drawing::Colour paper = drawing::rgb(0x1c2127);
+  std::vector<shader::ViewStroke> strokes;
+  drawing::Ink(ratio, paper, strokes)
+      .text(text, {picture.width / 2.0, 19 * ratio}, drawing::text_size, drawing::rgb(0xffffff),
+            drawing::Align::centre);
+  drawing::Canvas line(picture.width, rows, paper);
+  line.draw(strokes);
+  const auto& written = line.pixels().rgba;
+  std::copy(written.begin(), written.end(), picture.rgba.begin());
+}
 
 Barrier barrier_of(const Participant& p, std::uint32_t width, std::uint32_t height) {
   Barrier barrier = usual_barrier(p.screen, eyes_before(p.screen, p.eyes_apart_m), p.stereo, width, height);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "viewer/render/offscreen.hpp"
 #include "viewer/view/stereo.hpp"
@@ -27,6 +29,12 @@ ViewState for_participant(const ViewState& state);
 
 /// What one eye sees.
 Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects);
+
+/// A warning if a picture of that size has another shape than the screen, which then stretches it; else empty.
+std::string stretched(const sensing::Screen& screen, std::uint32_t width, std::uint32_t height);
+
+/// Writes a line of text over the top of the picture.
+void write_line(drawing::Pixels& picture, std::string_view text, double ratio);
 
 /// The screen's whole picture, of that size. `offscreen` must have the size that eye_size gives for it.
 drawing::Pixels draw(const Participant& participant, const Box& objects, std::uint32_t width, std::uint32_t height,

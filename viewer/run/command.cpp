@@ -8,7 +8,7 @@
 #include "base/reference.hpp"
 #include "setup/help.hpp"
 #include "setup/parse.hpp"
-#include "viewer/app/settings.hpp"
+#include "viewer/options/settings.hpp"
 #include "viewer/run/run.hpp"
 
 namespace palpa::viewer {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "viewer/app/viewer_options.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/options/viewer_options.hpp"
 
 namespace palpa::viewer {
 

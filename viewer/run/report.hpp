@@ -7,7 +7,7 @@
 #include "base/outputs.hpp"
 #include "drawing/png.hpp"
 #include "session/watch/stats.hpp"
-#include "viewer/app/viewer_options.hpp"
+#include "viewer/options/viewer_options.hpp"
 
 namespace palpa::viewer {
 

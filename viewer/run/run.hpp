@@ -2,8 +2,8 @@
 #pragma once
 
 #include "viewer/app/show.hpp"
-#include "viewer/app/viewer_options.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/options/viewer_options.hpp"
 
 namespace palpa::viewer {
 

@@ -1,6 +1,8 @@
 #include <optional>
+#include <string>
 
 #include "acoustics/bodies/body_cache.hpp"
+#include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "setup/body.hpp"
 #include "setup/touch_run.hpp"
@@ -18,6 +20,11 @@ void run_headless(const ViewerOptions& options) {
   refuse_outputs_as_inputs(options);
   std::optional<Participant> participant;
   if (options.participant) participant = participant_of(options);
+  if (participant) {
+    const Size size = picture_size(options);
+    if (const std::string line = stretched(participant->screen, size.width, size.height); !line.empty())
+      log::warning(line);
+  }
   Show show(options);
   const gpu::Device device(setup::device_options(options.common));
   const Size size = picture_size(options);

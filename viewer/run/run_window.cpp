@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -7,8 +8,11 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/file_register.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/frame_gaps.hpp"
+#include "viewer/options/settings.hpp"
+#include "viewer/panels/file_font.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/drawing_threads.hpp"
 #include "viewer/run/film.hpp"
@@ -45,7 +49,7 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
     const Desk::ParticipantWindowState& view = app.desk().participant;
     if (view.open && !participant) participant.emplace(device, view.monitor);
     if (!view.open) participant.reset();
-    if (participant) participant->show(app);
+    if (participant) app.participant_fills(participant->show(app));
   } catch (const Error& error) {
     if (device.lost()) throw;
     app.participant_window_failed(error.what());
@@ -82,9 +86,17 @@ Size pixels_of(const Window& window) {
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
   Script script(options);
+  if (const auto settings = settings_file()) file_register::add_own(*settings);  // before an output can be declared
   const Outputs outputs(outputs_of(options, script, kinds));
   refuse_outputs_as_inputs(options);
-  Window window(size.width, size.height, "palpa");  // first, because nothing else makes sense without a display
+  const std::filesystem::path settings = settings_file().value_or("");
+  const bool sized = options.given.contains("--size");
+  // First, because nothing else makes sense without a display.
+  Window window({.width = size.width,
+                 .height = size.height,
+                 .in_points = !sized,
+                 .before = sized || settings.empty() ? std::nullopt : remembered_window(settings)},
+                "palpa");
   const Clock::time_point begin = Clock::now();
   const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Stopper stopper(options, Window::wake);
@@ -101,7 +113,8 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
                  threads.give_way();
                },
            .panels = !options.no_panels,
-           .settings = settings_file().value_or("")});
+           .ratio = window.pixel_ratio(),
+           .settings = settings});
   // At this point, the threads of a live run have begun, but those of the picture have not.
   if (options.is_live()) threads.give_way();
   threads.expect();
@@ -113,11 +126,13 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
   Presenter presenter(device, surface.get());
   Filming filming(device, options.video);
+  app.use_font(system_font());
   app.tell_monitors(Window::monitors());
   std::optional<ParticipantWindow> participant;
   std::vector<WindowEvent> events;
   Rest rest;
   PicturesDrawn pictures;
+  std::string title;
   double last_drawn_s = -1;
   PictureSteps pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
   const SilentEnd silent_end(stopper.flag());
@@ -145,6 +160,8 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     if (options.frames && pictures.ms.count() > 0) app.go_on();
     app.advance(now(), pixels);
     look_after(participant, app, device);
+    if (const std::string now_shown = app.title(); now_shown != title)
+      window.set_title((title = now_shown).empty() ? "palpa" : "palpa: " + title);
     const bool asked = options.frames || script.busy(), changed = app.dirty() || asked;
     const bool rests = rest.again_s() && now() >= *rest.again_s();
     if (!visible || !(changed || rests)) continue;
@@ -183,6 +200,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     script.drew();
     filming.add(drawn, frame, pixels, ratio, pause);
   }
+  if (const auto place = window.place(); place && !sized) app.window_is_at(*place);
   stopper.end(app);
   report_window(options, outputs, pictures);
   report_run(options, outputs, app.stats());

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/outputs.hpp"
-#include "viewer/app/viewer_options.hpp"
+#include "viewer/options/viewer_options.hpp"
 #include "viewer/run/interact.hpp"
 
 namespace palpa::viewer {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/outputs.hpp"
-#include "viewer/app/viewer_options.hpp"
 #include "viewer/live/live_session.hpp"
+#include "viewer/options/viewer_options.hpp"
 #include "viewer/run/script.hpp"
 
 namespace palpa::viewer {

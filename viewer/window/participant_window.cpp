@@ -20,13 +20,14 @@ void ParticipantWindow::take(std::vector<WindowEvent>& events) {
   if (damaged) shown_.reset();  // the old picture is lost
 }
 
-void ParticipantWindow::show(const App& app) {
+Size ParticipantWindow::show(const App& app) {
   const Desk::ParticipantWindowState& view = app.desk().participant;
   const VkExtent2D whole = window_.size();
-  if (whole.width < 2 || whole.height < 2 || !view.setting) return;
-  const Shown now{
-      app.surfaces_version(), *view.setting, view.hidden, app.desk().state.dark, {whole.width, whole.height}};
-  if (shown_ == now) return;
+  const Size filled{whole.width, whole.height};
+  if (whole.width < 2 || whole.height < 2 || !view.setting) return filled;
+  const Shown now{app.surfaces_version(), *view.setting,          view.hidden,
+                  app.desk().state.dark,  view.says_how_to_leave, filled};
+  if (shown_ == now) return filled;
   ViewState state = for_participant(app.desk().state);
   if (view.hidden) state.layers.hide({Layer::solids, Layer::edges});
   drawn_.update(app.picture(), state);  // nothing is in flight, because the eyes' pictures are waited for
@@ -34,7 +35,10 @@ void ParticipantWindow::show(const App& app) {
   if (!eye_ || eye_->width() != size.width || eye_->height() != size.height)
     eye_.emplace(*device_, size.width, size.height);
   const Box objects = extent(app.picture(), Extent::objects, state);
-  if (presenter_.draw(draw(now.participant, objects, whole.width, whole.height, *eye_, drawn_))) shown_ = now;
+  drawing::Pixels picture = draw(now.participant, objects, whole.width, whole.height, *eye_, drawn_);
+  if (view.says_how_to_leave) write_line(picture, "P or Escape closes this window, Q quits", window_.pixel_ratio());
+  if (presenter_.draw(picture)) shown_ = now;
+  return filled;
 }
 
 }  // namespace palpa::viewer

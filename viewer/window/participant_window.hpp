@@ -21,14 +21,14 @@ class ParticipantWindow {
   /// Takes the window's events. If the window was damaged, it is drawn again.
   void take(std::vector<WindowEvent>& events);
   /// Draws what `app` has for the participant, unless that is shown already: the pictures of both eyes, combined as the
-  /// screen separates them. A picture is made when something changes, not at a fixed rate.
-  void show(const App& app);
+  /// screen separates them. A picture is made when something changes, not at a fixed rate. Returns the window's size.
+  Size show(const App& app);
 
  private:
   struct Shown {
     std::uint64_t surfaces = 0;
     Participant participant;
-    bool hidden = false, dark = false;
+    bool hidden = false, dark = false, says_how_to_leave = false;
     Size size;
     bool operator==(const Shown&) const = default;
   };

@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <string>
 
@@ -29,6 +30,36 @@ bool given(const char* variable) {
   return value != nullptr && *value != '\0';
 }
 #endif
+
+/// What GTK programs enlarge everything by; 1 if it is not set.
+double gdk_scale() {
+  const char* const value = std::getenv("GDK_SCALE");
+  return value != nullptr && value[0] >= '1' && value[0] <= '4' && value[1] == '\0' ? value[0] - '0' : 1.0;
+}
+
+double ratio_of(float content_scale) {
+  return std::clamp(std::max(static_cast<double>(content_scale), gdk_scale()), 0.5, 4.0);
+}
+
+/// Pixels per point before there is a window.
+double scale_at_first() {
+  float x = 1, y = 1;
+  if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor()) glfwGetMonitorContentScale(monitor, &x, &y);
+  return ratio_of(x);
+}
+
+/// Whether a person could take hold of the window there.
+bool is_on_a_monitor(const WindowPlace& place) {
+  int count = 0;
+  GLFWmonitor** const all = glfwGetMonitors(&count);
+  const int x = place.x + static_cast<int>(place.width / 2), y = place.y;
+  for (int i = 0; i < count; ++i) {
+    int left = 0, top = 0, width = 0, height = 0;
+    glfwGetMonitorWorkarea(all[i], &left, &top, &width, &height);
+    if (x >= left && x < left + width && y >= top && y < top + height) return true;
+  }
+  return false;
+}
 
 /// GLFW 3.4 tries Wayland first, and libwayland complains on stderr if the environment names no compositor. Then only
 /// X11 is possible.
@@ -132,7 +163,7 @@ struct Window::State {
   }
 };
 
-Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : state_(std::make_unique<State>()) {
+Window::Window(const WindowWish& wish, const char* title) : state_(std::make_unique<State>()) {
   if (!start_glfw()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
   ++State::open;
   const auto refuse = [](const std::string& fault) {
@@ -141,8 +172,19 @@ Window::Window(std::uint32_t width, std::uint32_t height, const char* title) : s
   };
   if (!glfwVulkanSupported()) throw refuse("this display has no Vulkan surfaces");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-  state_->window = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title, nullptr, nullptr);
+  const double points = wish.in_points ? scale_at_first() : 1;
+  const auto pixels = [&](std::uint32_t length) { return static_cast<int>(std::lround(length * points)); };
+  const WindowPlace first = wish.before.value_or(WindowPlace{});
+  const int width = wish.before ? static_cast<int>(first.width) : pixels(wish.width);
+  const int height = wish.before ? static_cast<int>(first.height) : pixels(wish.height);
+  glfwWindowHint(GLFW_VISIBLE, wish.before ? GLFW_FALSE : GLFW_TRUE);  // it is not seen to move
+  state_->window = glfwCreateWindow(width, height, title, nullptr, nullptr);
+  glfwDefaultWindowHints();
   if (!state_->window) throw refuse(fmt::format("no window ({})", last_fault()));
+  if (wish.before) {
+    if (is_on_a_monitor(first)) glfwSetWindowPos(state_->window, first.x, first.y);
+    glfwShowWindow(state_->window);
+  }
   state_->listen();
 }
 
@@ -212,6 +254,7 @@ void Window::State::listen() {
     }
   });
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { State::of(w).events.emplace_back(); });
+  glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { State::of(w).events.emplace_back(); });
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { State::of(w).events.emplace_back(); });
 }
 
@@ -255,7 +298,7 @@ VkExtent2D Window::size() const {
 double Window::pixel_ratio() const {
   float x = 1, y = 1;
   glfwGetWindowContentScale(state_->window, &x, &y);
-  return std::clamp(static_cast<double>(x), 0.5, 4.0);
+  return ratio_of(x);
 }
 
 void Window::wait(double timeout_s, std::vector<WindowEvent>& events) {
@@ -280,6 +323,21 @@ void Window::wake() {
 
 void Window::resize(std::uint32_t width, std::uint32_t height) {
   glfwSetWindowSize(state_->window, static_cast<int>(width), static_cast<int>(height));
+}
+
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(state_->window, title.c_str());
+}
+
+std::optional<WindowPlace> Window::place() const {
+  GLFWwindow* const window = state_->window;
+  const bool usual = glfwGetWindowAttrib(window, GLFW_VISIBLE) && !glfwGetWindowAttrib(window, GLFW_ICONIFIED) &&
+                     !glfwGetWindowAttrib(window, GLFW_MAXIMIZED);
+  int x = 0, y = 0, width = 0, height = 0;
+  glfwGetWindowSize(window, &width, &height);
+  if (!usual || width < 16 || height < 16) return std::nullopt;
+  glfwGetWindowPos(window, &x, &y);
+  return WindowPlace{x, y, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
 std::string Window::clipboard() const {

@@ -6,18 +6,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "viewer/hands/controls.hpp"
+#include "viewer/options/settings.hpp"
 
 namespace palpa::viewer {
+
+/// How large a window is at first, and where.
+struct WindowWish {
+  std::uint32_t width = 0, height = 0;
+  bool in_points = false;  ///< else in pixels
+  /// Where a window was before; it replaces the size. If that is off all monitors, only its size counts.
+  std::optional<WindowPlace> before{};
+};
 
 class Window {
  public:
   /// Throws Error (Exit::no_device), which suggests --headless, if there is no display, or none that Vulkan can present
   /// to.
-  Window(std::uint32_t width, std::uint32_t height, const char* title);
+  Window(const WindowWish& wish, const char* title);
   /// Fills a monitor. `monitor` is an index into monitors(); if there are fewer, it is the last. In addition to another
   /// window.
   Window(std::size_t monitor, const char* title);
@@ -32,7 +42,7 @@ class Window {
 
   /// In pixels; 0 x 0 while minimised.
   VkExtent2D size() const;
-  /// Pixels per point: 2 on a high-resolution screen.
+  /// Pixels per point: 2 on a high-resolution screen. The monitor's scale, or $GDK_SCALE if that is larger.
   double pixel_ratio() const;
   /// Waits for events, at most `timeout_s` (0: only looks; negative: for ever), and appends them, with positions in
   /// pixels.
@@ -40,6 +50,9 @@ class Window {
   /// Ends a wait(). May be called from any thread.
   static void wake();
   void resize(std::uint32_t width, std::uint32_t height);
+  void set_title(const std::string& title);
+  /// Where it is; nullopt while it is minimised, maximised or hidden.
+  std::optional<WindowPlace> place() const;
   /// Text from other programs, and for them.
   std::string clipboard() const;
   void set_clipboard(const std::string& text);

@@ -40,20 +40,35 @@ constexpr double needle = 10;
 constexpr double farthest_m = 100;
 /// Smaller pieces of a body have faces that single precision cannot distinguish.
 constexpr double smallest_m = 1e-6;
+/// The matrix is in single precision. The points of two faces may coincide there if the faces are shorter than this
+/// part of the body, and the square of a face's area may underflow if the face is lower than this.
+constexpr double shortest_part = 1e-7, lowest_m = 1e-9;
 
-/// A face's longest side divided by its height over that side.
-double length_by_height(const Mesh& mesh, std::uint32_t face) {
+double longest_side(const Mesh& mesh, std::uint32_t face) {
   const glm::uvec3& t = mesh.triangles[face];
   double longest = 0;
   for (int i = 0; i < 3; ++i)
     longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
-  return longest * longest / glm::length(geometry::area_vector(mesh, face));
+  return longest;
+}
+
+/// A face's height over its longest side.
+double height(const Mesh& mesh, std::uint32_t face) {
+  return glm::length(geometry::area_vector(mesh, face)) / longest_side(mesh, face);
+}
+
+double length_by_height(const Mesh& mesh, std::uint32_t face) {
+  return longest_side(mesh, face) / height(mesh, face);
+}
+
+double largest_extent(const Box& box) {
+  const Vec3 extent = box.high - box.low;
+  return std::max({extent.x, extent.y, extent.z});
 }
 
 /// `what` says whether this is the box of the whole body or of a piece.
 void check_size(const std::string& file, const char* what, const Box& box) {
-  const Vec3 extent = box.high - box.low;
-  const double size = std::max({extent.x, extent.y, extent.z});
+  const double size = largest_extent(box);
   if (size >= smallest_m) return;
   throw bad_input(file, fmt::format("{} only {:.4g} m across, near {} m; a body measures at least a micrometre, and "
                                     "coordinates are metres",
@@ -101,6 +116,21 @@ void check_sizes(const std::string& file, const Mesh& body, const geometry::Shel
     check_size(file, "has a piece that is", box);
 }
 
+/// Checks that no face is too small for the matrix.
+void check_face_sizes(const std::string& file, const Mesh& body) {
+  const double body_m = largest_extent(geometry::bounds(body));
+  const double shortest_m = std::max(lowest_m, shortest_part * body_m);
+  for (std::uint32_t t = 0; t < body.triangles.size(); ++t) {
+    if (longest_side(body, t) >= shortest_m && height(body, t) >= lowest_m) continue;
+    throw bad_input(
+        file, fmt::format("face {} at {} m is only {:.2g} m long and {:.2g} m high; a face of a body of {:.2g} m is at "
+                          "least {:.2g} m long and a nanometre high; remove such faces, for example with a remesher "
+                          "such as MeshLab's isotropic one",
+                          t, geometry::text::point(body.positions[body.triangles[t][0]]), longest_side(body, t),
+                          height(body, t), body_m, shortest_m));
+  }
+}
+
 /// Checks that no piece lies within another.
 void check_apart(const std::string& file, const Mesh& body, const geometry::Bvh& tree, geometry::Shells& shells) {
   geometry::find_nesting(body, tree, shells);
@@ -134,6 +164,7 @@ Mesh body_mesh(const std::string& file, const Mesh& mesh) {
   check_closed(file, body);
   geometry::Shells shells = geometry::find_shells(body, geometry::twins(body));
   check_sizes(file, body, shells);
+  check_face_sizes(file, body);
   for (const geometry::Shell& shell : shells.list) {
     if (!(std::abs(shell.volume) > 1e-6 * shell.area * std::sqrt(shell.area)))
       throw bad_input(file, "encloses no volume; a body is a closed surface");
@@ -205,7 +236,7 @@ void check_source(const Mesh& body, const Vec3& source, bool force) {
   if (found.distance < coarse_source * side && !force)
     throw bad_usage(what +
                     "; move it away by at least half a side, or make the mesh finer; --force computes it anyway");
-  log::warning(what + "; nearer than two sides, the faces do not follow the wave");
+  log::warning(what + "; nearer than two sides, results are less exact");
 }
 
 namespace {

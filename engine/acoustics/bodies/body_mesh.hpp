@@ -10,9 +10,9 @@
 namespace palpa::acoustics {
 
 /// `mesh` is welded; the result faces outwards and has the same triangles in the same order. Throws bad_input naming
-/// `file`: no triangle, one without area, an open edge or one with more than two faces, neighbours that face opposite
-/// ways, a surface that passes through itself or touches itself, a piece that lies within another (a cavity, which no
-/// sound reaches). Pieces that face inwards are reversed, with a warning.
+/// `file`: no triangle, one without area, one too small for single precision, an open edge or one with more than two
+/// faces, neighbours that face opposite ways, a surface that passes through itself or touches itself, a piece that lies
+/// within another (a cavity, which no sound reaches). Pieces that face inwards are reversed, with a warning.
 geometry::Mesh body_mesh(const std::string& file, const geometry::Mesh& mesh);
 
 /// Mean length of a triangle's sides, metres.

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

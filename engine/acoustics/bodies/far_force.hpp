@@ -31,9 +31,10 @@ namespace palpa::acoustics {
 
 class FarForce {
  public:
-  /// `body` must outlive it. Nothing if one of the sources is within 1.05 times the radius of the sphere around the
-  /// body: the force from afar is then not defined. Nothing either if the sphere needs more than 5000 points and more
-  /// than half as many as the body, as around a long wire or a mesh that is far too coarse: it would take too long.
+  /// `body` must outlive it. nullopt if one of the sources is within 1.05 times the radius of the sphere around the
+  /// body: the force from afar is then not defined. Also nullopt if the sphere needs more than 5000 points and more
+  /// than half as many as the body, as around a long wire or a mesh that is far too coarse: the computation would then
+  /// be too slow.
   static std::optional<FarForce> of(const RigidBody& body, std::span<const Vec3> sources);
 
   /// Where the incident wave is needed, with its slope along these outward normals.

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "acoustics/boundary/triangle_rules.hpp"
 #include "acoustics/compressed/body_operator.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 
@@ -20,6 +20,12 @@ using Complex = std::complex<double>;
 namespace {
 
 constexpr std::size_t samples = 3;
+
+bool all_finite(std::span<const std::complex<float>> numbers) {
+  return std::ranges::all_of(numbers, [](const std::complex<float>& number) {
+    return std::isfinite(number.real()) && std::isfinite(number.imag());
+  });
+}
 
 /// The hat function of a corner at one of the samples.
 double hat(std::size_t corner, std::size_t sample) {
@@ -73,11 +79,10 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident, const s
     for (std::size_t v = 0; v < size; ++v)
       columns[wave * size + v] = std::complex<float>(sums[v]);
   });
+  if (!all_finite(columns)) throw failure("The incident wave on the surface is too large, or is not a number");
   find_unknowns(Way::forth, columns, give_up);
-  const auto finite = [](const std::complex<float>& p) { return std::isfinite(p.real()) && std::isfinite(p.imag()); };
-  if (!std::ranges::all_of(columns, finite))
-    throw failure(
-        "The pressure on the surface is not a number: the incident wave is too large, or is not a number itself");
+  if (!all_finite(columns))
+    throw failure("The pressure on the surface is not a number; a mesh with more even faces may help");
   return columns;
 }
 

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/boundary/surface_sound.hpp"
+#include "acoustics/elements/patches.hpp"
 #include "acoustics/field/incident.hpp"
 #include "geometry/mesh/mesh.hpp"
 

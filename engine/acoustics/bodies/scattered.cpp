@@ -6,7 +6,7 @@
 
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/boundary/galerkin_kernels.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
 

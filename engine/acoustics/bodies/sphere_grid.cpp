@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 
 namespace palpa::acoustics {
 

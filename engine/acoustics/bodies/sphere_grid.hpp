@@ -17,8 +17,8 @@ namespace palpa::acoustics {
 
 class SphereGrid {
  public:
-  /// Harmonics up to `order`, at least 0. `rings`, at least order + 1, each with twice as many directions: more of them
-  /// keep parts of a function above the order from showing up in its coefficients.
+  /// Harmonics up to `order`, which is at least 0. The grid has `rings` rings, at least order + 1, each with 2 *
+  /// `rings` directions. With more rings, the parts of a function above the order change its coefficients less.
   SphereGrid(std::size_t order, std::size_t rings);
 
   std::size_t order() const { return order_; }

@@ -1,5 +1,4 @@
-// What a surface's double layer sends into a direction, far away: the inner loop of far_force.hpp, for the processor in
-// use.
+// The far field of a surface's double layer in a direction: the inner loop of far_force.hpp, for the processor in use.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acoustics/boundary/galerkin_kernels.hpp"
-#include "acoustics/boundary/patches.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

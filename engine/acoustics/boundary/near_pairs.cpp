@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "acoustics/boundary/near_rules.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/activity.hpp"
 #include "base/log.hpp"
 #include "base/parallel.hpp"

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <span>
 
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 
 namespace palpa::acoustics {
 namespace {

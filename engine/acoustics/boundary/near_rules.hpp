@@ -2,7 +2,7 @@
 #pragma once
 
 #include "acoustics/boundary/galerkin_kernels.hpp"
-#include "acoustics/boundary/patches.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <span>
 
-#include "acoustics/boundary/patches.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

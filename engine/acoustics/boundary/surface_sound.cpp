@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 
-#include "acoustics/boundary/polynomial.hpp"
-#include "acoustics/boundary/triangle_rules.hpp"
+#include "acoustics/elements/polynomial.hpp"
+#include "acoustics/elements/triangle_rules.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

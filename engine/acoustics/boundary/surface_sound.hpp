@@ -19,9 +19,9 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/boundary/face_fit.hpp"
-#include "acoustics/boundary/hat_averages.hpp"
-#include "acoustics/boundary/patches.hpp"
+#include "acoustics/elements/face_fit.hpp"
+#include "acoustics/elements/hat_averages.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

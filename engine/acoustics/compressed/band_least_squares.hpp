@@ -22,7 +22,8 @@ class BandLeastSquares {
   std::size_t columns() const { return columns_.size(); }
   /// |H x_j - g_j| of the best x_j.
   std::vector<double> residuals() const;
-  /// The best x_j: entry [column * right-hand sides + j]. Columns that depend on those before get zero.
+  /// The best x_j: entry [column * right-hand sides + j]. Columns that, in single
+  /// precision, depend on those before get zero.
   std::vector<Number> solve() const;
 
  private:

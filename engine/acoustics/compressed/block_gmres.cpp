@@ -149,8 +149,10 @@ class Solver {
     }
     report.residual = 1;
     if (std::ranges::all_of(sizes_, [](double size) { return size == 0; })) return {0, 0};
+    std::vector<float> kept(2 * stride * count_);
     while (report.iterations < setting_.most_iterations) {
       const double before = report.residual;
+      std::copy_n(x_.of, kept.size(), kept.begin());
       improve({residual.data(), stride}, report);
       // The residual itself, since its estimate from the directions loses digits.
       matrix_(x_, count_, {residual.data(), stride});
@@ -162,7 +164,13 @@ class Solver {
           r[i] = right[i] - r[i];
         if (sizes_[v] > 0) report.residual = std::max(report.residual, norm({r, stride}, 0) / sizes_[v]);
       }
-      if (report.residual <= setting_.tolerance || !(report.residual < 0.9 * before)) break;
+      if (report.residual <= setting_.tolerance) break;
+      if (report.residual < 0.9 * before) continue;
+      if (report.residual > before) {  // rounding has spoiled the last improvement
+        std::ranges::copy(kept, x_.of);
+        report.residual = before;
+      }
+      break;
     }
     return report;
   }

@@ -21,9 +21,9 @@ struct GmresSetting {
 /// Replaces `count` vectors y by a map of the vectors x; x and y do not overlap.
 using VectorMap = std::function<void(const SplitVectors& x, std::size_t count, const SplitVectors& y)>;
 
-/// `precondition`: a map close to the inverse of `matrix`. `b` has `count` right-hand sides of stride() floats, and
-/// `x` is replaced by their solutions, or as near as it came: the residual tells. A right-hand side of zero has the
-/// solution zero. The same bytes for any number of threads. Throws GivenUp soon after `give_up` becomes true.
+/// `precondition`: a map close to the inverse of `matrix`. `b` has `count` right-hand sides of stride() floats. `x` is
+/// replaced by their solutions, or by the nearest vectors found: the residual tells which. A right-hand side of zero
+/// has the solution zero. The same bytes for any number of threads. Throws GivenUp soon after `give_up` becomes true.
 SolveReport block_gmres(const VectorMap& matrix, const VectorMap& precondition, const SplitVectors& b,
                         std::size_t count, const SplitVectors& x, const GmresSetting& setting,
                         const std::atomic<bool>* give_up = nullptr);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

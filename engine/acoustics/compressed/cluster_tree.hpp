@@ -19,7 +19,7 @@ struct Cluster {
   std::uint32_t size() const { return end - begin; }
 };
 
-/// Numbers of vertices are multiples of this, except in the last cluster of the order.
+/// The number of a cluster's vertices is a multiple of this, except in the last cluster of the order.
 inline constexpr std::uint32_t cluster_lanes = 16;
 
 struct ClusterTree {

@@ -1,5 +1,5 @@
 // The boundary elements' matrix (galerkin.hpp) in blocks: those of distant clusters as short products (low_rank.hpp),
-// all others as they are. Memory and time grow almost with the number of vertices only (Hackbusch 1999).
+// all others as they are. Memory and time grow almost linearly with the number of vertices (Hackbusch 1999).
 #pragma once
 
 #include <atomic>
@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "acoustics/boundary/patches.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/compressed/low_rank.hpp"
+#include "acoustics/elements/patches.hpp"
 
 namespace palpa::acoustics {
 

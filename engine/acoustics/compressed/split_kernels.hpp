@@ -21,8 +21,8 @@ struct SplitVectors {
   std::size_t stride;
 };
 
-/// y += m f: for each vector v of `count`, the factor of column c is factors[2 (c count + v)], its imaginary part
-/// follows.
+/// y += m f, for `count` vectors. The factor of column c for vector v is factors[2 (c count + v)], followed by its
+/// imaginary part.
 void add_columns(const SplitMatrix& m, const float* factors, std::size_t count, const SplitVectors& y);
 
 /// f = m^T x, not conjugated, in the same form.

@@ -8,9 +8,9 @@
 //   p(t) = mean + sum over m of A_m cos(2 pi m t / T + phase_m),  A_m e^{i phase_m} = 2 c_m sinc(m / N)
 //   c_m  = 1/N sum over k of p_k e^{-2 pi i m (k + 1/2) / N},     sinc(x) = sin(pi x) / (pi x)
 //
-// with p_k the pressure during the k-th dwell: its exact Fourier series. The sinc is the effect of holding a value for
-// a dwell. `Line::hold` gives it, for comparison with figures that leave it out. Modulated foci that stand still give
-// the modulation's lines and their images about multiples of 1 / slot, also exactly.
+// Here p_k is the pressure during the k-th dwell. This is the exact Fourier series of p. The sinc is the effect of
+// holding a value for a dwell. `Line::hold` gives it, for comparison with figures that leave it out. Modulated foci
+// that stand still give the modulation's lines and their images about multiples of 1 / slot, also exactly.
 #pragma once
 
 #include <cstdint>

@@ -3,8 +3,9 @@
 //
 // With N foci, stride s and dwell d, the frequency m / (N d) carries the perimeter's angular harmonic n with s n = m
 // (mod N). A small perimeter is one broad spot that moves around: its first harmonic dominates and sounds at s / (N d).
-// On a long perimeter, each place is touched briefly now and then, which sounds at all m / (N d) alike. The best N and
-// s therefore depend on the perimeter, and on how sharp the array's focus is there. The maximised quantity is
+// On a long perimeter, each place is touched briefly now and then, which gives equally strong lines at all m / (N d).
+// The best N and s therefore depend on the perimeter, and on how sharp the array's focus is there. The maximised
+// quantity is
 //
 //   balance(N, s, d) = vibration - flutter_weight flutter
 //

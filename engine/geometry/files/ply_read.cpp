@@ -222,7 +222,7 @@ class HeaderLine {
   }
 
   Element element() const {
-    if (words_.size() != 3) fail("an element line is \"element NAME COUNT\"");
+    if (words_.size() != 3) fail("an element line must be \"element NAME COUNT\"");
     Element element{std::string(words_[1]), 0, {}};
     const auto [rest, fault] = std::from_chars(words_[2].data(), words_[2].data() + words_[2].size(), element.count);
     if (fault != std::errc{} || rest != words_[2].data() + words_[2].size()) fail("the count is not a whole number");
@@ -232,13 +232,13 @@ class HeaderLine {
     Property property;
     const bool list = words_.size() > 1 && words_[1] == "list";
     if (words_.size() != (list ? 5U : 3U))
-      fail("a property line is \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
+      fail("a property line must be \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
     const auto type = parse_type(words_[list ? 3 : 1]);
     if (!type) fail("unknown type");
     if (list) {
       property.count = parse_type(words_[2]);
       if (!property.count || *property.count == Type::f32 || *property.count == Type::f64)
-        fail("a list's count is an integer");
+        fail("a list's count must be an integer");
     }
     property.type = *type;
     property.name = words_.back();
@@ -246,7 +246,7 @@ class HeaderLine {
   }
   Format format() const {
     if (words_.size() != 3 || words_[2] != "1.0")
-      fail("a format line is \"format ascii|binary_little_endian|binary_big_endian 1.0\"");
+      fail("a format line must be \"format ascii|binary_little_endian|binary_big_endian 1.0\"");
     if (words_[1] == "ascii") return Format::ascii;
     if (words_[1] == "binary_little_endian") return Format::little;
     if (words_[1] == "binary_big_endian") return Format::big;
@@ -293,7 +293,7 @@ Header parse_header(const InputFile& file) {
     } else if (words[0] == "element") {
       header.elements.push_back(here.element());
     } else if (words[0] == "property") {
-      if (header.elements.empty()) here.fail("a property comes after its element");
+      if (header.elements.empty()) here.fail("a property must come after its element");
       header.elements.back().properties.push_back(here.property());
     } else {
       here.fail("unknown keyword");
@@ -426,7 +426,7 @@ class Body {
  private:
   std::uint64_t list_length(const Property& p) {
     const double count = reader_.value(*p.count);
-    if (count < 0) reader_.fail(fmt::format("a list of {} values", count));
+    if (count < 0) reader_.fail(fmt::format("a list has a negative count, {}", count));
     return static_cast<std::uint64_t>(count);
   }
   void skip(const Property& p) {

@@ -379,7 +379,7 @@ class Checker {
     if (const Json* targets = primitive.array("targets")) {
       if (targets->size() != target_count) {
         primitive.fail(
-            fmt::format("has {} morph targets, the mesh's first primitive {}", targets->size(), target_count));
+            fmt::format("has {} morph targets, but the mesh's first primitive has {}", targets->size(), target_count));
       }
       clean["targets"] = Json::array();
       for (std::size_t t = 0; t < targets->size(); ++t) {
@@ -392,7 +392,7 @@ class Checker {
         clean["targets"].push_back(std::move(displacement));
       }
     } else if (target_count != 0) {
-      primitive.fail(fmt::format("has no morph targets, the mesh's first primitive {}", target_count));
+      primitive.fail(fmt::format("has no morph targets, but the mesh's first primitive has {}", target_count));
     }
     if (stream) {
       stream->primitive = place;

@@ -63,7 +63,7 @@ void DataChecker::check_role(const Item& accessor, Role role, const std::string&
       return;
     case Role::position:
     case Role::displacement:
-      if (type != "VEC3") accessor.fail(fmt::format("holds positions as {}; they are VEC3", text::quoted(type)));
+      if (type != "VEC3") accessor.fail(fmt::format("holds positions as {}; they must be VEC3", text::quoted(type)));
       if (component == f32 || (small && quantized_)) return;
       accessor.fail(
           fmt::format("holds positions of component type {}; they are 32-bit floats (5126) or, where "
@@ -205,7 +205,7 @@ Json DataChecker::check_sparse(const Item& sparse, std::uint64_t accessor_count,
 void DataChecker::check_fit(const Item& item, const BufferView& view, std::uint64_t offset, std::uint64_t count,
                             std::uint64_t stride, std::uint64_t element) {
   if (stride < element)
-    item.fail(fmt::format("has elements of {} bytes, but its buffer view a byteStride of {}", element, stride));
+    item.fail(fmt::format("has elements of {} bytes, but its buffer view has a byteStride of {}", element, stride));
   if (offset > view.length || view.length - offset < element || count - 1 > (view.length - offset - element) / stride) {
     item.fail(fmt::format("does not fit its buffer view: {} elements, {} bytes apart, from byte {} on, in {} bytes",
                           count, stride, offset, view.length));
@@ -267,7 +267,7 @@ void DataChecker::check_packed(const Item& item, std::uint32_t v, std::uint64_t 
                           packed.stride, length));
   }
   if (stride != 0 && stride != packed.stride)
-    item.fail(fmt::format("has a byteStride of {}, the buffer view one of {}", packed.stride, stride));
+    item.fail(fmt::format("has a byteStride of {}, but the buffer view has one of {}", packed.stride, stride));
   const std::uint64_t available = check_buffer(packed.buffer);
   if (packed.offset > available || packed.length > available - packed.offset) {
     item.fail(fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", packed.length,

@@ -29,7 +29,7 @@ struct Contest {
   std::array<std::uint32_t, most_rivals> triangle;
   std::size_t count = 0;
 
-  /// `slack` is a squared distance by which a nearer rival may be farther away.
+  /// The rival also beats objects that are nearer, if the squared distances differ by less than `slack`.
   void add(const Rival& rival, const Corners& corners, double epsilon, double slack) {
     std::array<float, 8>& own = to_corner[count];
     own = distances(rival.point, corners);

@@ -121,10 +121,10 @@ DriveRecording read_drive_recording(const std::filesystem::path& file) {
     throw bad_input(in.name(), "is not a recording of drives (it should begin with 'palpadrv')");
   }
   if (header.version != version) {
-    throw bad_input(in.name(), fmt::format("has version {}, this palpa reads version {}", header.version, version));
+    throw bad_input(in.name(), fmt::format("has version {}; this palpa reads version {}", header.version, version));
   }
   if (header.transducers > array::max_transducers) {
-    throw bad_input(in.name(), fmt::format("claims {} transducers, at most {} are possible", header.transducers,
+    throw bad_input(in.name(), fmt::format("claims {} transducers; at most {} are possible", header.transducers,
                                            array::max_transducers));
   }
   DriveRecording recording{header.slot_s, header.transducers, {}};

@@ -1,5 +1,8 @@
 #include "session/links/sources.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "base/error.hpp"
@@ -9,6 +12,9 @@
 
 namespace palpa::session {
 namespace {
+
+/// As of solids and of bodies that scatter sound. Smaller skin was meant in another unit.
+constexpr double smallest_skin_m = 1e-6;
 
 std::unique_ptr<sensing::DepthSource> open_synthetic(const std::string& file, const SourceSetting& setting,
                                                      const sensing::Motion& motion) {
@@ -33,6 +39,13 @@ std::unique_ptr<sensing::DepthSource> open_recording(const std::string& folder, 
 geometry::Mesh load_skin(const std::string& file) {
   geometry::Mesh mesh = geometry::load_triangles(file);
   if (mesh.triangles.empty()) throw bad_input(file, "has no triangles; a synthetic source needs the skin as a mesh");
+  const Box box = geometry::bounds(mesh);
+  const Vec3 extent = box.high - box.low;
+  if (const double size = std::max({extent.x, extent.y, extent.z}); !(size >= smallest_skin_m)) {
+    throw bad_input(
+        file,
+        fmt::format("is only {:.4g} m across; skin measures at least a micrometre, and coordinates are metres", size));
+  }
   return mesh;
 }
 

@@ -39,7 +39,8 @@ SourceKind synthetic_source(std::string name, std::string help, sensing::Motion 
 /// `synthetic` and `recording`.
 std::vector<SourceKind> builtin_sources();
 
-/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input if the file has no mesh.
+/// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input if the file has no mesh, and
+/// for a mesh smaller than a micrometre.
 geometry::Mesh load_skin(const std::string& file);
 
 /// Whether "name" or "name:argument" ends by itself. Throws bad_usage as open_source does.

@@ -16,6 +16,7 @@
 #include "base/start_thread.hpp"
 #include "session/loop/early_start.hpp"
 #include "session/loop/frame_queue.hpp"
+#include "session/loop/slow_solver.hpp"
 #include "session/loop/source_clock.hpp"
 #include "session/threads.hpp"
 #include "session/watch/effort.hpp"
@@ -155,10 +156,10 @@ class Overload {
     if (late_ < in_a_row || std::exchange(warned_, true)) return;
     const double enough_s = std::ceil(frame_to_drives_s * 30) / 10;
     const std::string longer = enough_s <= longest_s ? fmt::format("--hold {:.0f}ms, or ", enough_s * 1e3) : "";
-    log::warning(
-        fmt::format("overloaded: from frame to drives takes {:.0f} ms, longer than the hold of {:.0f} ms, so a frame "
-                    "is out of date before it sounds; give {}smaller frames or simpler solids",
-                    frame_to_drives_s * 1e3, hold_s_ * 1e3, longer));
+    log::warning(fmt::format(
+        "overloaded: the time from frame to drives is {:.0f} ms, longer than the hold of {:.0f} ms, so a frame "
+        "is out of date before it sounds; give {}smaller frames or simpler solids",
+        frame_to_drives_s * 1e3, hold_s_ * 1e3, longer));
   }
 
  private:
@@ -193,6 +194,7 @@ struct Compute {
   EffortControl effort{setting.output.hold_s, options.every_frame ? Effort{} : planner.most_shed(),
                        setting.lengthens_hold && !options.every_frame ? longest_auto_hold_s : 0};
   ShedReport shed_report{setting.output.hold_s};
+  SlowSolver slow_solver{};
   double begin_s = -1;
   double idle_s = -std::numeric_limits<double>::infinity();  ///< time since when no frame is in progress
   double last_captured_s = -std::numeric_limits<double>::infinity();
@@ -205,6 +207,7 @@ struct Compute {
   bool start();
   bool step();
   void shed(const FrameReport& report, double captured_s);
+  void watch_solver(const FrameReport& report);
 };
 
 /// Starts the newest frame, if there is one and it can be started now.
@@ -243,10 +246,22 @@ bool Compute::step() {
   stats.seconds = report.planned_s - begin_s;
   if (options.planned) options.planned(report, plans.back());
   shed(report, plans.back().captured_s);
+  watch_solver(report);
   last_captured_s = plans.back().captured_s;
   if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
   if (plans.publish()) ++stats.unplayed;
   return true;
+}
+
+/// Warns once if the solver `loudest` cannot keep up with the frames.
+void Compute::watch_solver(const FrameReport& report) {
+  if (setting.output.drive.solver != array::Solver::loudest || options.every_frame) return;
+  if (report.touch->finger_count == 0) return slow_solver.idle();
+  if (!slow_solver.planned(report.sequence)) return;
+  log::warning(
+      fmt::format("the solver loudest is slower than the frames come: a frame takes {:.0f} ms, and others are left out "
+                  "meanwhile; for foci that follow every frame, take --solver gs-pat",
+                  (report.planned_s - report.arrived_s) * 1e3));
 }
 
 /// If frames are late, part of the work is left out from the next frame on.

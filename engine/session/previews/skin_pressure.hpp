@@ -35,7 +35,7 @@ acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Inc
                                       const acoustics::Air& air, const acoustics::RigidBody& body,
                                       const std::atomic<bool>* give_up = nullptr);
 
-/// What the momentum in the air says of the force (acoustics/bodies/far_force.hpp).
+/// The force from the momentum in the air (acoustics/bodies/far_force.hpp).
 struct FarSound {
   const acoustics::FarForce& force;
   const acoustics::Incident& lossless;  ///< the same array in air without absorption

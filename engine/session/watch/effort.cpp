@@ -92,10 +92,10 @@ void ShedReport::tell(const EffortControl& control) {
   std::string what = to_text(control.least());
   if (control.most_hold_s() > hold_s_)
     what += fmt::format(", and a frame sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
-  log::warning(
-      fmt::format("overloaded: from capture to drives took {:.0f} ms, too long for the hold of {:.0f} ms, so {}; use "
-                  "fewer or smaller solids, a smaller roi or a longer --hold, or end other programs",
-                  1e3 * whole_s_, 1e3 * hold_s_, what));
+  log::warning(fmt::format(
+      "overloaded: the time from capture to drives was {:.0f} ms, too long for the hold of {:.0f} ms, so {}; use "
+      "fewer or smaller solids, a smaller roi or a longer --hold, or end other programs",
+      1e3 * whole_s_, 1e3 * hold_s_, what));
 }
 
 }  // namespace palpa::session

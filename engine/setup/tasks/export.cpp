@@ -5,11 +5,69 @@
 #include <algorithm>
 #include <cstdint>
 #include <exception>
+#include <initializer_list>
+#include <utility>
 
 #include "base/error.hpp"
 #include "session/links/record_link.hpp"
+#include "session/links/spec.hpp"
 
 namespace palpa::setup {
+namespace {
+
+/// Throws bad_usage if one of these options is given: its name, whether it is given.
+void refuse_given(std::initializer_list<std::pair<const char*, bool>> options, const char* why) {
+  for (const auto& [name, given] : options) {
+    if (given) throw bad_usage(fmt::format("{} {}", name, why));
+  }
+}
+
+/// Throws bad_usage if an option is given that none of the task's outputs depends on.
+void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids) {
+  const ExportTask usual;
+  const TouchOptions& touch = task.touch;
+  const DriveOptionsGroup &drive = task.drive, &usual_drive = usual.drive;
+  const bool drives = !task.drives.empty(), foci = !task.foci.empty();
+  // Requested pressures are reported even if no drives are written.
+  const bool pressure = drive.pressure_pa || std::ranges::any_of(solids, [](const geometry::Solid& solid) {
+                          return solid.haptics.pressure_pa.has_value();
+                        });
+  const bool order = drives || pressure || (foci && !task.foci.ends_with(".csv"));
+  if (!drives && !foci && !pressure) {
+    refuse_given({{touch.foci_name, touch.parameters.foci != usual.touch.parameters.foci},
+                  {"--spacing", touch.parameters.spacing != usual.touch.parameters.spacing},
+                  {"--method", touch.method.method != usual.touch.method.method},
+                  {"--axes", task.axes != usual.axes},
+                  {"--smoothing", task.smoothing != usual.smoothing}},
+                 "goes with --foci, --drives or --pressure: events do not depend on foci");
+  }
+  if (!drives && !foci) {
+    refuse_given({{"--ceiling", task.safety.ceiling != usual.safety.ceiling}},
+                 "goes with --foci or --drives: events and pressures do not depend on it");
+  }
+  if (!order) {
+    refuse_given({{"--stride", touch.stride.has_value()},
+                  {"--modulation", touch.modulation != usual.touch.modulation},
+                  {"--modulation-frequency", touch.modulation_hz != usual.touch.modulation_hz},
+                  {"--tune", touch.tune}},
+                 "goes with --drives, --pressure or --foci FILE.json, which have the order and the modulation of foci");
+  }
+  if (drives || pressure) return;
+  const std::string source = session::parse_spec(task.source).name;
+  const bool hides = source == "synthetic" || source == "mouse";  // boards hide what is behind them
+  refuse_given({{"--amplitude", drive.weighting != usual_drive.weighting},
+                {"--solver", drive.solver.has_value()},
+                {"--constraint", drive.constraint.has_value()},
+                {"--directivity", drive.directivity != usual_drive.directivity},
+                {"--temperature", drive.medium.celsius.has_value()},
+                {"--sound-speed", drive.medium.sound_speed.has_value()},
+                {"--frequency", drive.medium.frequency != usual_drive.medium.frequency},
+                {"--layout", !task.rig.layout.empty() && task.rig.rig.empty() && !hides},
+                {"--rig", !task.rig.rig.empty() && source == "recording"}},
+               "goes with --drives or --pressure: nothing else that is exported depends on the array's sound");
+}
+
+}  // namespace
 
 /// Several links at once. A fault of one of them does not keep a plan, a drive, above all the silence at the end, from
 /// the others; the first fault is thrown when all have been called.
@@ -89,6 +147,7 @@ ExportRun::ExportRun(const ExportTask& task, std::span<const session::SourceKind
                      std::span<session::Link* const> links)
     : frames_(task.frames), stop_(&stop), prepared_(prepare(task, sources, false)) {
   const session::Session& session = *prepared_.session;
+  if (links.empty()) refuse_idle(task, session.solids());
   if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_);
   if (!task.foci.empty()) foci_ = session::open_foci_file(task.foci, session.link_setting());
   if (!task.drives.empty()) drives_ = session::open_record_link(task.drives, session.link_setting(), stop_);

@@ -59,7 +59,8 @@ class ExportRun {
  public:
   /// Loads and opens everything that the task names, including output files. The task must have passed check().
   /// `sources` are added to palpa's own. `links` must outlive this object and get the same data as the files. `stop`
-  /// ends the run. Throws as prepare and the functions that open the files do.
+  /// ends the run. Throws bad_usage if an option is given that none of the output files depends on, unless there are
+  /// `links`; otherwise as prepare and the functions that open the files do.
   ExportRun(const ExportTask& task, std::span<const session::SourceKind> sources, std::atomic<bool>& stop,
             std::span<session::Link* const> links = {});
   ~ExportRun();

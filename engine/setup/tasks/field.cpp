@@ -69,7 +69,7 @@ void check(const FieldTask& task, bool picture) {
         "--amplitude, --solver, --transfer, --constraint and --pressure go with --focus: --drive is already a drive");
   }
   if (picture && task.place.given() && !task.place.plane)
-    throw bad_usage("--png draws a plane: give --plane, or take --csv or --vtu");
+    throw bad_usage("--png draws a plane: give --plane, or use --csv or --vtu");
   refuse_idle_air(task.air);
   check_pressure(task.drive.pressure_pa);
 }

@@ -191,6 +191,7 @@ void check(const ScatterTask& task) {
   if (task.drive_file.empty() != task.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
   if (task.directivity && task.drive_file.empty())
     throw bad_usage("--directivity goes with --drive: it belongs to an array's transducers");
+  refuse_idle_humidity(task.air);
   refuse_without_place(task.place);
 }
 

@@ -7,15 +7,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "cli/support/every_command.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/study_files.hpp"
 
 namespace palpa::test {
 namespace {
@@ -58,6 +61,12 @@ class CliAliases : public testing::Test {
                R"({"fingers":[{"foci_m":[[0,0,0.1]]}],"schedule":{"order":[0],"dwell_s":0.0015}})");
     write_text(folder_ / "boards/board_A.pat", "A 256 128\n");
     write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+    write_participant(folder_ / "study", 1, {{"m", 20}});
+    write_text(folder_ / finger_, "not looked at before it is refused");
+    write_text(folder_ / "study/sub-1/beh/sub-1_task-shapes_run-1_recording-finger_physio.json",
+               R"({"SamplingFrequency": 50, "StartTime": 0, "Columns": ["depth"]})");
+    write_text(folder_ / "counts.csv", "actual,cube,prism\ncube,3,1\nprism,1,3\n");
+    write_text(folder_ / "take.bag", "#ROSBAG V2.0\n");
     write_text(folder_ / "old", "what was");
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
       if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
@@ -147,7 +156,11 @@ class CliAliases : public testing::Test {
   std::vector<int> descriptors_;
   std::set<std::string> programs_;  ///< commands that were also run with the program
   const OutputOption json_{"--json", "", ""}, csv_{"--csv", "", ""}, link_{"--link", "record:", ""},
-      events_{"--events", "", ""}, vtu_{"--vtu", "", ""}, png_{"--png", "", ""}, out_{"--out", "", ""};
+      events_{"--events", "", ""}, vtu_{"--vtu", "", ""}, png_{"--png", "", ""}, out_{"--out", "", ""},
+      html_{"--html", "", ""}, trace_{"--trace", "", ""}, rig_{"--write-rig", "", ""};
+  const std::string log_ = "study/sub-1/beh/sub-1_task-shapes_run-1_events.tsv",
+                    sidecar_ = "study/sub-1/beh/sub-1_task-shapes_run-1_events.json",
+                    finger_ = "study/sub-1/beh/sub-1_task-shapes_run-1_recording-finger_physio.tsv.gz";
 
   std::vector<Line> lines() const {
     const std::string scene = path("scene.gltf"), points = path("finger.ply"), rig = path("rig.toml"),
@@ -159,24 +172,30 @@ class CliAliases : public testing::Test {
       all.insert(all.end(), more.begin(), more.end());
       return all;
     };
+    const std::string bag = "bag:" + path("take.bag"), take = "recording:" + path("take");
     return {
+        {{"doctor"}, {}, {json_, rig_}},
+        {{"doctor", "--source", take}, take_files, {rig_}},
+        {{"doctor", "--source", bag}, {"take.bag"}, {rig_}},
+        {{"doctor", "--source", bag, "--write-rig", path("new")}, {"take.bag"}, {json_}},
         {{"touch", "--scene", scene, "--points", points, "--layout", layout},
          and_also(scene_files, {"finger.ply", "layout.toml"}),
          {json_, csv_}},
         {{"touch", "--scene", scene, "--depth", path("depth.png"), "--camera", path("camera.toml")},
          {"camera.toml", "depth.png"},
          {json_}},
+        {{"touch", "--scene", scene, "--depth", path("depth.png"), "--rig", rig}, {"mask.png", "rig.toml"}, {json_}},
         {{"run", "--scene", scene, "--rig", rig}, and_also(scene_files, rig_files), {json_, events_, link_}},
-        {{"run", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take")},
-         take_files,
-         {json_, events_, link_}},
+        {{"run", "--scene", scene, "--layout", layout, "--source", take}, take_files, {json_, events_, link_}},
         {{"run", "--scene", scene, "--source", "synthetic:" + points}, {"finger.ply"}, {link_}},
-        {{"export", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take"), "--drives",
-          path("new")},
+        {{"run", "--scene", scene, "--layout", layout, "--source", bag}, {"take.bag"}, {json_, events_, link_}},
+        {{"export", "--scene", scene, "--rig", rig, "--frames", "1", "--events", path("new")},
+         {"layout.toml", "mask.png", "rig.toml"},
+         {{"--drives", "", ""}}},
+        {{"export", "--scene", scene, "--layout", layout, "--source", take, "--drives", path("new")},
          and_also(scene_files, take_files),
          {json_, events_, {"--foci", "", ".json"}}},
-        {{"export", "--scene", scene, "--layout", layout, "--source", "recording:" + path("take"), "--events",
-          path("new")},
+        {{"export", "--scene", scene, "--layout", layout, "--source", take, "--events", path("new")},
          take_files,
          {{"--drives", "", ""}}},
         {{"link", "test", "--layout", layout}, {}, {json_, link_}},
@@ -197,9 +216,8 @@ class CliAliases : public testing::Test {
          {"boards/board_A.pat"},
          {out_}},
         {{"calibrate", "--rig", rig}, rig_files, {{"--target", "", ".stl"}}},
-        {{"calibrate", "--rig", rig, "--source", "recording:" + path("take")},
-         and_also(rig_files, take_files),
-         {json_, out_}},
+        {{"calibrate", "--rig", rig, "--layout", layout, "--source", bag}, {"layout.toml", "take.bag"}, {json_, out_}},
+        {{"calibrate", "--rig", rig, "--source", take}, and_also(rig_files, take_files), {json_, out_}},
         {{"calibrate", "--nudge", "--keys", "enter", "--rig", rig, "--scene", scene, "--out", path("new")},
          and_also(rig_files, scene_files),
          {json_, link_}},
@@ -215,22 +233,28 @@ class CliAliases : public testing::Test {
         {{"field", "--layout", layout, "--drive", drive, "--plane", "xy", "--size", "1cm,1cm"},
          {"layout.toml", "drive.csv"},
          {png_, csv_}},
+        {{"scatter", "--force", "--mesh", scene, "--plane-wave", "0,0,1", "--points", points},
+         {"finger.ply"},
+         {json_, csv_}},
         {{"scatter", "--force", "--mesh", scene, "--layout", layout, "--drive", drive},
          and_also({"layout.toml", "drive.csv"}, scene_files),
          {json_, csv_}},
         {{"simulate", "--scene", scene, "--finger", points, "--rig", rig},
          and_also(and_also(scene_files, rig_files), {"finger.ply"}),
          {json_, csv_, vtu_, png_}},
+        {{"simulate", "--scene", scene, "--finger", points, "--layout", layout}, {"layout.toml"}, {json_, csv_}},
         {{"decompose", "--scene", scene}, {}, {json_, out_}},
         {{"decompose", "--scene", scene}, scene_files, {out_}},
         {{"decompose", "--scene", scene, "--out", path("new")}, scene_files, {json_}},
-        {{"bench", "--scene", scene}, {"scene.gltf"}, {json_, csv_}},
-        {{"emulate", "openmpd", "--view", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
-        {{"emulate", "openmpd", "--view", "--board-files", path("boards")},
-         {"boards/board_A.pat"},
-         {{"--trace", "", ""}}},
-        {{"emulate", "autd3", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
-        {{"emulate", "sonicsurface", "--layout", layout}, {"layout.toml"}, {json_, {"--trace", "", ""}}},
+        {{"study", "analyse", path("study")}, {log_, sidecar_, finger_}, {json_, csv_, html_}},
+        {{"study", "analyse", path("counts.csv")}, {"counts.csv"}, {json_, html_}},
+        {{"study", "compare", "paper", path("counts.csv"), path("study")}, {log_, "counts.csv"}, {json_, csv_, html_}},
+        {{"study", "power"}, {}, {json_, csv_, html_}},
+        {{"bench", "--scene", scene}, scene_files, {json_, csv_}},
+        {{"emulate", "openmpd", "--view", "--layout", layout}, {"layout.toml"}, {json_, trace_}},
+        {{"emulate", "openmpd", "--view", "--board-files", path("boards")}, {"boards/board_A.pat"}, {trace_}},
+        {{"emulate", "autd3", "--layout", layout}, {"layout.toml"}, {json_, trace_}},
+        {{"emulate", "sonicsurface", "--layout", layout}, {"layout.toml"}, {json_, trace_}},
     };
   }
 };
@@ -245,14 +269,24 @@ TEST_F(CliAliases, OfAnOutputAreNoOther) {
     try_pairs(line);
 }
 
-TEST_F(CliAliases, EveryCommandThatWritesIsTried) {
-  // A new command, or a new file that one writes, must be added above.
-  const Result help = palpa_here({"--help"});
-  std::vector<Line> all = lines();
-  for (const char* command : {"touch", "run", "export", "link", "calibrate", "drive", "field", "scatter", "simulate",
-                              "decompose", "bench", "emulate"}) {
-    EXPECT_NE(help.out.find(std::string("\n  ") + command), std::string::npos) << command;
-    EXPECT_TRUE(std::ranges::any_of(all, [&](const Line& line) { return line.words[0] == command; })) << command;
+TEST_F(CliAliases, EveryOptionThatNamesAFileIsTried) {
+  // Folders are tried in test_cli_recording.cpp.
+  const std::set<std::string> elsewhere{"run --record"};
+  const std::vector<Line> all = lines();
+  for (const std::string& command : every_command()) {
+    std::set<std::string> tried;
+    for (const Line& line : all) {
+      if (!is_of(line.words, command)) continue;
+      tried.insert(line.words.begin(), line.words.end());
+      for (const OutputOption& output : line.outputs)
+        tried.insert(output.option);
+    }
+    for (const HelpedOption& option : options_of(command)) {
+      static const std::regex of_files("(^|[^A-Z])(FILE|DIR|LINK|SOURCE)($|[^A-Z])");
+      if (!std::regex_search(option.type, of_files)) continue;
+      const std::string name = command + " " + option.name;
+      EXPECT_TRUE(tried.contains(option.name) || elsewhere.contains(name)) << name << " is not in the lines above";
+    }
   }
 }
 

@@ -205,6 +205,14 @@ TEST_F(BadFiles, ModelsThatAreNoSolid) {
   refused(box({0, 0, 0}, {1, 1, 0}), "thing");
 }
 
+TEST_F(BadFiles, OfTheBenchAreRefusedBeforeItMeasures) {
+  expect_refused({"bench", "--suite", "surface", "--scene", (folder / "none.glb").string()}, folder / "none.glb");
+  geometry::SceneMesh open{"open", box({0, 0, 0}, {1, 1, 1})};
+  open.mesh.triangles.pop_back();
+  geometry::write_glb(folder / "open.glb", std::span(&open, 1));
+  expect_refused({"bench", "--scene", (folder / "open.glb").string()}, folder / "open.glb");
+}
+
 TEST_F(BadFiles, PointsThatAreNoNumbers) {
   for (const char* number : {"nan", "inf", "-inf", "1e999", "x"}) {
     const fs::path file = folder / "points.ply";

@@ -155,7 +155,7 @@ TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
     expect_told(palpa_here(line, full.stdout_file), line);
   };
   for (const std::string& command : every_command()) {
-    expect_full_here({command, "--help"});
+    expect_full_here(with(as_words(command), {"--help"}));
     const std::vector<std::string> line = lines.of(command);
     if (command == "export" || command == "decompose") {
       // What they print is less than what they write.

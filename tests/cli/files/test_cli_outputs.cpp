@@ -173,8 +173,8 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   }
   fs::create_directory(path("used"));
   std::ofstream(path("used/notes.txt")) << "mine";
-  expect_untouched(run({"--record", path("used")}), 2, "is not empty, name a new folder");
-  expect_untouched(run({"--record", path("used/")}), 2, "is not empty, name a new folder");
+  expect_untouched(run({"--record", path("used")}), 2, "is not empty; name a new folder");
+  expect_untouched(run({"--record", path("used/")}), 2, "is not empty; name a new folder");
   expect_untouched(run({"--record", path("used/notes.txt")}), 1, "name a new folder");
   expect_untouched(run({"--record", path("no/such")}), 1, path("no/such") + ": cannot be written: ");
   fs::create_directory(path("empty"));

@@ -140,7 +140,7 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   // Where the fingertip is seen.
   const std::vector<std::string> same{"--backend", "cpu",          "--scene",  where_assets_are().second + "/cube.glb",
                                       "--method",  "single-focus", "--source", recording("still")};
-  const Result exported = palpa(with({"export", "--foci", file("foci.json"), "--rig", file("rig.toml")}, same));
+  const Result exported = palpa(with({"export", "--foci", file("foci.json")}, same));
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   const json frames = json::parse(read_text(file("foci.json")))["frames"];
   const auto touching = [](const json& frame) { return !frame["fingers"].empty(); };

@@ -1,5 +1,5 @@
 // Named pipes that nobody reads: for a link, this is soon an error, because its array would wait with it. For results,
-// palpa waits and says so in a line; Ctrl-C ends the wait.
+// palpa waits and says so in a line, also with --quiet. Ctrl-C ends the wait.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -40,8 +40,11 @@ class CliPipes : public testing::Test {
   }
   std::vector<std::string> recorded(const std::vector<std::string>& more) const {
     return with({"--scene", source_file("assets/cube.glb").string(), "--source", "recording:" + path("take"),
-                 "--layout", path("layout.toml"), "--backend", "cpu"},
+                 "--backend", "cpu"},
                 more);
+  }
+  std::vector<std::string> sounding(const std::vector<std::string>& more) const {
+    return with(recorded({"--layout", path("layout.toml")}), more);
   }
 
   /// A program that waits; what it says goes to a file.
@@ -74,7 +77,7 @@ class CliPipes : public testing::Test {
 
 TEST_F(CliPipes, OfLinksThatNobodyReadsAreErrors) {
   const std::string fifo = pipe("drives"), part = fifo + ": nobody reads this pipe";
-  expect_failure(palpa(with({"run"}, recorded({"--link", "record:" + fifo}))), 1, part);
+  expect_failure(palpa(with({"run"}, sounding({"--link", "record:" + fifo}))), 1, part);
   expect_failure(palpa({"link", "test", "--layout", path("layout.toml"), "--link", "record:" + fifo}), 1, part);
 }
 
@@ -82,13 +85,15 @@ TEST_F(CliPipes, OfResultsAreWaitedForAndThatIsSaid) {
   const std::string layout = path("layout.toml");
   std::vector<Waiting> all;
   all.push_back(begin("drive", {"--layout", layout, "--focus", "0,0,0.1", "--backend", "cpu", "--csv", pipe("a")}));
+  all.push_back(begin(
+      "drive", {"--layout", layout, "--focus", "0,0,0.1", "--backend", "cpu", "--quiet", "--csv", pipe("quiet")}));
   all.push_back(begin("field", {"--layout", layout, "--focus", "0,0,0.1", "--plane", "xy", "--size", "2mm,2mm",
                                 "--pixels", "2,2", "--backend", "cpu", "--csv", pipe("b")}));
   all.push_back(begin("export", recorded({"--foci", pipe("c.json")})));
   all.push_back(begin("export", recorded({"--events", pipe("d")})));
-  all.push_back(begin("export", recorded({"--drives", pipe("e")})));
-  all.push_back(begin("run", recorded({"--events", pipe("f")})));
-  all.push_back(begin("run", recorded({"--json", pipe("g")})));
+  all.push_back(begin("export", sounding({"--drives", pipe("e")})));
+  all.push_back(begin("run", sounding({"--events", pipe("f")})));
+  all.push_back(begin("run", sounding({"--json", pipe("g")})));
   all.push_back(begin("emulate", {"openmpd", "--trace", pipe("h")}));
   all.push_back(begin("emulate", {"autd3", "--port", "0", "--layout", "autd3", "--trace", pipe("i")}));
   for (const Waiting& one : all)

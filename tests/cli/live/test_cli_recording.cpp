@@ -70,7 +70,7 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
   ASSERT_EQ(palpa_here(run({"--frames", "4", "--every-frame", "--record", path("take")})).exit_code, 0);
   const auto two = run({"--frames", "2", "--every-frame", "--seed", "5", "--record", path("take")});
   expect_untouched(two, "--record: " + path("take") +
-                            " is not empty, name a new folder, or give --overwrite to replace the recording in it");
+                            " is not empty; name a new folder, or give --overwrite to replace the recording in it");
   for (const char* name : {"take", "take/"}) {
     const Result result =
         palpa_here(run({"--frames", "2", "--every-frame", "--record", path(name), "--overwrite", "--quiet"}));

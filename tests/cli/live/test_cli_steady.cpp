@@ -40,7 +40,11 @@ const std::vector<std::pair<std::string, std::vector<FociLine>>>& synthetic_on_e
   return each;
 }
 
+// With sanitizers, only the dipping finger is played: the others take the same path.
+constexpr const char* same_path = "skipped: the dipping finger takes the same path";
+
 TEST(SteadyFoci, OfAFingerAtRest) {
+  if (instrumented()) GTEST_SKIP() << same_path;
   for (const auto& [object, lines] : on_each(all_objects(), resting("cube", 20))) {
     SCOPED_TRACE(object);
     const Movement m = movement_of(lines);
@@ -65,9 +69,10 @@ TEST(SteadyFoci, OfTheDippingFinger) {
 }
 
 TEST(SteadyFoci, OfAFingerThatSlidesOverEdges) {
+  if (instrumented()) GTEST_SKIP() << same_path;
   // Pyramid and prism have the same path.
   const std::vector<std::vector<std::string>> paths{{"cube"}, {"semi-sphere"}, {"pyramid", "prism"}};
-  for (const std::vector<std::string>& objects : the_first(1, paths)) {
+  for (const std::vector<std::string>& objects : paths) {
     for (const auto& [object, lines] : on_each(objects, sliding(objects.front(), false, true))) {
       SCOPED_TRACE(object);
       const Movement m = movement_of(lines);
@@ -78,6 +83,7 @@ TEST(SteadyFoci, OfAFingerThatSlidesOverEdges) {
 }
 
 TEST(SteadyFoci, OfAFastFingerAreNotLate) {
+  if (instrumented()) GTEST_SKIP() << same_path;
   const auto lines = played(fast("cube", 1), {{"cube"}, {.object = "cube", .smoothing = touch::Smoothing::none}});
   const auto &smooth = lines[0], &raw = lines[1];
   EXPECT_GT(movement_of(raw).relative.size(), 30u);

@@ -12,6 +12,7 @@
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/study_files.hpp"
 
 namespace palpa::test {
 
@@ -25,12 +26,22 @@ std::vector<std::string> every_command() {
     } else if (line.empty()) {
       listed = false;
     } else if (listed) {
-      std::istringstream words(line);
-      words >> commands.emplace_back();
+      // A name may have two words. The summary follows after several spaces.
+      commands.push_back(line.substr(2, line.find("  ", 2) - 2));
     }
   }
-  EXPECT_GE(commands.size(), 13u);
+  EXPECT_GE(commands.size(), 16u);
   return commands;
+}
+
+std::vector<std::string> as_words(const std::string& command) {
+  std::istringstream words(command);
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+bool is_of(const std::vector<std::string>& line, const std::string& command) {
+  const std::vector<std::string> words = as_words(command);
+  return line.size() >= words.size() && std::equal(words.begin(), words.end(), line.begin());
 }
 
 std::vector<HelpedOption> options_in(const std::string& help) {
@@ -74,6 +85,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
       small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+  write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -95,6 +107,9 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
        {"simulate", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--backend",
         "cpu"}},
       {"decompose", {"decompose", "--scene", scene, "--out", folder_ / "parts.glb"}},
+      {"study analyse", {"study", "analyse", folder_ / "study"}},
+      {"study compare", {"study", "compare", "paper"}},
+      {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},
   };

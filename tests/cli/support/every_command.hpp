@@ -8,8 +8,12 @@
 
 namespace palpa::test {
 
-/// In the order of palpa --help.
+/// In the order of palpa --help. A subcommand of a group has two words, "study analyse".
 std::vector<std::string> every_command();
+/// The words of such a name, as a command line.
+std::vector<std::string> as_words(const std::string& command);
+/// Whether the line is one of that command.
+bool is_of(const std::vector<std::string>& line, const std::string& command);
 
 struct HelpedOption {
   std::string name;  ///< "--delta"

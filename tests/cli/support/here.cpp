@@ -110,6 +110,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
   }
   if (stdout_file.empty()) result.out = out.text();
   result.err = err.text();
+  expect_orderly(result, arguments);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include <cstdint>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -111,7 +113,33 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (out[0] >= 0) close(out[0]);
   close(err[0]);
+  if (const std::string name = program.filename(); name == "palpa" || name == "palpa-viewer")
+    expect_orderly(result, arguments);
   return result;
+}
+
+void expect_orderly(const Result& result, const std::vector<std::string>& arguments) {
+  if (result.timed_out || result.exit_code < 0) return;
+  std::string line;
+  for (const std::string& argument : arguments)
+    line += ' ' + printable(argument, 80);
+  SCOPED_TRACE(line);
+  int errors = 0;
+  bool foreign = false;
+  for (const std::string& told : result.err_lines()) {
+    if (!told.starts_with("palpa")) {  // of the system, of the loader
+      foreign = true;
+      continue;
+    }
+    EXPECT_EQ(printable(told), told) << "it is not UTF-8, or not printable";
+    // Vulkan's validation may find several faults.
+    errors += told.starts_with("palpa: error: ") && !told.starts_with("palpa: error: Vulkan validation: ") ? 1 : 0;
+  }
+  EXPECT_LE(errors, 1) << result.err;
+  const auto quiet = std::ranges::find(arguments, "--log-level");
+  if (quiet != arguments.end() && quiet + 1 != arguments.end() && quiet[1] == "quiet") return;
+  if (foreign && errors == 0) return;
+  EXPECT_EQ(result.exit_code == 0, errors == 0) << "exit code " << result.exit_code << ": " << result.err;
 }
 
 std::string palpa_binary() {

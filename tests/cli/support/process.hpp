@@ -31,7 +31,7 @@ struct Result {
   std::vector<std::string> err_lines() const;
 };
 
-/// `arguments` without the program's own name.
+/// `arguments` without the program's own name. If it is one of palpa's, the result is checked by expect_orderly.
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options = {});
 /// In a forked child: becomes a program as a shell would start it, with an empty stdin.
@@ -50,6 +50,10 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 /// Options of a live loop that may see anything as long as it sees the fingertip: frames of small_rig.toml without
 /// noise, which cost a twelfth of the paper's.
 std::vector<std::string> small_frames();
+
+/// gtest: what holds for every run of palpa that no signal ended. Its stderr is printable UTF-8 with at most one line
+/// of error, and the exit code is 0 if and only if there is none. With --log-level quiet, there never is one.
+void expect_orderly(const Result& result, const std::vector<std::string>& arguments);
 
 /// gtest: the program failed with `code`, printed one line of error that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);

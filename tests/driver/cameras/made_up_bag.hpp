@@ -3,6 +3,8 @@
 
 #include <lz4frame.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -102,7 +104,8 @@ struct MadeUpBag {
     put_bytes(begin, message(4, 0, {1, 2, 3}));
     const std::string magic = "#ROSBAG V2.0\n";
     Bytes out(magic.begin(), magic.end());
-    put_bytes(out, Record().field<std::uint8_t>("op", 3).field<std::uint64_t>("index_pos", 0).with(Bytes(100, ' ')));
+    const std::size_t header_at = out.size();
+    put_bytes(out, bag_header(0));
     put_bytes(out, chunk(begin));
     for (std::size_t i = 0; i < times_s.size(); ++i) {
       Bytes frame;
@@ -117,6 +120,20 @@ struct MadeUpBag {
       put_bytes(out, chunk(frame));
       put_bytes(out, Record().field<std::uint8_t>("op", 4).field<std::uint32_t>("conn", 3).with(Bytes(12, 7)));
     }
+    const Bytes known = bag_header(out.size());
+    std::ranges::copy(known, out.begin() + static_cast<std::ptrdiff_t>(header_at));
+    put_bytes(out, index());
+    return out;
+  }
+
+  /// `index_at`: the byte at which the index begins.
+  static Bytes bag_header(std::uint64_t index_at) {
+    return Record().field<std::uint8_t>("op", 3).field("index_pos", index_at).with(Bytes(100, ' '));
+  }
+  /// The end of a bag: its connections, and where its chunks are.
+  static Bytes index() {
+    Bytes out = describe(3, "/device_0/sensor_0/Depth_0/image/data");
+    put_bytes(out, Record().field<std::uint8_t>("op", 6).with(Bytes(8, 7)));
     return out;
   }
 

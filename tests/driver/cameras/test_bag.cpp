@@ -241,8 +241,46 @@ TEST(Bag, CutAnywhereItEndsThereOrSaysWhatIsMissing) {
     }
   });
   EXPECT_EQ(most, 4u);
-  const Bytes cut(whole.begin(), whole.end() - 200);
+  const auto end = static_cast<std::ptrdiff_t>(whole.size() - MadeUpBag::index().size());
+  const Bytes cut(whole.begin(), whole.begin() + end - 200);
   EXPECT_CONTAINS(stderr_of([&] { play(cut, &camera); }), "ends in the middle of a record, after 3 depth frames");
+}
+
+/// Where each of its records ends.
+std::vector<std::size_t> record_ends(const Bytes& bag) {
+  std::vector<std::size_t> ends;
+  for (std::size_t at = std::strlen("#ROSBAG V2.0\n"); at < bag.size(); ends.push_back(at)) {
+    for (int part = 0; part < 2; ++part) {
+      std::uint32_t bytes = 0;
+      std::memcpy(&bytes, &bag[at], sizeof bytes);
+      at += sizeof bytes + bytes;
+    }
+  }
+  return ends;
+}
+
+TEST(Bag, CutBetweenTwoRecordsItSaysThatItWasCut) {
+  const sensing::Camera camera = posed();
+  const Bytes whole = MadeUpBag().bytes();
+  EXPECT_EQ(stderr_of([&] { play(whole, &camera); }), "");
+  const std::vector<std::size_t> ends = record_ends(whole);
+  ASSERT_EQ(ends.size(), 12u);  // the header, the descriptions, two for each of the four frames, two of the index
+  EXPECT_EQ(ends.back(), whole.size());
+  for (std::size_t record = 0; record + 2 < ends.size(); ++record) {
+    SCOPED_TRACE(record);
+    const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(ends[record]));
+    if (record < 2) {
+      EXPECT_CONTAINS(error_of([&] { play(cut, &camera); }), "take.bag: ends before its index, before its first depth");
+      continue;
+    }
+    EXPECT_CONTAINS(stderr_of([&] { play(cut, &camera); }),
+                    fmt::format("ends before its index, after {} depth frames", record / 2));
+  }
+  // The recorder never came to write an index.
+  Bytes open(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(MadeUpBag::index().size()));
+  std::ranges::copy(MadeUpBag::bag_header(0),
+                    open.begin() + static_cast<std::ptrdiff_t>(std::strlen("#ROSBAG V2.0\n")));
+  EXPECT_CONTAINS(stderr_of([&] { play(open, &camera); }), "ends before its index, after 4 depth frames");
 }
 
 TEST(Bag, CutBeforeItsFirstImageItSaysThatItWasCut) {
@@ -251,10 +289,10 @@ TEST(Bag, CutBeforeItsFirstImageItSaysThatItWasCut) {
     MadeUpBag bag;
     bag.compression = compression;
     bag.times_s.clear();
-    const Bytes begin = bag.bytes();
+    const std::size_t begin = bag.bytes().size() - MadeUpBag::index().size();
     bag.times_s = {0.1};
     const Bytes whole = bag.bytes();
-    for (const std::size_t length : {begin.size() - 20, begin.size() + 60}) {  // in the first chunk, in the image's
+    for (const std::size_t length : {begin - 20, begin + 60}) {  // in the first chunk, in the image's
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
       const std::string line = error_of([&] { play(cut, &camera); });
       EXPECT_CONTAINS(line, "take.bag: ends in the middle of a record, before its first depth image");

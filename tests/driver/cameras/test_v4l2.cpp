@@ -244,6 +244,7 @@ TEST(V4l2, TheArgumentNamesOneNodePerCamera) {
   machine.plug("/dev/video0", "A");
   const auto two = [&] { open(machine, {"/dev/video0"}, {described("left"), described("right")}); };
   EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera, but rig.toml describes 2");
+  EXPECT_CONTAINS(error_of(two, Exit::usage), "palpa doctor --write-rig FILE writes a rig for the cameras");
   machine.links["/dev/v4l/by-id/usb-A"] = "/dev/video0";
   EXPECT_CONTAINS(error_of(
                       [&] {

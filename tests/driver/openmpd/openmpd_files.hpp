@@ -3,11 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "driver/openmpd/board_file.hpp"
+#include "support/files.hpp"
 
 namespace palpa::test {
 
@@ -44,11 +43,6 @@ inline std::string board_file_text(const std::string& serial, const driver::open
   for (const float factor : calibration.factors)
     text += std::to_string(factor) + ",";
   return text + "\n";
-}
-
-inline std::filesystem::path write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-  return file;
 }
 
 }  // namespace palpa::test

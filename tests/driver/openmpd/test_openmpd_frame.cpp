@@ -154,7 +154,8 @@ TEST(OpenMpdFrame, TheDividerIsSetOnPurposeAndLightsNever) {
 TEST(OpenMpdBoardFile, IsReadByTokens) {
   const auto folder = scratch_folder("openmpd-files");
   const openmpd::Calibration calibration = made_up_calibration(3);
-  const auto file = write_text(folder / "board_3.pat", board_file_text("FT43NK5M", calibration));
+  const auto file = folder / "board_3.pat";
+  write_text(file, board_file_text("FT43NK5M", calibration));
   write_text(folder / "board_4.pat", board_file_text("23", {}));
   const openmpd::BoardFile board = openmpd::read_board_file(file);
   EXPECT_EQ(board.serial, "FT43NK5M");
@@ -169,7 +170,8 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
   const auto folder = scratch_folder("openmpd-bad-files");
   const std::string good = board_file_text("S1", {});
   const auto fault_of = [&](const std::string& text) {
-    const auto file = write_text(folder / "board_9.pat", text);
+    const auto file = folder / "board_9.pat";
+    write_text(file, text);
     return error_of([&] { openmpd::read_board_file(file); });
   };
   const auto expect = [](const std::string& line, const std::string& part) {

@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "driver/openmpd/emulation.hpp"
 #include "driver/openmpd/openmpd_files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -24,40 +24,6 @@ namespace palpa::test {
 namespace {
 
 using nlohmann::json;
-
-/// A runtime folder, and emulated boards that use it.
-class Emulation {
- public:
-  Emulation(const std::string& name, const std::string& serials, const std::vector<std::string>& more = {})
-      : folder_(scratch_folder(name)) {
-    LiveOptions options;
-    options.environment = environment();
-    options.command = "emulate";
-    run_.emplace(with({"openmpd", "--serial", serials, "--json", report().string()}, more), options);
-    const std::size_t boards = 1 + static_cast<std::size_t>(std::count(serials.begin(), serials.end(), ','));
-    const auto socket = folder_ / "palpa" / ("usb-" + std::to_string(boards) + ".sock");
-    for (int i = 0; i < 400 && !std::filesystem::exists(socket); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(std::filesystem::exists(socket));
-  }
-  Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
-  const std::filesystem::path& folder() const { return folder_; }
-  /// Ends it and returns its report.
-  json end(int& exit_code) {
-    run_->signal(SIGTERM);
-    const auto end = run_->wait(10);
-    EXPECT_TRUE(end.ended);
-    exit_code = end.exit_code;
-    std::ifstream file(report());
-    return json::parse(file);
-  }
-
- private:
-  std::filesystem::path report() const { return folder_ / "report.json"; }
-
-  std::filesystem::path folder_;
-  std::optional<LiveRun> run_;
-};
 
 std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
   return with({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--hold", "500ms",
@@ -149,35 +115,6 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   side_by_side({of_one_board, of_two_boards, beside_a_rig, of_a_nudge});
   int exit_code = -1;
   emulation.end(exit_code);
-}
-
-/// The bytes of all bulk transfers of a trace, one board's.
-std::string wire_of(const std::filesystem::path& trace) {
-  std::string hex;
-  std::ifstream file(trace);
-  for (std::string line; std::getline(file, line);) {
-    const json entry = json::parse(line, nullptr, false);  // the last line may be incomplete
-    if (!entry.is_discarded() && entry["kind"] == "bulk") hex += entry["hex"].get<std::string>();
-  }
-  return hex;
-}
-
-/// Whether the frame of the wire that begins at `at` has an amplitude.
-bool sounds(const std::string& wire, std::size_t at) {
-  return wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos;
-}
-
-/// Whether any frame of the wire has an amplitude.
-bool sounded(const std::string& wire) {
-  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
-    if (sounds(wire, at)) return true;
-  }
-  return false;
-}
-
-/// Whether the last frame of the wire has no amplitude.
-bool ended_silent(const std::string& wire) {
-  return wire.size() >= 1024 && !sounds(wire, wire.size() / 1024 * 1024 - 1024);
 }
 
 TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
@@ -302,7 +239,7 @@ TEST(PalpaLink, RefusesWhatItCannotTry) {
   expect_failure(palpa({"link"}), 2, "palpa link test");
   expect_failure(palpa({"link", "test", "--layout", "openmpd"}), 2, "--link");
   expect_failure(palpa({"link", "test", "--link", "null"}), 2, "--layout");
-  expect_failure(palpa({"link", "test", "--link", "autd3:127.0.0.1:9"}), 2, "--layout");
+  expect_failure(palpa({"link", "test", "--link", "openmpd:A,B,C"}), 2, "--layout");
   expect_failure(palpa({"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}), 2,
                  "0 to 255");
 }

@@ -1,136 +1,19 @@
 // The viewer without its window: a live run starts, ends and restarts in it.
-#include "viewer/app/app.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "base/file_register.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "live_app.hpp"
 #include "support/files.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "viewer/live/heard_link.hpp"
 #include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-namespace fs = std::filesystem;
-using namespace std::chrono_literals;
-
-class LiveApp : public testing::Test {
- protected:
-  explicit LiveApp(bool panels = false)
-      : panels_(panels),
-        folder_(test::scratch_folder("viewer-app")),
-        scene_(folder_ / "cube.glb"),
-        other_(folder_ / "other.glb") {
-    fs::copy_file(test::source_file("assets/cube.glb"), scene_);
-    fs::copy_file(scene_, other_);
-    begin("synthetic");
-  }
-  void begin(const std::string& source, const std::string& shown = {}) {
-    app_.reset();
-    heard_ = std::make_shared<test::Heard>();
-    ViewerOptions options;
-    options.input.scene = scene_;
-    options.shown = shown;
-    options.given = {{"--scene", {scene_}},  {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
-                     {"--backend", {"cpu"}}, {"--noise-free", {}},    {"--hold", {"5s"}},     {"--link", {"heard"}}};
-    Surroundings around;
-    around.kinds.links.push_back(test::heard_link(heard_));
-    around.stop = &stop_;
-    around.panels = panels_;
-    around.copy = [this](const std::string& text) { copied_ = text; };
-    app_ = std::make_unique<App>(options, size_, std::move(around));
-  }
-
-  /// Runs the loop, with steps of a tenth of a second of the application's clock.
-  template <typename Condition>
-  bool goes_round_until(Condition condition) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > until) return false;
-      go_round();
-      std::this_thread::sleep_for(2ms);
-    }
-    return true;
-  }
-  void go_round(int times = 1) {
-    for (int i = 0; i < times; ++i)
-      app_->advance(now_s_ += 0.1, size_);
-  }
-  bool comes_to(LiveState state) {
-    return goes_round_until([&] { return app_->desk().live_state == state; });
-  }
-  /// For seconds of its clock; otherwise it would have started at once.
-  bool stays_off() {
-    go_round(50);
-    return app_->desk().live_state == LiveState::ended && stop_;
-  }
-  void key(char character, bool down = true) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::key;
-    event.key = key_of(character);
-    event.down = down;
-    app_->handle(event, size_);
-  }
-  void all_off() { key('o'); }
-  void point_at(const Vec3& world) {
-    const Projected at = project(projection(app_->desk().state.viewpoint, size_.width, size_.height), world);
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::move;
-    event.x = at.x, event.y = at.y;
-    app_->handle(event, size_);
-  }
-  void drop(const fs::path& file) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::drop;
-    event.text = file;
-    app_->handle(event, size_);
-  }
-  void button(WindowEvent::Kind kind, double x, double y) {
-    WindowEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    app_->handle(event, size_);
-  }
-  /// Frames of a finger in the cube.
-  fs::path recording() {
-    const fs::path folder = folder_ / "take";
-    if (fs::exists(folder)) return folder;
-    setup::LiveOptions options;
-    options.scene = scene_;
-    options.frames = 30;
-    options.record = folder;
-    options.common.backend = setup::Backend::cpu;
-    options.noise_free = options.every_frame = true;
-    std::atomic<bool> stop{false};
-    setup::LiveRun(options, {}, {}, stop).run();
-    return folder;
-  }
-  bool opens_other() {
-    return goes_round_until([&] { return options().scene == other_; });
-  }
-  static void write_again(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
-  const setup::LiveOptions& options() const { return app_->desk().edit.options(); }
-
-  const bool panels_;
-  const Size size_{400, 300};
-  fs::path folder_, scene_, other_;
-  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
-  std::atomic<bool> stop_{false};
-  double now_s_ = 0;
-  std::string copied_;
-  std::unique_ptr<App> app_;
-};
 
 TEST_F(LiveApp, AllOffLastsWhateverChanges) {
   ASSERT_TRUE(goes_round_until([&] { return heard_->sounded(); }));
@@ -235,20 +118,6 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
   }
 }
 
-/// With panels, and a hand that operates them.
-class LiveAppWithPanels : public LiveApp {
- protected:
-  LiveAppWithPanels() : LiveApp(true) {}
-
-  void draw(int pictures = 3) {
-    for (int i = 0; i < pictures; ++i) {
-      go_round();
-      app_->render(size_, 1, now_s_);
-    }
-  }
-  Area all_off_button() { return app_->desk().places.all_off.value_or(Area()); }
-};
-
 TEST_F(LiveAppWithPanels, StartBeginsAgainAfterAllOff) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();
@@ -335,12 +204,12 @@ TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
 TEST_F(LiveApp, CopiesTheCommandOfTheRunThatThereIs) {
   const std::string rest = " --source synthetic --hold 5s --noise-free --link heard --layout autd3 --backend cpu";
   ASSERT_TRUE(comes_to(LiveState::running));
-  key('c');
+  copy_run();
   go_round();
   EXPECT_EQ(copied_, "palpa run --scene " + scene_.string() + " --gltf-scene 0" + rest);
   drop(other_);
   ASSERT_TRUE(opens_other());
-  key('c');
+  copy_run();
   go_round();
   EXPECT_EQ(copied_, "palpa run --scene " + other_.string() + rest);
 }

@@ -84,10 +84,12 @@ TEST_F(ViewerLayers, EachIsShownHiddenAndFaded) {
     offscreen.draw(drawn, test::front_viewpoint());
     return offscreen.pixels();
   };
-  const Pixels whole = draw(all);
   for (const Word<Layer>& entry : layer_words) {
     if (entry.value == Layer::slice || entry.value == Layer::heat) continue;  // of a field: they have their own tests
-    ViewState without = all, faint = all, none = all;
+    ViewState shown = all;
+    shown.layers[Layer::legend].visible = entry.value == Layer::legend;  // its backing covers others
+    const Pixels whole = draw(shown);
+    ViewState without = shown, faint = shown, none = shown;
     without.layers[entry.value].visible = false;
     faint.layers[entry.value].opacity = 0.5f;
     none.layers[entry.value].opacity = 0;

@@ -5,10 +5,13 @@
 
 #include <filesystem>
 #include <map>
+#include <regex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
 #include "support/files.hpp"
@@ -37,6 +40,8 @@ class ViewerFiles : public testing::Test {
     sensing::write_png8(folder_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
     write_text(folder_ / "rig.toml",
                std::string(test::tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
+    write_text(folder_ / "camera.toml", test::tiny_camera);
+    test::write_depth(folder_ / "depth.png");
     test::write_depth(folder_ / "take/depth-0.png");
     write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
     test::write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n");
@@ -115,6 +120,10 @@ TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
   expect_refused({"--scene", path("scene.gltf"), "--participant", "--screen", path("screen.toml"), "--screenshot",
                   path("screen.toml")},
                  read_);
+  for (const std::string& file : {path("depth.png"), path("camera.toml")})
+    expect_refused({"--scene", path("scene.gltf"), "--depth", path("depth.png"), "--camera", path("camera.toml"),
+                    "--screenshot", file},
+                   read_);
   // A file that does not exist yet, compared with itself.
   for (const std::string& name : names_of("absent.png"))
     expect_refused({"--scene", path("scene.gltf"), "--reference", path("absent.png"), "--screenshot", name}, read_);
@@ -207,6 +216,17 @@ TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
       "--allow-outside", 4);
 }
 
+TEST_F(ViewerFiles, ThatAreTheViewersSettingsAreNoOutputs) {
+  fs::create_directories(folder_ / "palpa");
+  write_text(folder_ / "palpa/viewer.toml", "dark = true\n");
+  setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
+  for (const std::string& name : names_of("palpa/viewer.toml")) {
+    expect_refused({"--scene", path("scene.gltf"), "--screenshot", name}, "is a file of palpa's own");
+    expect_refused({"--scene", path("scene.gltf"), "--json", name}, "is a file of palpa's own");
+  }
+  unsetenv("XDG_CONFIG_HOME");
+}
+
 TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
   for (const std::string file : {"new", "old"}) {
     for (const std::string& name : names_of(file)) {
@@ -216,6 +236,28 @@ TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
                      same_);
     }
   }
+  expect_refused({"--scene", path("scene.gltf"), "--video", path("film"), "--screenshot", path("film")}, same_);
+  expect_refused({"--scene", path("scene.gltf"), "--source", "recording:" + path("take"), "--video", path("film"),
+                  "--record", path("film/")},
+                 same_);
+  fs::create_directory(folder_ / "film");
+  expect_refused({"--scene", path("scene.gltf"), "--video", path("film"), "--screenshot", path("film/1.png")},
+                 "one lies in the folder of the other");
+}
+
+TEST_F(ViewerFiles, ThatAnyOptionNamesAreTried) {
+  // A new option that names a file must be tried above.
+  const std::set<std::string> inputs{"--scene",  "--points", "--depth",  "--camera",    "--rig",      "--layout",
+                                     "--source", "--skin",   "--screen", "--reference", "--interact", "--board-files"},
+      outputs{"--json", "--screenshot", "--video", "--events", "--link", "--record"};
+  std::size_t found = 0;
+  for (const test::HelpedOption& option : test::options_in(test::viewer({"--help", "all"}).out)) {
+    static const std::regex of_files("(^|[^A-Z])(FILE|FOLDER|DIR|LINK|SOURCE)($|[^A-Z])");
+    if (!std::regex_search(option.type, of_files)) continue;
+    EXPECT_TRUE(inputs.contains(option.name) || outputs.contains(option.name)) << option.name;
+    ++found;
+  }
+  EXPECT_EQ(found, inputs.size() + outputs.size());
 }
 
 }  // namespace

@@ -27,7 +27,12 @@ TEST_F(ViewerRefusals, WithoutADisplayItSaysSoAndSuggestsHeadless) {
 }
 
 TEST_F(ViewerRefusals, BadUsage) {
-  test::expect_failure(viewer({}), 2, "--scene");
+  test::expect_failure(viewer({}), 3, "--headless");  // an empty window, but there is no display
+  test::expect_failure(viewer_here({"--headless"}), 2, "--scene");
+  test::expect_failure(viewer_here({"--no-panels"}), 2, "--scene");
+  test::expect_failure(viewer_here({"--headless", "--participant", "--scene", source_file("assets/cube.glb").string(),
+                                    "--stereo", "columns", "--barrier-gap", "0"}),
+                       2, "--barrier-gap");
   test::expect_failure(viewer(cube_touch({"--screenshot", "p.png"})), 2, "--headless");
   test::expect_failure(viewer_here(cube_touch({"--headless"}, "12x")), 2, "--size");
   test::expect_failure(viewer_here(cube_touch({"--headless"}, "1x1")), 2, "--size");

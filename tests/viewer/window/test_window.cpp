@@ -41,8 +41,9 @@ test::Result viewer(const test::XServer& server, const std::vector<std::string>&
                                      "--penetration", "3mm",
                                      "--size",        "500x400"};
   arguments.insert(arguments.end(), more.begin(), more.end());
+  const std::string config = test::scratch_folder("window-config");  // for the window's size
   return test::run_program(PALPA_VIEWER_BINARY, arguments,
-                           {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", "/dev/null"}}});
+                           {{{"DISPLAY", server.name()}, {"WAYLAND_DISPLAY", ""}, {"XDG_CONFIG_HOME", config}}});
 }
 
 /// With every call checked, if the layer is installed. The layer itself leaks, which a leak checker would report.

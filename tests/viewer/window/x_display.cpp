@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <string_view>
 #include <thread>
 
 namespace palpa::test {
@@ -133,7 +134,7 @@ bool XHand::find(const std::string& title, double timeout_s) {
     for (const unsigned long window : windows()) {
       char* name = nullptr;
       if (function<int(void*, unsigned long, char**)>("XFetchName")(display_, window, &name) && name) {
-        if (title == name) window_ = window;
+        if (title == name || std::string_view(name).starts_with(title + ": ")) window_ = window;
         function<int(void*)>("XFree")(name);
       }
     }

@@ -36,7 +36,7 @@ class XHand {
   XHand& operator=(const XHand&) = delete;
 
   bool connected() const { return display_ != nullptr; }
-  /// Waits up to `timeout_s` for a window with that title.
+  /// Waits up to `timeout_s` for a window with that title, or with that title and a colon and what is shown.
   bool find(const std::string& title, double timeout_s);
   /// Whether the window still exists.
   bool there() const;

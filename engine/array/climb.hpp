@@ -1,0 +1,76 @@
+// Raises the weakest of several foci when amplitudes are fixed and only phases may change.
+//
+//   x_n      the drive of transducer n;  p = G x;  u_j = p_j / |p_j|;  r_j = |p_j| / t_j
+//   z_j      the share of focus j, sum z = 1 (share_step.hpp)
+//   h_n      sum over j of z_j / t_j u_j* G_jn x_n: what transducer n gives to the foci, each by its share
+//   D_n      |h_n| + climb_soft times the mean of |h_n|: how stiff transducer n is
+//   J_jn     -Im(u_j* G_jn x_n) / t_j, the derivative of r_j by the phase of x_n
+//   K_jk     sum over n of J_jn J_kn / D_n
+//
+// One step turns each transducer by -Im(h_n) / (stiffness D_n) with the shares that raise the common level most. With
+// D_n = |h_n| and stiffness 1 this is Newton's step for fixed phases of the foci, and nearly that of Gerchberg and
+// Saxton. But a transducer whose h_n is almost 0 turns no farther than the others help. K comes from transducers spread
+// over the array, which suffices, because its error is the same part of K in every direction. A step is kept if its
+// goal became louder; otherwise the step is made stiffer and tried again.
+//
+// The goal is the weakest focus. But from far away, it leads into small local optima. Two stages therefore come first,
+// whose goal is a soft minimum, and then a harder one, with B = climb_sharpness and m the mean of r at the beginning:
+//
+//   -m / B log sum over j of e^(-B r_j / m)
+//
+// In their steps, shares are spread by m / B times the number of foci.
+//
+// Foci that are louder than the common level get no share, and nothing lowers them. They are lowered afterwards,
+// towards the weakest (K z = the differences), as long as the weakest keeps climb_keep of its loudness. If the array
+// does not resolve the foci, the weakest may need the others to be louder, and they stay.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "array/share_step.hpp"
+#include "array/transfer.hpp"
+
+namespace palpa::array {
+
+inline constexpr double climb_sharpness[] = {20, 80};
+inline constexpr double climb_soft = 0.2;
+inline constexpr double climb_least_stiffness = 0.5;
+inline constexpr double climb_most_stiffness = 60;
+inline constexpr double climb_softer = 0.5;   ///< factor of the stiffness after a step that helped
+inline constexpr double climb_stiffer = 3;    ///< factor after one that did not
+inline constexpr double climb_most_turn = 1;  ///< rad, of a transducer in one step
+inline constexpr double climb_keep = 0.996;
+inline constexpr double climb_even = 0.003;  ///< stops lowering once no focus is louder by more
+inline constexpr double climb_least_aim =
+    0.05;  ///< stops lowering if steps of this part of the differences do not help
+
+struct ClimbEffort {
+  std::uint32_t soft_steps = 0;   ///< maximum number of steps of each soft stage, including those not kept
+  std::uint32_t steps = 0;        ///< maximum number of steps up after them, including those not kept
+  std::uint32_t lowerings = 0;    ///< maximum number of steps that lower, including those not kept
+  std::uint32_t transducers = 0;  ///< maximum number of transducers for K
+  double enough = 1e-3;           ///< ends a stage once a step raises its goal by a smaller part
+};
+
+/// Keeps its storage from call to call.
+struct ClimbScratch {
+  std::vector<std::complex<double>> tried;  ///< one per transducer
+  std::vector<std::complex<double>> pressure, tried_pressure, pull, stiff_pull, turn;
+  std::vector<double> growth, loud, tried_loud, tried_shares, change, slopes;
+  std::vector<std::uint8_t> counts;
+  ShareScratch step;
+};
+
+/// Room for so many transducers and foci.
+void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci);
+
+/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j; foci whose target is 0 are
+/// ignored. `shares` are z_j, for the first stiffness, and afterwards the last ones. Returns the loudness of the
+/// weakest focus relative to its target, 0 if no focus has one.
+double climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort,
+             std::span<double> shares, std::span<std::complex<double>> does, ClimbScratch& scratch);
+
+}  // namespace palpa::array

@@ -1,0 +1,34 @@
+#include "cli/study/outputs.hpp"
+
+#include <fmt/core.h>
+
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+
+namespace palpa::cli {
+
+void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& rows) {
+  const setup::Group group(app, "Results");
+  group.text("--html", options.html, "FILE|-",
+             "writes a report with figures: one file, without scripts, for print, too");
+  group.text("--csv", options.csv, "FILE|-", fmt::format("writes a table: {}", rows));
+}
+
+std::vector<Output> outputs_of(const setup::CommonOptions& common, const StudyOutputs& options) {
+  return {{"--json", common.json}, {"--html", options.html}, {"--csv", options.csv}};
+}
+
+void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,
+                   const Reports& reports) {
+  if (!common.json.empty()) write_file(common.json, reports.json());
+  if (!options.html.empty()) write_file(options.html, reports.html());
+  if (!options.csv.empty()) write_file(options.csv, reports.csv());
+  if (setup::shows_summary(common, declared)) write_file("-", reports.text());
+}
+
+void warn_of(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines)
+    log::warning(line);
+}
+
+}  // namespace palpa::cli

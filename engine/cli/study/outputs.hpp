@@ -1,0 +1,33 @@
+// What the subcommands of `palpa study` share: their outputs.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+
+/// --html and --csv, beside the common --json.
+struct StudyOutputs {
+  std::string html, csv;
+};
+/// `rows`: what a row of the CSV is about, such as "one row per participant and method".
+void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& rows);
+
+/// The reports of a result, computed only if they are written.
+struct Reports {
+  std::function<std::string()> text, json, csv, html;
+};
+/// The outputs on the line, to be declared before anything is read.
+std::vector<Output> outputs_of(const setup::CommonOptions& common, const StudyOutputs& options);
+/// Writes the reports that the line asks for, and the text if nothing else goes to stdout.
+void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,
+                   const Reports& reports);
+
+/// One warning per line.
+void warn_of(const std::vector<std::string>& lines);
+
+}  // namespace palpa::cli

@@ -1,0 +1,13 @@
+#include "cli/commands.hpp"
+#include "cli/study/commands.hpp"
+
+namespace palpa::cli {
+
+void add_study(Program& program) {
+  add_group(program, "study", "an experiment with people: can they tell the shapes apart?");
+  add_study_analyse(program);
+  add_study_compare(program);
+  add_study_power(program);
+}
+
+}  // namespace palpa::cli

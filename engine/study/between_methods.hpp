@@ -1,0 +1,46 @@
+// Whether participants are better with one method than with another. All tests are over participants, because trials of
+// one participant are not independent.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "study/by_method.hpp"
+#include "study/statistics/paired.hpp"
+#include "study/statistics/rank_tests.hpp"
+#include "study/statistics/wilcoxon.hpp"
+#include "study/tables/two_tables.hpp"
+
+namespace palpa::study {
+
+/// Whether it matters which method came first: the differences of those who began with the one, and with the other.
+struct OrderEffect {
+  std::vector<double> a_first{}, b_first{};  ///< differences
+  RankSum test{};
+};
+
+/// The difference b - a of the accuracies of participants who used both methods.
+struct MethodPair {
+  std::size_t a = 0, b = 0;           ///< places in Study::methods, a < b
+  std::vector<std::size_t> people{};  ///< places in Study::participants
+  std::vector<double> differences{};  ///< in the same order
+  double mean = 0;
+  std::optional<Interval> t{}, bootstrap{};  ///< 95 % of the mean
+  std::optional<double> cohens_d{};          ///< d_z
+  HodgesLehmann hodges_lehmann{};
+  SignedRank drop{}, pratt{};    ///< Wilcoxon's test with both treatments of zeros
+  std::optional<double> holm{};  ///< `drop`'s exact p, corrected for all pairs; only above two methods
+  std::optional<Correlation> pearson{}, spearman{};
+  OrderEffect order{};
+  TwoTables tables{};  ///< of all trials
+};
+
+struct BetweenMethods {
+  std::vector<MethodPair> pairs{};     ///< that at least one participant used
+  std::optional<Friedman> friedman{};  ///< of the participants who used all methods; only above two methods
+};
+BetweenMethods between_methods(const Study& study, const Results& results, std::uint64_t seed);
+
+}  // namespace palpa::study

@@ -1,0 +1,125 @@
+#include "study/files/counts_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/text.hpp"
+#include "study/files/trial.hpp"
+#include "study/files/tsv.hpp"
+
+namespace palpa::study {
+namespace {
+
+constexpr std::uint64_t most_bytes = 1 << 20;
+constexpr std::uint64_t most_count = 1'000'000'000;
+
+/// Without spaces around it, and without quotes.
+std::string_view plain(std::string_view cell) {
+  while (!cell.empty() && cell.front() == ' ')
+    cell.remove_prefix(1);
+  while (!cell.empty() && cell.back() == ' ')
+    cell.remove_suffix(1);
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+  return cell;
+}
+
+char separator_of(std::string_view line) {
+  for (const char separator : {'\t', ';', ','}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return ',';
+}
+
+std::uint64_t count_in(std::string_view cell, const std::string& name, std::size_t line) {
+  std::uint64_t count = 0;
+  const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), count);
+  if (fault != std::errc{} || end != cell.data() + cell.size() || count > most_count) {
+    throw bad_input(name, fmt::format("line {}: '{}' is not a count: give whole numbers of answers, 0 to {}", line,
+                                      printable(cell, 40), most_count));
+  }
+  return count;
+}
+
+std::vector<std::string> shapes_in(const std::vector<std::string_view>& header, const std::string& name) {
+  std::vector<std::string> shapes;
+  for (std::size_t i = 1; i < header.size(); ++i) {
+    const std::string_view shape = plain(header[i]);
+    // A file of another kind may be anything, so no message shows its bytes.
+    if (shape.empty() || shape.size() > most_name)
+      throw bad_input(name, fmt::format("line 1: name {} is not a name of 1 to {} letters", i, most_name));
+    if (std::ranges::find(shapes, shape) != shapes.end())
+      throw bad_input(name, fmt::format("line 1: name {} is there twice", i));
+    shapes.emplace_back(shape);
+  }
+  if (shapes.size() < 2 || shapes.size() > most_shapes) {
+    throw bad_input(name, fmt::format("line 1: has {} shapes, 2 to {} are needed: the line has the answers, such as "
+                                      "actual,cube,prism",
+                                      shapes.size(), most_shapes));
+  }
+  return shapes;
+}
+
+}  // namespace
+
+CountsFile parse_counts(std::string_view text, const std::string& name) {
+  Lines lines(text);
+  const std::string_view first = lines.next().value_or("");
+  const char separator = separator_of(first);
+  CountsFile file{.table = Confusion(shapes_in(cells_of(first, separator), name))};
+  Confusion& table = file.table;
+  std::vector<bool> there(table.size(), false);
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (line->empty()) continue;
+    const std::vector<std::string_view> cells = cells_of(*line, separator);
+    if (cells.size() != table.size() + 1) {
+      throw bad_input(name, fmt::format("line {}: {} counts where line 1 has {} answers", lines.number(),
+                                        cells.size() - 1, table.size()));
+    }
+    const std::string_view shape = plain(cells[0]);
+    const auto found = std::ranges::find(table.shapes, shape);
+    if (found == table.shapes.end()) {
+      throw bad_input(name, fmt::format("line {}: the shape '{}' is not among the answers {}", lines.number(),
+                                        printable(shape, 40), fmt::join(table.shapes, ", ")));
+    }
+    const auto row = static_cast<std::size_t>(found - table.shapes.begin());
+    if (there[row])
+      throw bad_input(name, fmt::format("line {}: a second line of '{}'", lines.number(), printable(shape, 40)));
+    there[row] = true;
+    for (std::size_t j = 0; j < table.size(); ++j)
+      table.at(row, j) = count_in(plain(cells[j + 1]), name, lines.number());
+    if (lines.cut())
+      file.warning = fmt::format("{}: line {} has no end: check that the file is complete", name, lines.number());
+  }
+  if (const auto missing = std::ranges::find(there, false); missing != there.end()) {
+    const auto shape = static_cast<std::size_t>(missing - there.begin());
+    throw bad_input(name, fmt::format("has no line of the shape '{}'", printable(table.shapes[shape], 40)));
+  }
+  if (table.total() == 0) throw bad_input(name, "all counts are 0");
+  return file;
+}
+
+CountsFile read_counts(const std::filesystem::path& file) {
+  return parse_counts(read_file(file, most_bytes), file.string());
+}
+
+std::string counts_csv(const Confusion& table) {
+  std::string csv = fmt::format("actual,{}\n", fmt::join(table.shapes, ","));
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    csv += table.shapes[i];
+    for (std::size_t j = 0; j < table.size(); ++j)
+      csv += fmt::format(",{}", table.at(i, j));
+    csv += '\n';
+  }
+  return csv;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,154 @@
+#include "study/files/events_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <system_error>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/text.hpp"
+#include "study/files/gzip.hpp"
+#include "study/files/sidecar.hpp"
+#include "study/files/trial.hpp"
+#include "study/files/tsv.hpp"
+
+namespace palpa::study {
+namespace {
+
+enum Column { onset, duration, trial_type, method, shape, answer, response_time, status, column_count };
+constexpr std::array<std::string_view, column_count> column_names{"onset", "duration", "trial_type",    "method",
+                                                                  "shape", "answer",   "response_time", "status"};
+
+constexpr std::uint64_t most_bytes = 16 << 20;
+constexpr std::size_t most_rows = 100'000;
+/// Further faults are only counted, so that a foreign file does not flood its reader.
+constexpr std::size_t most_faults = 10;
+
+/// The place of each column in the file.
+using Places = std::array<std::size_t, column_count>;
+
+Places places_of(const std::vector<std::string_view>& header, const std::string& name) {
+  Places places{};
+  for (std::size_t c = 0; c < column_count; ++c) {
+    const auto found = std::ranges::find(header, column_names[c]);
+    if (found == header.end()) {
+      throw bad_input(name, fmt::format("line 1: the column {} is missing; the columns are {}, separated by tabs",
+                                        column_names[c], fmt::join(column_names, ", ")));
+    }
+    if (std::find(found + 1, header.end(), column_names[c]) != header.end())
+      throw bad_input(name, fmt::format("line 1: the column {} is there twice", column_names[c]));
+    places[c] = static_cast<std::size_t>(found - header.begin());
+  }
+  return places;
+}
+
+std::string shown(std::string_view cell) {
+  return printable(cell, 40);
+}
+
+/// Fills `row` from the cells of a line; returns the fault, empty if there is no fault.
+std::string read_row(const std::vector<std::string_view>& cells, const Places& places, EventRow& row) {
+  const auto cell = [&](Column column) { return cells[places[column]]; };
+  const auto time = [&](Column column, std::optional<double>& target) {
+    if (cell(column) == not_available) return true;
+    target = number_in(cell(column));
+    return target && *target >= 0;
+  };
+  const auto not_a_time = [&](Column column) {
+    return fmt::format("{} '{}' is not a time in seconds, such as 1.25", column_names[column], shown(cell(column)));
+  };
+  const std::optional<double> begin = number_in(cell(onset));
+  if (!begin) return not_a_time(onset);
+  row.onset_s = *begin;
+  if (!time(duration, row.duration_s)) return not_a_time(duration);
+  if (!time(response_time, row.response_s)) return not_a_time(response_time);
+
+  const std::optional<EventKind> kind = value_of(event_words, cell(trial_type));
+  if (!kind) return fmt::format("trial_type '{}' is not {}", shown(cell(trial_type)), one_of(event_words));
+  row.kind = *kind;
+  const std::optional<EventStatus> state = value_of(status_words, cell(status));
+  if (!state) return fmt::format("status '{}' is not {}", shown(cell(status)), one_of(status_words));
+  row.status = *state;
+
+  const bool counts = row.kind == EventKind::trial && row.status == EventStatus::answered;
+  for (const auto& [column, target] : {std::pair(method, &row.method), {shape, &row.shape}, {answer, &row.answer}}) {
+    const bool missing = cell(column).empty() || cell(column) == not_available;
+    if (counts && missing) return fmt::format("an answered trial has no {}", column_names[column]);
+    if (cell(column).size() > most_name)
+      return fmt::format("{} '{}' is longer than {} letters", column_names[column], shown(cell(column)), most_name);
+    if (!missing) *target = cell(column);
+  }
+  if (row.kind == EventKind::trial && row.status == EventStatus::done)
+    return "a trial has the status done, but only answered or void fit";
+  return {};
+}
+
+}  // namespace
+
+EventsFile parse_events(std::string_view text, const std::string& name) {
+  EventsFile file{.name = name};
+  Lines lines(text);
+  const std::optional<std::string_view> first = lines.next();
+  if (!first) throw bad_input(name, "is empty");
+  const std::vector<std::string_view> header = cells_of(*first, '\t');
+  const Places places = places_of(header, name);
+
+  std::size_t faulty = 0;
+  const auto leave_out = [&](const std::string& fault) {
+    if (++faulty <= most_faults)
+      file.faults.push_back(fmt::format("{}: line {}: {}; the row is left out", name, lines.number(), fault));
+  };
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (line->empty()) continue;
+    if (lines.number() > most_rows) throw bad_input(name, fmt::format("has more than {} lines", most_rows));
+    const std::vector<std::string_view> cells = cells_of(*line, '\t');
+    if (lines.cut()) {
+      leave_out("the line has no end: the file is cut off here");
+    } else if (cells.size() != header.size()) {
+      leave_out(fmt::format("{} cells where the first line has {}", cells.size(), header.size()));
+    } else {
+      EventRow row{.line = lines.number()};
+      if (const std::string fault = read_row(cells, places, row); !fault.empty()) {
+        leave_out(fault);
+      } else if (!file.rows.empty() && row.onset_s == file.rows.back().onset_s) {
+        leave_out(fmt::format("it has the same onset as line {}", file.rows.back().line));
+      } else if (!file.rows.empty() && row.onset_s < file.rows.back().onset_s) {
+        leave_out(fmt::format("its onset {} lies before that of line {}", row.onset_s, file.rows.back().line));
+      } else {
+        file.rows.push_back(std::move(row));
+      }
+    }
+  }
+  if (faulty > most_faults)
+    file.faults.push_back(fmt::format("{}: {} further rows are left out", name, faulty - most_faults));
+  return file;
+}
+
+EventsFile read_events(const std::filesystem::path& path) {
+  const std::string text = read_file(path, most_bytes), name = path.string();
+  std::filesystem::path beside = path;
+  beside.replace_extension(".json");
+  std::error_code fault;
+  if (!std::filesystem::exists(beside, fault)) {
+    EventsFile file = parse_events(text, name);
+    file.faults.push_back(fmt::format("{}: there is no {} beside it; it is read as version {}", name,
+                                      beside.filename().string(), log_version));
+    return file;
+  }
+  const EventsSidecar sidecar = read_events_sidecar(beside);
+  EventsFile file = parse_events(text, name);
+  file.shapes = sidecar.shapes;
+  if (sidecar.checksum && *sidecar.checksum != crc32_of(text)) {
+    file.faults.push_back(
+        fmt::format("{}: was changed after its session ended (its CRC-32 is {:08x}, {} says {:08x}); it is analysed as "
+                    "it is",
+                    name, crc32_of(text), beside.filename().string(), *sidecar.checksum));
+  }
+  return file;
+}
+
+}  // namespace palpa::study

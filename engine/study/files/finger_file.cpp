@@ -1,0 +1,92 @@
+#include "study/files/finger_file.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "study/files/gzip.hpp"
+#include "study/files/sidecar.hpp"
+#include "study/files/tsv.hpp"
+
+namespace palpa::study {
+namespace {
+
+constexpr std::uint64_t most_packed = 64u << 20, most_unpacked = 256u << 20;
+constexpr double between_samples_s = 0.1;
+
+/// Goes forward to given rows of a table.
+class Rows {
+ public:
+  explicit Rows(std::string_view text) : rest_(text) {}
+
+  /// Row `wanted`, from 0; not before the row of the last call. Empty after the end and for a row that is cut.
+  std::optional<std::string_view> at(std::uint64_t wanted) {
+    for (;;) {
+      const std::size_t end = rest_.find('\n');
+      if (end == std::string_view::npos) return std::nullopt;
+      if (row_ == wanted) return rest_.substr(0, end);
+      rest_.remove_prefix(end + 1);
+      ++row_;
+    }
+  }
+
+ private:
+  std::string_view rest_;
+  std::uint64_t row_ = 0;
+};
+
+}  // namespace
+
+FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialTime> trials) {
+  const std::string name = path.string();
+  // The sidecar has the same name with .json in the place of .tsv.gz.
+  std::filesystem::path beside = path;
+  beside.replace_extension().replace_extension(".json");
+  const FingerSidecar sidecar = read_finger_sidecar(beside);
+  const Unpacked unpacked = read_gzip(path, most_packed, most_unpacked);
+  FingerFile file{.courses = std::vector<DepthCourse>(trials.size())};
+  if (unpacked.cut) {
+    const auto rows = static_cast<double>(std::ranges::count(unpacked.text, '\n'));
+    file.fault =
+        fmt::format("{}: is cut off; depths are read up to {:.1f} s", name, sidecar.start_s + rows / sidecar.rate_hz);
+  }
+  Rows rows(unpacked.text);
+  const double step = std::max(1.0, std::floor(between_samples_s * sidecar.rate_hz));
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const TrialTime& trial = trials[t];
+    double length_s = std::min(trial.duration_s, DepthCourse::bin_s * DepthCourse::most_bins);
+    if (t + 1 < trials.size()) length_s = std::min(length_s, trials[t + 1].onset_s - trial.onset_s);
+    const double first = std::max(0.0, std::ceil((trial.onset_s - sidecar.start_s) * sidecar.rate_hz));
+    for (double row = first;; row += step) {
+      const double time_s = sidecar.start_s + row / sidecar.rate_hz - trial.onset_s;
+      if (time_s >= length_s) break;
+      const auto index = static_cast<std::uint64_t>(std::min(row, 1e15));
+      const std::optional<std::string_view> line = rows.at(index);
+      if (!line) return file;
+      const std::vector<std::string_view> cells =
+          cells_of(line->ends_with('\r') ? line->substr(0, line->size() - 1) : *line, '\t');
+      if (cells.size() != sidecar.columns) {
+        throw bad_input(name, fmt::format("line {}: {} cells where {} columns are named", index + 1, cells.size(),
+                                          sidecar.columns));
+      }
+      const std::string_view cell = cells[sidecar.depth_column];
+      if (cell == not_available) continue;
+      const std::optional<double> depth = number_in(cell);
+      constexpr double most_m = 10;
+      if (!depth || std::abs(*depth) > most_m) {
+        throw bad_input(name, fmt::format("line {}: '{}' is not a depth in metres, such as 0.0031", index + 1,
+                                          printable(cell, 40)));
+      }
+      file.courses[t].add(time_s, *depth);
+    }
+  }
+  return file;
+}
+
+}  // namespace palpa::study

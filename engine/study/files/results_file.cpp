@@ -1,0 +1,77 @@
+#include "study/files/results_file.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "study/files/trial.hpp"
+
+namespace palpa::study {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t most_bytes = 64 << 20, most_count = 1'000'000'000;
+
+[[noreturn]] void refuse(const std::string& file, const std::string& fault) {
+  throw bad_input(file, fmt::format("{}: a JSON file of palpa study analyse is needed", fault));
+}
+
+std::vector<std::string> shapes_in(const json& document, const std::string& file) {
+  const auto found = document.find("shapes");
+  if (found == document.end() || !found->is_array() || found->size() < 2 || found->size() > most_shapes)
+    refuse(file, fmt::format("\"shapes\" is not a list of 2 to {} names", most_shapes));
+  std::vector<std::string> shapes;
+  for (const json& shape : *found) {
+    if (!shape.is_string()) refuse(file, "\"shapes\" has something that is not a name");
+    shapes.push_back(shape.get<std::string>());
+    if (std::ranges::count(shapes, shapes.back()) > 1) refuse(file, "\"shapes\" has a name twice");
+  }
+  return shapes;
+}
+
+Confusion table_in(const json& method, const std::vector<std::string>& shapes, const std::string& file) {
+  Confusion table(shapes);
+  const auto counts = method.find("counts");
+  if (counts == method.end() || !counts->is_array() || counts->size() != shapes.size())
+    refuse(file, fmt::format("\"counts\" has not {} rows", shapes.size()));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const json& row = (*counts)[i];
+    if (!row.is_array() || row.size() != shapes.size())
+      refuse(file, fmt::format("row {} of \"counts\" has not {} counts", i + 1, shapes.size()));
+    for (std::size_t j = 0; j < shapes.size(); ++j) {
+      if (!row[j].is_number_unsigned() || row[j].get<std::uint64_t>() > most_count)
+        refuse(file, fmt::format("row {} of \"counts\" has something that is not a count", i + 1));
+      table.at(i, j) = row[j].get<std::uint64_t>();
+    }
+  }
+  if (table.total() == 0) refuse(file, "all \"counts\" are 0");
+  return table;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const json document = json::parse(read_file(path, most_bytes), nullptr, false);
+  if (!document.is_object() || document.value("kind", json()) != results_kind)
+    refuse(file, "\"kind\" is not that of such a file");
+  const std::vector<std::string> shapes = shapes_in(document, file);
+  const auto methods = document.find("methods");
+  if (methods == document.end() || !methods->is_array() || methods->empty() || methods->size() > most_methods)
+    refuse(file, "\"methods\" is not a list");
+  std::vector<std::pair<std::string, Confusion>> tables;
+  for (const json& method : *methods) {
+    const json name = method.is_object() ? method.value("name", json()) : json();
+    if (!name.is_string()) refuse(file, "\"methods\" has something without a \"name\"");
+    tables.emplace_back(name.get<std::string>(), table_in(method, shapes, file));
+  }
+  return tables;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,19 @@
+// The confusion matrices in a JSON file of palpa study analyse.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/tables/confusion.hpp"
+
+namespace palpa::study {
+
+/// The value of the key "kind" of such a file.
+inline constexpr const char* results_kind = "palpa study analyse";
+
+/// Names and tables in the order of the file. Throws bad_input if the file is not such JSON.
+std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& file);
+
+}  // namespace palpa::study

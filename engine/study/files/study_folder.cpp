@@ -1,0 +1,297 @@
+#include "study/files/study_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "study/files/events_file.hpp"
+#include "study/files/finger_file.hpp"
+#include "study/tables/paper.hpp"
+
+namespace palpa::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view prefix = "sub-", events_end = "_events.tsv";
+constexpr std::size_t most_files = 100;  // of one participant
+
+/// One log of a participant, and the finger's depths in its answered trials.
+struct Session {
+  EventsFile events;
+  std::vector<DepthCourse> courses;  ///< one per answered trial; empty without a recording
+};
+
+/// A participant's folder and its content.
+struct Folder {
+  std::uint32_t number = 0;
+  fs::path path;
+  std::vector<Session> sessions;
+  std::vector<std::string> left_out;
+};
+
+/// The number in "sub-7" or "sub-7_task-...".
+std::optional<std::uint32_t> number_of(std::string_view name) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  name.remove_prefix(prefix.size());
+  const std::string_view digits = name.substr(0, name.find('_'));
+  std::uint32_t number = 0;
+  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (fault != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code fault;
+  for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault))
+    entries.push_back(at->path());
+  if (fault) throw bad_input(folder.string(), "cannot be read: " + fault.message());
+  std::ranges::sort(entries);
+  return entries;
+}
+
+std::vector<Folder> participants_in(const std::string& place, std::vector<std::string>& left_out) {
+  std::error_code fault;
+  if (!fs::is_directory(place, fault)) {
+    throw bad_input(place, fs::exists(place, fault) ? "is not a folder: give the folder of a study" : "no such folder");
+  }
+  std::vector<Folder> found;
+  for (const fs::path& path : entries_of(place)) {
+    const std::string name = path.filename().string();
+    if (!name.starts_with(prefix) || !fs::is_directory(path, fault)) continue;
+    if (const auto number = number_of(name); number && name.find('_') == std::string::npos) {
+      found.push_back({.number = *number, .path = path, .sessions = {}, .left_out = {}});
+    } else {
+      left_out.push_back(
+          fmt::format("{}: is not a participant with a number, such as sub-7; it is left out", path.string()));
+    }
+  }
+  if (found.empty())
+    throw bad_input(place, "has no participants: their logs are in folders such as sub-1/beh, sub-2/beh");
+  return found;
+}
+
+bool counts(const EventRow& row) {
+  return row.kind == EventKind::trial && row.status == EventStatus::answered;
+}
+
+void read_courses(const fs::path& events, Session& session, std::vector<std::string>& left_out) {
+  std::string stem = events.string();
+  stem.resize(stem.size() - events_end.size());
+  const fs::path recording = stem + "_recording-finger_physio.tsv.gz";
+  std::error_code fault;
+  if (!fs::exists(recording, fault)) return;
+  std::vector<TrialTime> times;
+  for (const EventRow& row : session.events.rows) {
+    if (counts(row)) times.push_back({row.onset_s, row.duration_s.value_or(0)});
+  }
+  try {
+    FingerFile file = read_finger(recording, times);
+    session.courses = std::move(file.courses);
+    if (file.fault) left_out.push_back(*file.fault);
+  } catch (const Error& error) {
+    if (error.code() != Exit::bad_input) throw;
+    left_out.push_back(fmt::format("{}; the recording of the finger is left out", error.what()));
+  }
+}
+
+void read_participant(Folder& folder) {
+  const fs::path inside = folder.path / "beh";
+  std::error_code fault;
+  if (!fs::is_directory(inside, fault)) {
+    folder.left_out.push_back(fmt::format("{}: there is no such folder; the participant is left out", inside.string()));
+    return;
+  }
+  std::size_t files = 0;
+  for (const fs::path& path : entries_of(inside)) {
+    const std::string name = path.filename().string();
+    if (!name.ends_with(events_end)) continue;
+    if (++files > most_files) throw bad_input(inside.string(), fmt::format("has more than {} logs", most_files));
+    if (number_of(name) != folder.number) {
+      folder.left_out.push_back(
+          fmt::format("{}: the name is not that of a log of participant {}, such as "
+                      "sub-{}_task-shapes_events.tsv; it is left out",
+                      path.string(), folder.number, folder.number));
+      continue;
+    }
+    Session session;
+    try {
+      session.events = read_events(path);
+    } catch (const Error& error) {
+      if (error.code() != Exit::bad_input) throw;
+      folder.left_out.push_back(fmt::format("{}; the log is left out", error.what()));
+      continue;
+    }
+    folder.left_out.insert(folder.left_out.end(), session.events.faults.begin(), session.events.faults.end());
+    read_courses(path, session, folder.left_out);
+    folder.sessions.push_back(std::move(session));
+  }
+  if (files == 0) {
+    folder.left_out.push_back(
+        fmt::format("{}: has no log, such as sub-{}_task-shapes_events.tsv; the participant is "
+                    "left out",
+                    inside.string(), folder.number));
+  }
+}
+
+void refuse_same_numbers(const std::vector<Folder>& folders) {
+  std::map<std::uint32_t, fs::path> seen;
+  for (const Folder& folder : folders) {
+    const auto [first, added] = seen.emplace(folder.number, folder.path);
+    if (!added) {
+      throw bad_input(folder.path.string(), fmt::format("participant {} is also in {}: give each participant a number "
+                                                        "of their own",
+                                                        folder.number, first->second.string()));
+    }
+  }
+}
+
+/// The names in the order of `first`, then by name.
+std::vector<std::string> ordered(std::vector<std::string> names, const std::vector<std::string>& first) {
+  const auto place = [&](const std::string& name) { return std::ranges::find(first, name) - first.begin(); };
+  std::ranges::sort(names, [&](const std::string& a, const std::string& b) {
+    return std::pair(place(a), std::string_view(a)) < std::pair(place(b), std::string_view(b));
+  });
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+/// The shapes of the study: those that the first sidecar names, otherwise all that were shown. Logs of other shapes are
+/// left out.
+std::vector<std::string> agree_on_shapes(std::vector<Folder>& folders) {
+  const Session* told = nullptr;
+  std::vector<std::string> shown;
+  for (const Folder& folder : folders) {
+    for (const Session& session : folder.sessions) {
+      if (!told && !session.events.shapes.empty()) told = &session;
+      for (const EventRow& row : session.events.rows) {
+        if (counts(row) && (shown.empty() || shown.back() != row.shape)) shown.push_back(row.shape);
+      }
+    }
+  }
+  if (!told) return ordered(std::move(shown), paper_shapes());
+  std::vector<std::string> shapes = told->events.shapes;
+  const std::string teller = told->events.name;
+  const std::vector<std::string> wanted = ordered(shapes, {});
+  for (Folder& folder : folders) {
+    std::erase_if(folder.sessions, [&](const Session& session) {
+      if (session.events.shapes.empty() || ordered(session.events.shapes, {}) == wanted) return false;
+      folder.left_out.push_back(fmt::format("{}: its shapes are {}, but those of {} are {}; the log is left out",
+                                            session.events.name, fmt::join(session.events.shapes, ", "), teller,
+                                            fmt::join(shapes, ", ")));
+      return true;
+    });
+  }
+  return shapes;
+}
+
+std::optional<std::uint32_t> place_in(const std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<std::uint32_t>(found - names.begin());
+}
+
+void add_course(std::vector<DepthCourse>& courses, std::size_t place, std::size_t all, const DepthCourse& course) {
+  if (course.empty()) return;
+  courses.resize(all);
+  DepthCourse& into = courses[place];
+  if (into.samples.size() < course.samples.size()) {
+    into.samples.resize(course.samples.size(), 0);
+    into.sum_m.resize(course.samples.size(), 0);
+  }
+  for (std::size_t bin = 0; bin < course.samples.size(); ++bin) {
+    into.samples[bin] += course.samples[bin];
+    into.sum_m[bin] += course.sum_m[bin];
+  }
+}
+
+Participant assemble(Folder& folder, const Study& study) {
+  Participant participant{.number = folder.number, .place = folder.path.string()};
+  for (const Session& session : folder.sessions) {
+    std::size_t course = 0;
+    for (const EventRow& row : session.events.rows) {
+      if (row.kind == EventKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
+      if (!counts(row)) continue;
+      const std::size_t own_course = course++;
+      const auto method = place_in(study.methods, row.method);
+      const auto shape = place_in(study.shapes, row.shape), answer = place_in(study.shapes, row.answer);
+      if (!shape || !answer) {
+        folder.left_out.push_back(fmt::format(
+            "{}: line {}: the {} '{}' is not one of {}; the row is left out", session.events.name, row.line,
+            shape ? "answer" : "shape", printable(shape ? row.answer : row.shape, 40), fmt::join(study.shapes, ", ")));
+        continue;
+      }
+      participant.trials.push_back({*method, *shape, *answer, row.response_s});
+      if (own_course < session.courses.size()) {
+        add_course(participant.depths, *method * study.shapes.size() + *shape,
+                   study.methods.size() * study.shapes.size(), session.courses[own_course]);
+      }
+    }
+  }
+  if (participant.trials.empty() && !folder.sessions.empty())
+    folder.left_out.push_back(fmt::format("{}: has no answered trial; the participant is left out", participant.place));
+  return participant;
+}
+
+}  // namespace
+
+Study read_study(std::span<const std::string> places) {
+  Study study;
+  std::vector<Folder> folders;
+  for (const std::string& place : places) {
+    for (Folder& folder : participants_in(place, study.left_out))
+      folders.push_back(std::move(folder));
+  }
+  refuse_same_numbers(folders);
+  if (folders.size() > most_participants) {
+    throw bad_input(places[0],
+                    fmt::format("has {} participants, at most {} are analysed", folders.size(), most_participants));
+  }
+  std::ranges::sort(folders, {}, &Folder::number);
+  parallel_chunks(folders.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      read_participant(folders[i]);
+  });
+
+  study.shapes = agree_on_shapes(folders);
+  for (const Folder& folder : folders) {
+    for (const Session& session : folder.sessions) {
+      for (const EventRow& row : session.events.rows) {
+        if (counts(row) && !place_in(study.methods, row.method)) study.methods.push_back(row.method);
+      }
+    }
+  }
+  study.methods = ordered(std::move(study.methods), {"single-focus"});
+  if (study.methods.size() > most_methods || study.shapes.size() > most_shapes) {
+    throw bad_input(places[0], fmt::format("has {} methods and {} shapes; at most {} and {} are analysed",
+                                           study.methods.size(), study.shapes.size(), most_methods, most_shapes));
+  }
+  for (Folder& folder : folders) {
+    Participant participant = assemble(folder, study);
+    study.left_out.insert(study.left_out.end(), folder.left_out.begin(), folder.left_out.end());
+    if (!participant.trials.empty()) study.participants.push_back(std::move(participant));
+  }
+  if (study.participants.empty()) {
+    // The first line says what is wrong with the only, or the first, log.
+    throw bad_input(places[0], study.left_out.empty()
+                                   ? "has no answered trial"
+                                   : fmt::format("nothing can be analysed: {}", study.left_out.front()));
+  }
+  return study;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,42 @@
+#include "study/files/tsv.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace palpa::study {
+
+Lines::Lines(std::string_view text) : rest_(text) {
+  // Spreadsheets write a byte order mark.
+  if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+}
+
+std::optional<std::string_view> Lines::next() {
+  if (rest_.empty()) return std::nullopt;
+  const std::size_t end = rest_.find('\n');
+  cut_ = end == std::string_view::npos;
+  std::string_view line = rest_.substr(0, end);
+  rest_.remove_prefix(cut_ ? rest_.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  ++number_;
+  return line;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t end = line.find(separator);
+    cells.push_back(line.substr(0, end));
+    if (end == std::string_view::npos) return cells;
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::optional<double> number_in(std::string_view cell) {
+  double value = 0;
+  const auto [rest, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (fault != std::errc{} || rest != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace palpa::study

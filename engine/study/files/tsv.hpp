@@ -1,0 +1,37 @@
+// Lines and cells of tables of text.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace palpa::study {
+
+/// Goes through a text line by line.
+class Lines {
+ public:
+  explicit Lines(std::string_view text);
+
+  /// The next line, without its end (LF or CRLF). Empty after the last.
+  std::optional<std::string_view> next();
+  /// The number of the line that next() returned last, from 1.
+  std::size_t number() const { return number_; }
+  /// Whether the line that next() returned last had no end: the file was cut within it, or ends without one.
+  bool cut() const { return cut_; }
+
+ private:
+  std::string_view rest_;
+  std::size_t number_ = 0;
+  bool cut_ = false;
+};
+
+/// The cells between separators, as they are.
+std::vector<std::string_view> cells_of(std::string_view line, char separator);
+
+/// A finite number that takes the whole cell.
+std::optional<double> number_in(std::string_view cell);
+/// BIDS' word for a value that does not exist.
+inline constexpr std::string_view not_available = "n/a";
+
+}  // namespace palpa::study

@@ -1,0 +1,46 @@
+// How many participants a study needs, by simulating studies.
+//
+// A simulated participant has an accuracy of their own for each of two methods: the mean of the method plus a normal
+// deviation, kept within 0 and 1. The deviations of one participant are correlated. The correct answers are binomial.
+// Wilcoxon's exact signed-rank test then compares the methods, as in the analysis.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "study/statistics/moments.hpp"
+
+namespace palpa::study {
+
+struct PowerSetting {
+  double a = 0.39, b = 0.6525;      ///< mean accuracies of the two methods; the default is the paper's
+  double spread = 0.1;              ///< standard deviation between participants, without the noise of their trials
+  double correlation = 0.77;        ///< of a participant's deviations with both methods, the paper's
+  std::uint32_t trials = 40;        ///< of each participant with each method
+  double alpha = 0.05;              ///< a study finds an effect if the two-sided p is at most this
+  double power = 0.8;               ///< wanted: the share of studies that find the effect
+  std::uint32_t studies = 2000;     ///< simulated for each number of participants
+  std::uint32_t most_people = 200;  ///< no larger study is tried
+  std::uint64_t seed = 0;
+};
+inline constexpr std::uint32_t most_simulated_people = 200;
+/// Studies times people times trials, at most.
+inline constexpr std::uint64_t most_simulated_trials = 400'000'000;
+
+struct PowerRow {
+  std::uint32_t people = 0;
+  std::uint32_t found = 0;  ///< studies that find the effect
+  double power = 0;
+  Interval interval{};  ///< 95 %, of the number of simulated studies
+};
+
+struct PowerResult {
+  std::vector<PowerRow> rows{};           ///< that were simulated, by people
+  std::optional<std::uint32_t> people{};  ///< the least that reach the wanted power; empty if most_people do not
+};
+/// The numbers of participants that are tried are those from 2 to 20, then steps up to most_people, and all that a
+/// bisection between two steps needs. Larger studies contain the participants of smaller ones.
+PowerResult find_power(const PowerSetting& setting);
+
+}  // namespace palpa::study

@@ -1,0 +1,90 @@
+#include "study/report/power_report.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "base/json_writer.hpp"
+#include "study/report/csv.hpp"
+#include "study/report/figures.hpp"
+#include "study/report/html.hpp"
+#include "study/report/measures_json.hpp"
+#include "study/report/numbers.hpp"
+
+namespace palpa::study {
+namespace {
+
+std::string setting_line(const PowerSetting& s) {
+  return fmt::format(
+      "accuracies {} and {}, {} trials each, spread {} between participants, correlation {}; test at {}; "
+      "{} studies, seed {}",
+      s.a, s.b, s.trials, s.spread, s.correlation, s.alpha, s.studies, s.seed);
+}
+
+std::string answer_line(const PowerSetting& setting, const PowerResult& result) {
+  if (!result.people) {
+    return fmt::format("{} participants do not reach a power of {}", setting.most_people, setting.power);
+  }
+  return fmt::format("{} participants reach a power of {}", *result.people, setting.power);
+}
+
+}  // namespace
+
+std::string power_text(const PowerSetting& setting, const PowerResult& result) {
+  std::string text = setting_line(setting) + "\n\n  participants   power   95 %\n";
+  for (const PowerRow& row : result.rows) {
+    fmt::format_to(std::back_inserter(text), "  {:>12}   {}   {}\n", row.people, shown(row.power),
+                   shown(std::optional(row.interval)));
+  }
+  return text + "\n" + answer_line(setting, result) + "\n";
+}
+
+std::string power_json(const PowerSetting& setting, const PowerResult& result) {
+  JsonWriter json;
+  json.begin_object().key("accuracies").begin_array().value(setting.a).value(setting.b).end_array();
+  json.member("spread", setting.spread).member("correlation", setting.correlation).member("trials", setting.trials);
+  json.member("alpha", setting.alpha).member("power", setting.power).member("studies", setting.studies);
+  json.member("seed", setting.seed).key("participants");
+  if (result.people) {
+    json.value(*result.people);
+  } else {
+    json.null();
+  }
+  json.key("rows").begin_array(JsonWriter::Style::block);
+  for (const PowerRow& row : result.rows) {
+    json.begin_object(JsonWriter::Style::line).member("participants", row.people).member("found", row.found);
+    put(json, "power", row.power);
+    put(json, "interval", std::optional(row.interval));
+    json.end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+std::string power_csv(const PowerResult& result) {
+  std::string csv = "participants,found,power,low,high\n";
+  for (const PowerRow& row : result.rows) {
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", row.people, row.found, number_cell(row.power),
+                   number_cell(row.interval.low), number_cell(row.interval.high));
+  }
+  return csv;
+}
+
+std::string power_html(const PowerSetting& setting, const PowerResult& result) {
+  HtmlPage page("How many participants?");
+  page.paragraph(answer_line(setting, result) + ".");
+  page.paragraph("Simulated: " + setting_line(setting) + ".");
+  page.figure(
+      power_figure(setting, result),
+      "The share of simulated studies in which Wilcoxon's exact signed-rank test finds the difference, with its "
+      "95 % interval.");
+  std::vector<HtmlRow> rows{{"participants", "power", "95 %"}};
+  for (const PowerRow& row : result.rows)
+    rows.push_back({std::to_string(row.people), shown(row.power), shown(std::optional(row.interval))});
+  page.table("Power by number of participants.", rows);
+  return page.finish();
+}
+
+}  // namespace palpa::study

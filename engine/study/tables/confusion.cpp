@@ -1,0 +1,71 @@
+#include "study/tables/confusion.hpp"
+
+#include <numeric>
+
+namespace palpa::study {
+namespace {
+
+std::optional<double> quotient(std::uint64_t part, std::uint64_t whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+std::uint64_t Confusion::row(std::size_t actual) const {
+  std::uint64_t sum = 0;
+  for (std::size_t j = 0; j < size(); ++j)
+    sum += at(actual, j);
+  return sum;
+}
+
+std::uint64_t Confusion::column(std::size_t answer) const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < size(); ++i)
+    sum += at(i, answer);
+  return sum;
+}
+
+std::uint64_t Confusion::total() const {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+std::uint64_t Confusion::correct() const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < size(); ++i)
+    sum += at(i, i);
+  return sum;
+}
+
+void add(Confusion& table, const Confusion& more) {
+  for (std::size_t i = 0; i < table.counts.size(); ++i)
+    table.counts[i] += more.counts[i];
+}
+
+double accuracy(const Confusion& table) {
+  return quotient(table.correct(), table.total()).value_or(0);
+}
+
+std::optional<double> share(const Confusion& table, std::size_t actual, std::size_t answer) {
+  return quotient(table.at(actual, answer), table.row(actual));
+}
+
+std::optional<double> recall(const Confusion& table, std::size_t shape) {
+  return share(table, shape, shape);
+}
+
+std::optional<double> precision(const Confusion& table, std::size_t shape) {
+  return quotient(table.at(shape, shape), table.column(shape));
+}
+
+std::optional<double> kappa(const Confusion& table) {
+  const auto n = static_cast<double>(table.total());
+  if (n == 0) return std::nullopt;
+  double chance = 0;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    chance += static_cast<double>(table.row(i)) / n * static_cast<double>(table.column(i)) / n;
+  if (chance >= 1) return std::nullopt;
+  return (accuracy(table) - chance) / (1 - chance);
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,89 @@
+#include "study/tables/two_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "study/statistics/special.hpp"
+
+namespace palpa::study {
+namespace {
+
+/// Whether two rows of counts have the same shares.
+Difference rows_differ(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
+  double a_sum = 0, b_sum = 0, columns = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    a_sum += static_cast<double>(a[j]);
+    b_sum += static_cast<double>(b[j]);
+    columns += a[j] + b[j] > 0 ? 1 : 0;
+  }
+  Difference found;
+  if (a_sum == 0 || b_sum == 0) return found;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    const auto both = static_cast<double>(a[j] + b[j]);
+    if (both == 0) continue;
+    const double counts[]{static_cast<double>(a[j]), static_cast<double>(b[j])};
+    const double sums[]{a_sum, b_sum};
+    for (int k = 0; k < 2; ++k) {
+      const double expected = both * sums[k] / (a_sum + b_sum);
+      found.chi_square += (counts[k] - expected) * (counts[k] - expected) / expected;
+      if (counts[k] > 0) found.likelihood_ratio += 2 * counts[k] * std::log(counts[k] / expected);
+    }
+  }
+  found.degrees = columns - 1;
+  return found;
+}
+
+void find_p(Difference& difference) {
+  difference.likelihood_ratio = std::max(0.0, difference.likelihood_ratio);
+  difference.p = chi_square_tail(difference.chi_square, difference.degrees);
+  difference.p_likelihood_ratio = chi_square_tail(difference.likelihood_ratio, difference.degrees);
+}
+
+std::vector<std::uint64_t> row_of(const Confusion& table, std::size_t i) {
+  const auto begin = table.counts.begin() + static_cast<std::ptrdiff_t>(i * table.size());
+  return {begin, begin + static_cast<std::ptrdiff_t>(table.size())};
+}
+
+/// chi-square of two by two counts with Yates' correction.
+double yates(double a, double b, double c, double d) {
+  const double n = a + b + c + d, rows = (a + b) * (c + d), columns = (a + c) * (b + d);
+  if (rows == 0 || columns == 0) return 0;
+  const double gap = std::max(0.0, std::abs(a * d - b * c) - n / 2);
+  return n * gap * gap / (rows * columns);
+}
+
+}  // namespace
+
+TwoTables compare(const Confusion& a, const Confusion& b) {
+  TwoTables found;
+  std::vector<double> a_errors, b_errors;
+  double squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    Difference& row = found.rows.emplace_back(rows_differ(row_of(a, i), row_of(b, i)));
+    found.all.chi_square += row.chi_square;
+    found.all.likelihood_ratio += row.likelihood_ratio;
+    found.all.degrees += row.degrees;
+    find_p(row);
+    for (std::size_t j = 0; j < a.size(); ++j) {
+      const double a_share = share(a, i, j).value_or(0), b_share = share(b, i, j).value_or(0);
+      squares += (a_share - b_share) * (a_share - b_share);
+      if (i == j) continue;
+      a_errors.push_back(a_share);
+      b_errors.push_back(b_share);
+    }
+  }
+  find_p(found.all);
+  found.rms = std::sqrt(squares / static_cast<double>(a.counts.size()));
+  found.errors = pearson(a_errors, b_errors);
+  const std::uint64_t a_wrong = a.total() - a.correct(), b_wrong = b.total() - b.correct();
+  found.correct = rows_differ({a.correct(), a_wrong}, {b.correct(), b_wrong});
+  find_p(found.correct);
+  found.correct_yates = yates(static_cast<double>(a.correct()), static_cast<double>(a_wrong),
+                              static_cast<double>(b.correct()), static_cast<double>(b_wrong));
+  found.p_correct_yates = chi_square_tail(found.correct_yates, 1);
+  return found;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,35 @@
+// How much two confusion matrices of the same shapes differ.
+//
+// The tests take all trials as independent. Trials of one person are not, so these values describe a difference.
+// Whether people differ is tested over people (study/between_methods.hpp).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "study/statistics/moments.hpp"
+#include "study/tables/confusion.hpp"
+
+namespace palpa::study {
+
+struct Difference {
+  double chi_square = 0;
+  double likelihood_ratio = 0;  ///< G2
+  double degrees = 0;
+  double p = 1;  ///< of chi_square
+  double p_likelihood_ratio = 1;
+};
+
+struct TwoTables {
+  std::vector<Difference> rows;  ///< for each actual shape, the answers in both tables
+  Difference all;                ///< their sum
+  Difference correct;            ///< correct and wrong answers; likelihood_ratio is not computed
+  double correct_yates = 0;      ///< chi_square of `correct` with Yates' correction
+  double p_correct_yates = 1;
+  double rms = 0;                     ///< root mean square difference of the shares
+  std::optional<Correlation> errors;  ///< of the shares off the diagonal
+};
+/// Both must have the same shapes. Shares of shapes without trials count as 0.
+TwoTables compare(const Confusion& a, const Confusion& b);
+
+}  // namespace palpa::study

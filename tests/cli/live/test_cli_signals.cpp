@@ -1,0 +1,237 @@
+// Signals at unusual moments, to a loop that plays to an emulated board: the last bytes on the board's wire, the
+// processes that are left, and the files that it read.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include "cli/support/live_run.hpp"
+#include "cli/support/process.hpp"
+#include "cli/support/tiny_files.hpp"
+#include "driver/openmpd/emulation.hpp"
+#include "support/files.hpp"
+#include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
+#include "support/side_by_side.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+/// The second that palpa promises, and as much for the system on a busy machine.
+constexpr double most_s = instrumented() ? 6 : 2;
+
+bool becomes(const std::function<bool()>& so, std::chrono::milliseconds within = 10s) {
+  const auto end = std::chrono::steady_clock::now() + within;
+  while (!so()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(20ms);
+  }
+  return true;
+}
+
+/// An emulated board, and loops that play to it.
+class Stage {
+ public:
+  explicit Stage(const std::string& name) : folder_(scratch_folder(name)), board_(name + "-b", "EMU1", traced()) {}
+
+  const fs::path& folder() const { return folder_; }
+  Heard heard() const { return heard_in(folder_ / "wire"); }
+  LiveOptions options(const char* command) const {
+    LiveOptions options;
+    options.environment = board_.environment();
+    options.command = command;
+    return options;
+  }
+  /// A loop that lasts.
+  LiveRun loop() const {
+    return LiveRun({"test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--each", "100s"}, options("link"));
+  }
+  /// The guards of its loops that have not ended.
+  std::vector<pid_t> guards() const {
+    const std::string mark = "XDG_RUNTIME_DIR=" + board_.folder().string();
+    std::vector<pid_t> found;
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+      const std::string name = entry.path().filename();
+      if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+      if (read_text(entry.path() / "comm") != "palpa-guard\n") continue;
+      const std::string environment = '\0' + read_text(entry.path() / "environ");
+      if (environment.find('\0' + mark + '\0') != std::string::npos) found.push_back(std::stoi(name));
+    }
+    return found;
+  }
+  /// After a loop has ended: its guard goes, and the last frame that the board got is silence.
+  void expect_silent_and_alone() const {
+    EXPECT_TRUE(becomes([&] { return guards().empty(); }, 2s)) << "its guard is left";
+    EXPECT_TRUE(becomes([&] { return heard().ends_silent(); }, 1s)) << "the board sounds";
+    const std::size_t bytes = heard().bytes;
+    std::this_thread::sleep_for(150ms);  // longer than a guard waits for a drive
+    EXPECT_EQ(heard().bytes, bytes) << "something still comes";
+  }
+  ~Stage() {
+    int exit_code = -1;
+    const nlohmann::json report = board_.end(exit_code);
+    EXPECT_EQ(exit_code, 0) << report;
+    EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>()) << report;
+  }
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+ private:
+  std::vector<std::string> traced() const { return {"--trace", (folder_ / "wire").string()}; }
+
+  fs::path folder_;
+  Emulation board_;
+};
+
+/// Waits until a loop's board sounds that had heard this before.
+testing::AssertionResult sounds_on(const Stage& stage, const Heard& before = {}) {
+  if (becomes([&] { return stage.heard().last_sounding > before.frames; }, 30s)) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "nothing sounds";
+}
+
+TEST(CliSignals, TheLastBytesOnTheWireAreSilenceWhicheverEndsTheLoop) {
+  const auto ends = [](int signal) {
+    SCOPED_TRACE(strsignal(signal));
+    const Stage stage("sig-" + std::to_string(signal));
+    LiveRun loop = stage.loop();
+    ASSERT_TRUE(sounds_on(stage));
+    loop.signal(signal);
+    const LiveRun::End end = loop.wait(10);
+    ASSERT_TRUE(end.ended);
+    EXPECT_EQ(end.by_signal, 0) << "it ends by itself";
+    EXPECT_LT(end.after_s, most_s);
+    EXPECT_TRUE(stage.heard().ends_silent()) << "when it has ended, the silence has left";
+    stage.expect_silent_and_alone();
+  };
+  side_by_side(4, std::vector{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ, SIGPIPE, SIGTSTP, SIGXCPU}, ends);
+}
+
+TEST(CliSignals, DuringTheStartLeaveNothingThatSounds) {
+  const auto ends = [](std::chrono::milliseconds after) {
+    SCOPED_TRACE(after.count());
+    const Stage stage("start-" + std::to_string(after.count()));
+    for (const int signal : {SIGTERM, SIGINT, SIGKILL}) {
+      LiveRun loop = stage.loop();
+      std::this_thread::sleep_for(after);
+      loop.signal(signal);
+      const LiveRun::End end = loop.wait(10);
+      ASSERT_TRUE(end.ended) << strsignal(signal);
+      EXPECT_LT(end.after_s, most_s) << strsignal(signal);
+      EXPECT_TRUE(end.by_signal == signal || end.exit_code == 0 || end.exit_code == 1)
+          << end.by_signal << ' ' << end.exit_code;
+      stage.expect_silent_and_alone();
+    }
+  };
+  side_by_side(4, std::vector<std::chrono::milliseconds>{0ms, 5ms, 15ms, 40ms, 100ms, 300ms, 700ms, 1100ms}, ends);
+}
+
+TEST(CliSignals, ASecondOneAroundTheEndChangesNothing) {
+  const auto ends = [](std::chrono::milliseconds between) {
+    SCOPED_TRACE(between.count());
+    const Stage stage("twice-" + std::to_string(between.count()));
+    for (const auto& [first, second] : {std::pair(SIGTERM, SIGINT), std::pair(SIGINT, SIGHUP)}) {
+      const Heard before = stage.heard();
+      LiveRun loop = stage.loop();
+      ASSERT_TRUE(sounds_on(stage, before));
+      loop.signal(first);
+      std::this_thread::sleep_for(between);
+      loop.signal(second);
+      const LiveRun::End end = loop.wait(10);
+      ASSERT_TRUE(end.ended);
+      EXPECT_LT(end.after_s, most_s);
+      // When everything is over, a signal may end the program as it ends any other.
+      EXPECT_TRUE(end.by_signal == 0 || end.by_signal == second) << end.by_signal;
+      stage.expect_silent_and_alone();
+    }
+  };
+  side_by_side(4, std::vector<std::chrono::milliseconds>{0ms, 2ms, 10ms, 50ms}, ends);
+}
+
+TEST(CliSignals, ALoopThatIsKilledLeavesNoGuard) {
+  const Stage stage("orphan");
+  for (int times = 0; times < 2; ++times) {
+    const Heard before = stage.heard();
+    LiveRun loop = stage.loop();
+    ASSERT_TRUE(sounds_on(stage, before));
+    EXPECT_EQ(stage.guards().size(), 1u);
+    loop.signal(SIGKILL);
+    EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
+    stage.expect_silent_and_alone();
+  }
+}
+
+/// What must stay as it is of a file: its inode, mode, size and time of change, and its contents.
+using Kept = std::tuple<ino_t, mode_t, off_t, std::int64_t, std::string>;
+
+std::map<fs::path, Kept> files_in(const fs::path& folder) {
+  std::map<fs::path, Kept> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    struct stat status {};
+    EXPECT_EQ(lstat(entry.path().c_str(), &status), 0);
+    const std::int64_t changed_ns = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+    files[entry.path()] = {status.st_ino, status.st_mode, status.st_size, changed_ns,
+                           entry.is_regular_file() ? read_text(entry.path()) : ""};
+  }
+  return files;
+}
+
+TEST(CliSignals, HoweverALoopEndsItsInputsAreAsTheyWere) {
+  const Stage stage("inputs");
+  const fs::path inputs = stage.folder() / "inputs";
+  fs::create_directories(inputs / "boards");
+  fs::create_directories(inputs / "take");
+  fs::copy_file(source_file("assets/cube.glb"), inputs / "scene.glb");
+  fs::copy_file(source_file("assets/finger.ply"), inputs / "finger.ply");
+  sensing::write_png8(inputs / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+  write_text(inputs / "layout.toml",
+             "[[unit]]\ntype = \"openmpd\"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [1, 0, 0, 0]\n");
+  write_text(inputs / "rig.toml",
+             std::string(tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
+  write_depth(inputs / "take/depth-0.png");
+  write_recording(inputs / "take/recording.toml", "files = [\"depth-%d.png\"]\n");
+  for (const auto& entry : fs::recursive_directory_iterator(inputs)) {
+    if (entry.is_regular_file()) fs::permissions(entry.path(), fs::perms(0640));
+  }
+  fs::permissions(inputs / "finger.ply", fs::perms(0444));
+  const auto before = files_in(inputs);
+  const auto in = [&](const char* name) { return (inputs / name).string(); };
+  for (const std::string& source : {"synthetic:" + in("finger.ply"), "recording:" + in("take")}) {
+    for (const std::optional<int> signal : {std::optional<int>(), std::optional(SIGTERM), std::optional(SIGKILL)}) {
+      SCOPED_TRACE(source + " " + (signal ? strsignal(*signal) : "no signal"));
+      std::vector<std::string> line{"--scene",       in("scene.glb"),
+                                    "--rig",         in("rig.toml"),
+                                    "--source",      source,
+                                    "--link",        "openmpd:EMU1",
+                                    "--board-files", in("boards"),
+                                    "--backend",     "cpu",
+                                    "--event-move",  "0",
+                                    "--events",      (stage.folder() / "events").string()};
+      if (!signal) line.insert(line.end(), {"--frames", "2"});
+      LiveRun loop(line, stage.options("run"));
+      if (signal) {
+        loop.wait(source.starts_with("recording") ? 0.1 : 1.5);  // a recording of one frame ends soon
+        loop.signal(*signal);
+      }
+      EXPECT_TRUE(loop.wait(10).ended);
+      stage.expect_silent_and_alone();
+      EXPECT_TRUE(files_in(inputs) == before);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,442 @@
+#include "cli/support/reviewed_options.hpp"
+
+#include <sstream>
+
+#include "array/drive.hpp"
+#include "array/layout.hpp"
+#include "cli/support/every_command.hpp"
+#include "cli/support/process.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
+#include "setup/drive_file.hpp"
+#include "support/files.hpp"
+#include "support/shapes.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+using Effects = std::vector<EffectiveOption>;
+using Idles = std::vector<IdleOption>;
+
+std::string asset(const std::string& name) {
+  return source_file("assets/" + name).string();
+}
+
+template <typename Option>
+std::vector<Option> joined(const std::vector<std::vector<Option>>& lists) {
+  std::vector<Option> all;
+  for (const auto& list : lists)
+    all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+/// All of them beside the same words.
+Effects beside(const std::vector<std::string>& words, Effects options) {
+  for (EffectiveOption& option : options)
+    option.beside = with(option.beside, words);
+  return options;
+}
+
+std::string ply_in(const std::string& folder, const std::string& name, const geometry::Mesh& mesh) {
+  const std::string file = folder + "/" + name;
+  geometry::write_ply(file, mesh.positions, mesh.triangles);
+  return file;
+}
+
+const Idles no_gpu{{{"--gpu", "0"}, "--gpu: --backend cpu uses no GPU"},
+                   {{"--validation", "core"}, "--validation: --backend cpu uses no GPU"}};
+const Idles parts{{{"--parts", "3"}, "--parts goes with --surface parts"},
+                  {{"--internal-faces", "keep"}, "--internal-faces goes with --surface parts"}};
+const Idles felt{{{"--spot", "4mm"}, "--spot goes with"},
+                 {{"--tune-shortest", "1ms"}, "go together"},
+                 {{"--tune-longest", "2ms"}, "go together"},
+                 {{"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "go with --tune"}};
+
+Idles no_gpu_at_all(const std::string& why) {
+  return {{{"--gpu", "0"}, why}, {{"--validation", "core"}, why}};
+}
+
+/// Options from skin to foci.
+const Effects touched{{{"--delta", "1mm"}}, {{"--finger-gap", "0.1mm"}}, {{"--min-points", "100000"}}};
+const Effects placed{{{"--spacing", "arc"}}, {{"--method", "ellipse"}}};
+const Effects scheduled{{{"--stride", "7"}},
+                        {{"--dwell", "2ms"}},
+                        {{"--modulation", "amplitude-sine"}, {"--method", "single-focus"}},
+                        {{"--modulation-frequency", "100Hz"}, {"--method", "single-focus"}}};
+/// Options of drives. Foci have to sound together for a solver to make a difference.
+const Effects driven{{{"--amplitude", "uniform"}}, {{"--constraint", "uniform"}}, {{"--pressure", "500Pa"}},
+                     {{"--temperature", "30"}},    {{"--sound-speed", "350m/s"}}, {{"--frequency", "41kHz"}}};
+const Effects solved{{{"--solver", "greedy"}, {"--method", "multi-focus"}}};
+const Effects heard{{{"--directivity", "omni"}}};
+
+ReviewedLine of_touch() {
+  const std::vector<std::string> line{"touch",         "--scene", asset("cube.glb"), "--points", asset("finger.ply"),
+                                      "--penetration", "3mm",     "--backend",       "cpu"};
+  return {.line = line,
+          .idle = joined<IdleOption>({no_gpu,
+                                      parts,
+                                      felt,
+                                      {{{"--camera", "x.toml"}, "go with --depth"},
+                                       {{"--rig", "x.toml"}, "go with --depth"},
+                                       {{"--finger-width", "10mm"}, "--finger-width goes with --depth"},
+                                       {{"--amplitude", "uniform"}, "go with --layout"},
+                                       {{"--solver", "greedy"}, "go with --layout"},
+                                       {{"--constraint", "clamp"}, "go with --layout"},
+                                       {{"--pressure", "1kPa"}, "go with --layout"},
+                                       {{"--directivity", "omni"}, "go with --layout"},
+                                       {{"--temperature", "25"}, "go with --layout"},
+                                       {{"--sound-speed", "350m/s"}, "go with --layout"},
+                                       {{"--frequency", "41kHz"}, "go with --layout"}}}),
+          .untried = "--scene --gltf-scene --points --depth --surface --cluster",
+          // On a ridge, where a cross-section is not round.
+          .tried_as = with(without(line, "--scene"), {"--scene", asset("prism.glb"), "--json", "OUT/touch.json"}),
+          .effective = joined<EffectiveOption>({touched,
+                                                placed,
+                                                scheduled,
+                                                beside({"--layout", "openmpd"}, driven),
+                                                beside({"--layout", "openmpd"}, solved),
+                                                beside({"--layout", "openmpd"}, heard),
+                                                {{{"--penetration", "2mm"}},
+                                                 {{"--csv", "OUT/contacts.csv"}},
+                                                 {{"--foci", "8"}},
+                                                 {{"--tune"}},
+                                                 {{"--spectrum"}},
+                                                 {{"--layout", "openmpd"}},
+                                                 {{"--spot", "5mm"}, {"--spectrum"}}}})};
+}
+
+ReviewedLine of_run() {
+  return {.line = {"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "1"},
+          .idle = joined<IdleOption>({no_gpu,
+                                      parts,
+                                      {{{"--event-move", "1mm"}, "--event-move goes with --events"},
+                                       {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
+                                       {{"--spot", "4mm"}, "--spot goes with --tune"},
+                                       {{"--overwrite"}, "--overwrite goes with --record"},
+                                       {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
+          // A run measures itself, so that no two of them have the same results. These are tried with export.
+          .untried =
+              "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
+              "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
+              "--temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
+              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --foci --link "
+              "--every-frame --record --stats"};
+}
+
+std::vector<ReviewedLine> of_export(const std::string& scratch) {
+  const std::vector<std::string> synthetic{"export",   "--scene", asset("cube.glb"), "--backend", "cpu",
+                                           "--frames", "1",       "--foci",          "-"};
+  const std::vector<std::string> recorded{
+      "export", "--scene", asset("cube.glb"), "--source", "recording:" + asset("depth/take"), "--backend", "cpu"};
+  const Idles of_sound{{{"--amplitude", "uniform"}, "--amplitude goes with --drives"},
+                       {{"--solver", "greedy"}, "--solver goes with --drives"},
+                       {{"--constraint", "clamp"}, "--constraint goes with --drives"},
+                       {{"--directivity", "omni"}, "--directivity goes with --drives"},
+                       {{"--temperature", "25"}, "--temperature goes with --drives"},
+                       {{"--sound-speed", "350m/s"}, "--sound-speed goes with --drives"},
+                       {{"--frequency", "41kHz"}, "--frequency goes with --drives"}};
+  const Idles of_order{{{"--stride", "7"}, "--stride goes with --drives"},
+                       {{"--modulation", "amplitude-sine"}, "--modulation goes with --drives"},
+                       {{"--modulation-frequency", "100Hz"}, "--modulation-frequency goes with --drives"},
+                       {{"--tune"}, "--tune goes with --drives"}};
+  const Idles of_foci{{{"--foci-count", "8"}, "--foci-count goes with --foci"},
+                      {{"--spacing", "arc"}, "--spacing goes with --foci"},
+                      {{"--method", "ellipse"}, "--method goes with --foci"},
+                      {{"--axes", "covariance"}, "--axes goes with --foci"},
+                      {{"--smoothing", "none"}, "--smoothing goes with --foci"},
+                      {{"--ceiling", "0.5"}, "--ceiling goes with --foci"},
+                      {{"--layout", "openmpd"}, "--layout goes with --drives"},
+                      {{"--rig", asset("rigs/paper.toml")}, "--rig goes with --drives"}};
+  return {
+      {.line = synthetic,
+       .idle = joined<IdleOption>({no_gpu,
+                                   parts,
+                                   of_sound,
+                                   {{{"--event-move", "1mm"}, "--event-move goes with --events"},
+                                    {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
+                                    {{"--spot", "4mm"}, "--spot goes with --tune"}}}),
+       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune",
+       .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
+                                   "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
+       .effective = joined<EffectiveOption>({touched,
+                                             placed,
+                                             scheduled,
+                                             driven,
+                                             solved,
+                                             beside({"--method", "multi-focus"}, heard),
+                                             {{{"--foci-count", "8"}},
+                                              {{"--hold", "20ms"}},
+                                              {{"--ceiling", "0.5"}},
+                                              {{"--ramp", "10ms"}},
+                                              {{"--event-move", "0"}},
+                                              {{"--axes", "covariance"}},
+                                              {{"--smoothing", "none"}},
+                                              {{"--layout", "sonicsurface"}},
+                                              {{"--frames", "3"}}}})},
+      {.line = with(recorded, {"--foci", "-"}),
+       .tried_as = with(recorded, {"--json", "OUT/all.json", "--events", "OUT/events.jsonl"}),
+       .effective = {{{"--foci", "OUT/foci.csv"}},
+                     {{"--drives", "OUT/drives.bin"}},
+                     {{"--pressure", "500Pa"}},
+                     {{"--dwell", "2ms"}},
+                     {{"--layout", "sonicsurface"}, {"--pressure", "90kPa"}},
+                     {{"--spacing", "arc"}, {"--foci", "OUT/foci.csv"}},
+                     {{"--stride", "7"}, {"--foci", "OUT/foci.json"}}}},
+      {.line = with(recorded, {"--events", "-"}),
+       .idle = joined<IdleOption>({of_sound, of_order, of_foci}),
+       .tried_as = with(recorded, {"--json", "OUT/all.json", "--foci", "OUT/foci.csv"}),
+       .effective = {{{"--events", "OUT/events.jsonl"}}}},
+      {.line = with(recorded, {"--foci", scratch + "/foci.csv", "--events", "-"}),
+       .idle = joined<IdleOption>({of_sound, of_order})},
+  };
+}
+
+ReviewedLine of_link() {
+  return {
+      .line = {"link", "test", "--link", "null", "--layout", "openmpd", "--last", "0", "--each", "1ms", "--rest", "0"},
+      .idle = joined<IdleOption>({{{{"--board-files", "/"}, "--board-files goes with a link to boards"}},
+                                  no_gpu_at_all("palpa link uses no GPU")}),
+      .untried = "--link --layout --first --last --each --rest --dwell --amplitude"};
+}
+
+std::vector<ReviewedLine> of_calibrate() {
+  const std::string rig = source_file("tests/cli/support/small_rig.toml").string();
+  return {{.line = {"calibrate", "--layout", "openmpd"},
+           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate computes on the processor"),
+                                       {{{"--scene", asset("cube.glb")}, "--scene goes with --nudge"},
+                                        {{"--link", "foci:udp:127.0.0.1:9"}, "--link goes with --nudge"},
+                                        {{"--board-files", "/"}, "--board-files goes with --nudge"},
+                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
+                                        {{"--hold", "50ms"}, "--hold goes with --nudge"},
+                                        {{"--ceiling", "0.5"}, "--ceiling goes with --nudge"},
+                                        {{"--ramp", "10ms"}, "--ramp goes with --nudge"},
+                                        {{"--temperature", "25"}, "goes with --nudge"},
+                                        {{"--sound-speed", "350m/s"}, "goes with --nudge"},
+                                        {{"--frequency", "41kHz"}, "goes with --nudge"}}}),
+           .untried = "--target --turn --source --frames --out --layout --rig --nudge",
+           .tried_as = {"calibrate", "--rig", rig, "--frames", "2", "--json", "OUT/found.json"},
+           .effective = {{{"--noise-free"}}, {{"--at", "5mm,0,0"}}}},
+          {.line = {"calibrate", "--layout", "openmpd", "--target", "none/t.stl"},
+           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate --target uses no GPU"),
+                                       {{{"--source", "synthetic"}, "--target only writes the model"},
+                                        {{"--frames", "3"}, "--target only writes the model"},
+                                        {{"--noise-free"}, "--target only writes the model"},
+                                        {{"--json", "-"}, "--target only writes the model"},
+                                        {{"--out", "x.toml"}, "--target only writes the model"},
+                                        {{"--nudge"}, "--target only writes the model"},
+                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
+                                        {{"--at", "0,0,1mm"}, "a printer's .stl lies as it is printed"},
+                                        {{"--turn", "90"}, "a printer's .stl lies as it is printed"}}}),
+           .tried_as = {"calibrate", "--target", "OUT/target.glb", "--layout", "openmpd"},
+           .effective = {{{"--at", "5mm,0,0"}},
+                         {{"--turn", "90"}},
+                         {{"--layout", "sonicsurface"}},
+                         {{"--target", "OUT/target.stl"}}}}};
+}
+
+std::vector<ReviewedLine> of_drive(const std::string& scratch) {
+  const std::vector<std::string> line{"drive", "--layout", "openmpd", "--focus", "0,0,10cm", "--backend", "cpu"};
+  const std::string above =
+      ply_in(scratch, "above.ply",
+             transformed(geometry::icosphere(2e-3, 3), [](const Vec3& p) { return p + Vec3(0, 0, 0.1); }));
+  return {{.line = line,
+           .idle = joined<IdleOption>({no_gpu,
+                                       {{{"--slot", "1"}, "--slot goes with --touch"},
+                                        {{"--rig", "x.toml"}, "--rig goes with --touch"},
+                                        {{"--mesh", above}, "--mesh goes with --transfer finger"},
+                                        {{"--force"}, "--force goes with --transfer finger"}}}),
+           .untried = "--touch",
+           .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/drive.json"}),
+           .effective = joined<EffectiveOption>({driven,
+                                                 heard,
+                                                 {{{"--solver", "greedy"}},
+                                                  {{"--layout", "autd3"}},
+                                                  {{"--focus", "0,0,9cm"}},
+                                                  {{"--csv", "OUT/drive.csv"}},
+                                                  {{"--transfer", "finger", "--mesh", above}}}})},
+          {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
+           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}}};
+}
+
+ReviewedLine of_field() {
+  const std::vector<std::string> line{"field",  "--layout", "openmpd", "--focus",   "0,0,10cm",
+                                      "--line", "0,0,1cm",  "0,0,2cm", "--backend", "cpu"};
+  return {.line = line,
+          .idle = joined<IdleOption>(
+              {no_gpu,
+               {{{"--centre", "0,0,0"}, "go with --plane"},
+                {{"--size", "6mm,6mm"}, "go with --plane"},
+                {{"--pixels", "8,8"}, "go with --plane"},
+                {{"--png", "x.png"}, "--png draws a plane"},
+                {{"--humidity", "20", "--no-absorption"}, "--humidity sets how much air absorbs"},
+                {{"--air-pressure", "90kPa", "--no-absorption"}, "--air-pressure sets how much air absorbs"}}}),
+          .untried = "--drive --plane --points",
+          .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/field.json", "--csv", "OUT/field.csv"}),
+          .effective = joined<EffectiveOption>({driven,
+                                                heard,
+                                                {{{"--solver", "greedy"}},
+                                                 {{"--layout", "autd3"}},
+                                                 {{"--focus", "0,0,9cm"}},
+                                                 {{"--line", "0,0,1cm", "0,0,3cm"}},
+                                                 {{"--samples", "5"}},
+                                                 {{"--csv", "OUT/other.csv"}},
+                                                 {{"--vtu", "OUT/field.vtu"}},
+                                                 {{"--no-absorption"}},
+                                                 {{"--humidity", "20"}},
+                                                 {{"--air-pressure", "90kPa"}}}})};
+}
+
+std::vector<ReviewedLine> of_scatter(const std::string& scratch) {
+  const geometry::Mesh ball = geometry::icosphere(1e-3, 3);
+  const std::string pebble = ply_in(scratch, "pebble.ply", ball);
+  const std::string raised =
+      ply_in(scratch, "raised.ply", transformed(ball, [](const Vec3& p) { return p + Vec3(0, 0, 0.05); }));
+  const std::string drive = scratch + "/drive.csv";
+  const array::Layout layout = array::load_layout("openmpd");
+  write_text(drive, setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0})));
+  const std::vector<std::string> line{"scatter", "--mesh", pebble, "--plane-wave", "0,0,1"};
+  const std::vector<std::string> of_array{"scatter", "--mesh", raised, "--layout", "openmpd", "--drive", drive};
+  const std::vector<std::string> results{"--json", "OUT/body.json", "--csv", "OUT/faces.csv"};
+  return {{.line = line,
+           .idle = joined<IdleOption>({no_gpu_at_all("palpa scatter computes on the processor"),
+                                       {{{"--centre", "0,0,0"}, "go with --plane"},
+                                        {{"--size", "6mm,6mm"}, "go with --plane"},
+                                        {{"--pixels", "8,8"}, "go with --plane"},
+                                        {{"--samples", "9"}, "--samples goes with --line"},
+                                        {{"--layout", "openmpd"}, "go together"},
+                                        {{"--drive", "x.csv"}, "exclude each other"},
+                                        {{"--directivity", "omni"}, "--directivity goes with --drive"},
+                                        {{"--humidity", "20"}, "--humidity goes with --absorption"},
+                                        {{"--absorption"}, "--absorption goes with --drive"}}}),
+           .untried = "--mesh --force --point-source --plane",
+           .tried_as = with(line, results),
+           .effective = {{{"--plane-wave", "0,1,0"}},
+                         {{"--line", "0,0,2mm", "0,0,3mm"}},
+                         {{"--samples", "5"}, {"--line", "0,0,2mm", "0,0,3mm"}},
+                         {{"--points", raised}},
+                         {{"--csv", "OUT/other.csv"}},
+                         {{"--temperature", "30"}},
+                         {{"--sound-speed", "350m/s"}},
+                         {{"--frequency", "41kHz"}},
+                         {{"--air-pressure", "90kPa"}}}},
+          {.line = of_array,
+           .idle = {{{"--humidity", "20"}, "--humidity goes with --absorption"}},
+           .tried_as = with(of_array, results),
+           .effective = {{{"--directivity", "omni"}}, {{"--absorption"}}, {{"--humidity", "20"}, {"--absorption"}}}}};
+}
+
+std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
+  const std::string tip =
+      ply_in(scratch, "tip.ply", transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); }));
+  const std::vector<std::string> line{"simulate",      "--scene", asset("cube.glb"), "--finger", tip,
+                                      "--penetration", "1mm",     "--backend",       "cpu"};
+  return {{.line = line,
+           .idle = joined<IdleOption>(
+               {no_gpu,
+                felt,
+                parts,
+                {{{"--noise-free"}, "--noise-free goes with --skin cameras"},
+                 {{"--finger-width", "10mm"}, "--finger-width goes with --skin cameras"},
+                 {{"--humidity", "20", "--no-absorption"}, "--humidity sets how much air absorbs"}}}),
+           .untried =
+               "--scene --gltf-scene --finger --finger-gap --min-points --skin --figure6 --force --surface --cluster "
+               "--stride --modulation --rig",
+           .tried_as = with(line, {"--layout", "openmpd", "--json", "OUT/felt.json"}),
+           .effective = joined<EffectiveOption>({placed,
+                                                 driven,
+                                                 solved,
+                                                 heard,
+                                                 {{{"--delta", "1mm"}},
+                                                  {{"--foci", "6"}},
+                                                  {{"--tune"}},
+                                                  {{"--spectrum"}},
+                                                  {{"--dwell", "2ms"}, {"--spectrum"}},
+                                                  {{"--modulation-frequency", "0"}, {"--method", "single-focus"}},
+                                                  {{"--penetration", "0.8mm"}},
+                                                  {{"--layout", "sonicsurface"}},
+                                                  {{"--transfer", "finger"}},
+                                                  {{"--csv", "OUT/faces.csv"}},
+                                                  {{"--vtu", "OUT/faces.vtu"}},
+                                                  {{"--png", "OUT/finger.png"}},
+                                                  {{"--no-absorption"}},
+                                                  {{"--humidity", "20"}},
+                                                  {{"--air-pressure", "90kPa"}}}})},
+          {.line = {"simulate", "--figure6", "--backend", "cpu"},
+           .idle = {{{"--scene", asset("cube.glb")}, "--figure6 computes the paper's objects"},
+                    {{"--gltf-scene", "0"}, "--figure6 computes the paper's objects"},
+                    {{"--csv", "x.csv"}, "--figure6 computes the paper's objects"},
+                    {{"--vtu", "x.vtu"}, "--figure6 computes the paper's objects"},
+                    {{"--method", "ellipse"}, "--figure6 computes the paper's objects"},
+                    {{"--surface", "parts"}, "go with --scene"},
+                    {{"--parts", "3"}, "go with --scene"}}}};
+}
+
+std::vector<ReviewedLine> of_emulate() {
+  return {{.line = {"emulate", "openmpd", "--serial", "IDLE1"},
+           .idle = joined<IdleOption>({{{{"--port", "0"}, "--port goes with autd3, not with openmpd"},
+                                        {{"--tactile"}, "--tactile goes with sonicsurface, not with openmpd"},
+                                        {{"--layout", "openmpd"}, "--layout goes with --view"},
+                                        {{"--board-files", "/"}, "--board-files goes with --view"}},
+                                       no_gpu_at_all("palpa emulate uses no GPU")}),
+           .untried = "--serial --uart --trace --view"},
+          {.line = {"emulate", "autd3", "--port", "0"},
+           .idle = {{{"--uart"}, "--uart goes with openmpd, not with autd3"},
+                    {{"--serial", "A"}, "--serial goes with openmpd, not with autd3"},
+                    {{"--tactile"}, "--tactile goes with sonicsurface, not with autd3"},
+                    {{"--board-files", "/"}, "--board-files goes with openmpd and sonicsurface, not with autd3"}},
+           .untried = "--port --layout"},
+          {.line = {"emulate", "sonicsurface"},
+           .idle = {{{"--uart"}, "--uart goes with openmpd, not with sonicsurface"},
+                    {{"--serial", "A"}, "--serial goes with openmpd, not with sonicsurface"},
+                    {{"--port", "1"}, "--port goes with autd3, not with sonicsurface"},
+                    {{"--board-files", "/"}, "--board-files goes with --view"}},
+           .untried = "--tactile --layout"}};
+}
+
+}  // namespace
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;)
+    words.push_back(word);
+  return words;
+}
+
+std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
+  return joined<ReviewedLine>(
+      {{{.line = {"doctor"},
+         .idle = joined<IdleOption>({{{{"--source", "bag:x"}, "--source goes with --write-rig"}},
+                                     no_gpu_at_all("palpa doctor looks at every GPU")}),
+         .untried = "--write-rig"},
+        of_touch(),
+        of_run(),
+        of_link(),
+        of_field(),
+        {.line = {"decompose", "--scene", asset("cube.glb"), "--out", "none/x.glb"},
+         .idle = no_gpu_at_all("palpa decompose computes on the processor"),
+         .untried = "--scene --gltf-scene --out --parts --resolution --error"},
+        {.line = {"study", "analyse", "none"},
+         .idle = no_gpu_at_all("palpa study analyse computes on the processor"),
+         .untried = "--html --csv"},
+        {.line = {"study", "compare", "paper"},
+         .idle = no_gpu_at_all("palpa study compare computes on the processor"),
+         .untried = "--html --csv"},
+        {.line = {"study", "power"},
+         .idle = no_gpu_at_all("palpa study power computes on the processor"),
+         .untried = "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
+                    "--studies"},
+        {.line = {"bench", "--suite", "array"},
+         .idle = {{{"--scene", asset("cube.glb")}, "--scene goes with --suite surface"},
+                  {{"--backend", "cpu"}, "bench measures the GPU"}},
+         .untried = "--suite --runs --csv --gpu --validation"}},
+       of_export(scratch),
+       of_calibrate(),
+       of_drive(scratch),
+       of_scatter(scratch),
+       of_simulate(scratch),
+       of_emulate()});
+}
+
+}  // namespace palpa::test

@@ -1,0 +1,131 @@
+// The whole analysis of ten participants whose statistics are known, of studies with more methods, and of the smallest.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/analysis.hpp"
+#include "support/instrumented.hpp"
+#include "support/study_files.hpp"
+
+namespace palpa::study {
+namespace {
+
+/// A study of participants with these correct answers of 40, by method, in the order of `turns`.
+Study study_of(const std::vector<std::vector<std::uint32_t>>& correct, const std::vector<std::string>& methods) {
+  Study study{.methods = methods, .shapes = test::study_shapes};
+  for (std::uint32_t p = 0; p < correct.size(); ++p) {
+    Participant& participant = study.participants.emplace_back();
+    participant.number = p + 1;
+    // The first half begins with the first method.
+    for (std::uint32_t turn = 0; turn < methods.size(); ++turn) {
+      const std::uint32_t m = p < correct.size() / 2 ? turn : static_cast<std::uint32_t>(methods.size()) - 1 - turn;
+      for (std::uint32_t k = 0; k < 40; ++k) {
+        const std::uint32_t shape = k % 4, answer = k * 7 % 40 < correct[p][m] ? shape : (shape + 1) % 4;
+        participant.trials.push_back({m, shape, answer, 1.0 + 0.1 * m});
+      }
+    }
+  }
+  return study;
+}
+
+Study ten() {
+  std::vector<std::vector<std::uint32_t>> correct;
+  for (int i = 0; i < 10; ++i)
+    correct.push_back({test::ten_single[i], test::ten_cross[i]});
+  return study_of(correct, {"single-focus", "cross-section"});
+}
+
+TEST(StudyAnalysis, OfTenKnownParticipants) {
+  const Analysis analysis = analyse(ten(), 0);
+  ASSERT_EQ(analysis.results.methods.size(), 2u);
+  EXPECT_NEAR(analysis.results.methods[0].mean_accuracy, 0.390, 1e-15);
+  EXPECT_NEAR(analysis.results.methods[1].mean_accuracy, 0.6525, 1e-15);
+  EXPECT_EQ(analysis.results.methods[0].pooled.table.correct(), 156u);
+  EXPECT_EQ(analysis.results.methods[1].pooled.table.correct(), 261u);
+  ASSERT_EQ(analysis.between.pairs.size(), 1u);
+  const MethodPair& pair = analysis.between.pairs[0];
+  EXPECT_EQ(pair.drop.two_sided, 2.0 / 1024);
+  EXPECT_EQ(pair.drop.positive, 55);
+  EXPECT_NEAR(pair.drop.normal, 0.004725697734, 1e-11) << "two pairs of ties that doubles of accuracies would break";
+  EXPECT_NEAR(pair.mean, 0.2625, 1e-15);
+  EXPECT_EQ(pair.hodges_lehmann.estimate, 0.25);
+  EXPECT_NEAR(pair.pearson->r, 0.866851219, 1e-9);
+  EXPECT_NEAR(pair.spearman->r, 0.887195122, 1e-9);
+  EXPECT_FALSE(pair.holm || analysis.between.friedman) << "only above two methods";
+  EXPECT_EQ(pair.order.a_first.size(), 5u);
+  EXPECT_EQ(pair.order.b_first.size(), 5u);
+  EXPECT_GT(pair.order.test.p, 0.1);
+}
+
+TEST(StudyAnalysis, OrderLearningAndTimes) {
+  const Analysis analysis = analyse(ten(), 0);
+  EXPECT_EQ(analysis.results.people[0].turn, 1u);
+  EXPECT_EQ(analysis.results.people[1].turn, 2u);
+  EXPECT_EQ(analysis.results.people[10].turn, 2u) << "the sixth participant began with the other method";
+  const MethodCourse& course = analysis.courses[1];
+  ASSERT_EQ(course.learning.block_accuracy.size(), blocks);
+  EXPECT_EQ(course.learning.gains.size(), 10u);
+  EXPECT_NEAR(course.times.median_s.value(), 1.1, 1e-12);
+  EXPECT_TRUE(course.depths.empty());
+}
+
+TEST(StudyAnalysis, LearnersGain) {
+  Study study = study_of({{40}, {40}, {40}, {40}, {40}, {40}}, {"m"});
+  for (Participant& participant : study.participants) {
+    for (std::size_t k = 0; k < 20; ++k)
+      participant.trials[k].answer = (participant.trials[k].shape + 1) % 4;
+  }
+  const Learning learning = analyse(std::move(study), 0).courses[0].learning;
+  EXPECT_EQ(learning.block_accuracy, (std::vector<double>{0, 0, 1, 1}));
+  EXPECT_EQ(learning.gains, std::vector<double>(6, 1.0));
+  EXPECT_EQ(learning.test.two_sided, 2.0 / 64);
+}
+
+TEST(StudyAnalysis, ThreeMethodsHaveFriedmanAndHolm) {
+  const Analysis analysis = analyse(
+      study_of({{10, 20, 30}, {12, 20, 32}, {8, 18, 31}, {11, 25, 27}, {9, 16, 33}, {14, 21, 35}}, {"a", "b", "c"}), 0);
+  ASSERT_TRUE(analysis.between.friedman);
+  EXPECT_NEAR(analysis.between.friedman->chi_square, 12, 1e-12);
+  ASSERT_EQ(analysis.between.pairs.size(), 3u);
+  for (const MethodPair& pair : analysis.between.pairs) {
+    EXPECT_EQ(pair.drop.two_sided, 2.0 / 64);
+    EXPECT_NEAR(pair.holm.value(), 6.0 / 64, 1e-15);
+  }
+}
+
+TEST(StudyAnalysis, OneParticipantWithOneMethodHasNoTests) {
+  const Analysis analysis = analyse(study_of({{20}}, {"m"}), 0);
+  EXPECT_TRUE(analysis.between.pairs.empty());
+  EXPECT_FALSE(analysis.results.methods[0].deviation || analysis.results.methods[0].t);
+  EXPECT_EQ(analysis.results.methods[0].mean_accuracy, 0.5);
+}
+
+TEST(StudyAnalysis, ParticipantsWithOneOfTheMethodsAreNotPaired) {
+  Study study = ten();
+  std::erase_if(study.participants[3].trials, [](const Trial& trial) { return trial.method == 1; });
+  const Analysis analysis = analyse(std::move(study), 0);
+  EXPECT_EQ(analysis.between.pairs[0].people.size(), 9u);
+  EXPECT_EQ(analysis.results.methods[0].accuracies.size(), 10u);
+}
+
+TEST(StudyAnalysis, OfAHundredTakesLessThanASecond) {
+  std::vector<std::vector<std::uint32_t>> correct;
+  for (std::uint32_t i = 0; i < 100; ++i)
+    correct.push_back({10 + i * 7 % 17, 14 + i * 5 % 21});
+  Study study = study_of(correct, {"single-focus", "cross-section"});
+  // Processor time, because other tests run beside this one.
+  const std::clock_t begin = std::clock();
+  const Analysis analysis = analyse(std::move(study), 0);
+  if (!test::instrumented()) {
+    EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 1);
+  }
+  EXPECT_EQ(analysis.results.people.size(), 200u);
+}
+
+}  // namespace
+}  // namespace palpa::study

@@ -1,0 +1,59 @@
+// Tables of counts as CSV.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/files/counts_file.hpp"
+#include "study/tables/paper.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::study {
+namespace {
+
+TEST(CountsFile, IsReadBack) {
+  const Confusion table = paper_single_focus();
+  const std::string csv = counts_csv(table);
+  EXPECT_TRUE(csv.starts_with("actual,cube,semi-sphere,pyramid,prism\ncube,50,30,9,11\n")) << csv;
+  EXPECT_EQ(parse_counts(csv, "a.csv").table, table);
+  EXPECT_EQ(parse_counts(csv, "a.csv").warning, "");
+}
+
+TEST(CountsFile, RowsMayBeInAnyOrderAndOfASpreadsheet) {
+  const Confusion table = parse_counts("\xef\xbb\xbf;\"cube\";prism\r\nprism;3; 4\r\ncube;1;2\r\n", "a.csv").table;
+  EXPECT_EQ(table.shapes, (std::vector<std::string>{"cube", "prism"}));
+  EXPECT_EQ(table.counts, (std::vector<std::uint64_t>{1, 2, 3, 4}));
+  EXPECT_EQ(parse_counts("x\ta\tb\na\t1\t0\nb\t0\t1\n", "a.tsv").table.correct(), 2u);
+}
+
+TEST(CountsFile, AFaultIsOneLineWithItsPlace) {
+  const std::vector<std::pair<std::string, std::string>> faults{
+      {"x,a,b\na,1,-2\nb,0,1\n", "a.csv: line 2: '-2' is not a count: give whole numbers of answers"},
+      {"x,a,b\na,1,2\nb,nan,1\n", "line 3: 'nan' is not a count"},
+      {"x,a,b\na,0.5,0.5\nb,0,1\n", "line 2: '0.5' is not a count"},
+      {"x,a,b\na,1,99999999999999999999\nb,0,1\n", "is not a count"},
+      {"x,a,b\na,1\nb,0,1\n", "line 2: 1 counts where line 1 has 2 answers"},
+      {"x,a,b\na,1,2,3\nb,0,1\n", "line 2: 3 counts where line 1 has 2 answers"},
+      {"x,a,b\na,1,2\ncone,0,1\n", "line 3: the shape 'cone' is not among the answers a, b"},
+      {"x,a,b\na,1,2\na,0,1\n", "line 3: a second line of 'a'"},
+      {"x,a,b\na,1,2\n", "has no line of the shape 'b'"},
+      {"x,a,b\na,0,0\nb,0,0\n", "all counts are 0"},
+      {"x,a,a\na,1,2\n", "line 1: name 2 is there twice"},
+      {"x,a,\na,1,2\n", "line 1: name 2 is not a name of 1 to 64 letters"},
+      {"x,a\na,1\n", "line 1: has 1 shapes, 2 to 64 are needed"},
+      {"", "line 1: has 0 shapes"},
+      {"50 30 9 11\n", "line 1: has 0 shapes"}};
+  for (const auto& [text, told] : faults)
+    EXPECT_REFUSED(parse_counts(text, "a.csv"), told);
+}
+
+TEST(CountsFile, ALastLineWithoutEndIsReported) {
+  const CountsFile file = parse_counts("x,a,b\na,1,2\nb,0,1", "a.csv");
+  EXPECT_EQ(file.table.total(), 4u);
+  EXPECT_EQ(file.warning, "a.csv: line 3 has no end: check that the file is complete");
+}
+
+}  // namespace
+}  // namespace palpa::study

@@ -1,0 +1,109 @@
+// Recordings of the finger beside logs.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "study/files/finger_file.hpp"
+#include "study/files/gzip.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::study {
+namespace {
+
+std::string packed(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+  std::string out(text.size() + 1000, '\0'), in = text;
+  stream.next_in = reinterpret_cast<Bytef*>(in.data());
+  stream.avail_in = static_cast<uInt>(in.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+class FingerRecording : public testing::Test {
+ protected:
+  const std::filesystem::path folder_ = test::scratch_folder("finger");
+  const std::filesystem::path file_ = folder_ / "sub-1_recording-finger_physio.tsv.gz";
+  const std::string sidecar_ = R"({"SamplingFrequency": 50, "StartTime": 5, "Columns": ["x", "depth"]})";
+
+  void write(const std::string& bytes, const std::string& sidecar) const {
+    test::write_text(file_, bytes);
+    test::write_text(folder_ / "sub-1_recording-finger_physio.json", sidecar);
+  }
+  /// 20 s from 5 s on; the depth in millimetres is the time on the clock of the log.
+  static std::string rows() {
+    std::string text;
+    for (int i = 0; i < 1000; ++i)
+      text += "0.1\t" + (i % 50 == 49 ? "n/a" : std::to_string(1e-3 * (5 + i / 50.0))) + "\n";
+    return text;
+  }
+};
+
+TEST_F(FingerRecording, GivesTheDepthInEachTrial) {
+  write(packed(rows()), sidecar_);
+  const std::vector<TrialTime> trials{{6, 2}, {10, 10}, {12, 3}, {100, 10}};
+  const FingerFile file = read_finger(file_, trials);
+  ASSERT_EQ(file.courses.size(), 4u);
+  EXPECT_FALSE(file.fault);
+  const DepthCourse& first = file.courses[0];
+  ASSERT_EQ(first.samples.size(), 8u) << "2 s";
+  for (std::size_t bin = 0; bin < 8; ++bin) {
+    ASSERT_GT(first.samples[bin], 0u);
+    EXPECT_NEAR(first.sum_m[bin] / first.samples[bin], 1e-3 * (6.125 + 0.25 * bin), 1e-4) << bin;
+  }
+  EXPECT_EQ(file.courses[1].samples.size(), 8u) << "it ends where the next trial begins";
+  EXPECT_TRUE(file.courses[3].empty()) << "the recording has ended";
+}
+
+TEST_F(FingerRecording, ThatIsCutIsReadUpToThere) {
+  const std::string whole = packed(rows());
+  write(whole.substr(0, whole.size() / 2), sidecar_);
+  const FingerFile file = read_finger(file_, std::vector<TrialTime>{{6, 2}, {20, 4}});
+  ASSERT_TRUE(file.fault);
+  EXPECT_CONTAINS(*file.fault, "is cut off; depths are read up to");
+  EXPECT_TRUE(file.courses[1].empty());
+}
+
+TEST_F(FingerRecording, OfAnotherKindIsRefused) {
+  const std::vector<TrialTime> trials{{6, 2}};
+  const auto refused = [&](const std::string& bytes, const std::string& sidecar, const std::string& told) {
+    write(bytes, sidecar);
+    EXPECT_REFUSED(read_finger(file_, trials), told);
+  };
+  refused("not packed", sidecar_, "is not a gzip file");
+  std::string damaged = packed(rows());
+  for (std::size_t i = 30; i < damaged.size(); i += 7)
+    damaged[i] = static_cast<char>(damaged[i] + 1);
+  refused(damaged, sidecar_, "damaged");
+  refused(packed(rows()), R"({"SamplingFrequency": 50, "StartTime": 5, "Columns": ["x", "y"]})", "has no \"depth\"");
+  refused(packed(rows()), R"({"SamplingFrequency": 0, "StartTime": 5, "Columns": ["depth"]})", "SamplingFrequency");
+  refused(packed(rows()), R"({"StartTime": 5, "Columns": ["x", "depth"]})", "\"SamplingFrequency\" is missing");
+  refused(packed(rows()), R"({"SamplingFrequency": 50, "StartTime": 5, "Columns": ["depth"]})",
+          "2 cells where 1 columns are named");
+  std::string odd;
+  for (int i = 0; i < 200; ++i)
+    odd += "0\t12\n";
+  refused(packed(odd), sidecar_, "'12' is not a depth in metres");
+}
+
+TEST(Gzip, RefusesMoreThanIsAllowed) {
+  const auto file = test::scratch_folder("gzip") / "zeros.gz";
+  test::write_text(file, packed(std::string(3'000'000, '0')));
+  EXPECT_REFUSED(read_gzip(file, 1 << 20, 1 << 20), "has more than 1048576 bytes unpacked");
+  EXPECT_EQ(read_gzip(file, 1 << 20, 3'000'000).text.size(), 3'000'000u);
+  EXPECT_REFUSED(read_gzip(file, 100, 1 << 20), "at most 100 are expected");
+  EXPECT_EQ(crc32_of("123456789"), 0xcbf43926u);
+}
+
+}  // namespace
+}  // namespace palpa::study

@@ -1,0 +1,147 @@
+// The reports of studies, comparisons and simulations: complete, without anything from outside, and the same each time.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "study/comparison.hpp"
+#include "study/files/results_file.hpp"
+#include "study/files/study_folder.hpp"
+#include "study/report/analysis_reports.hpp"
+#include "study/report/comparison_report.hpp"
+#include "study/report/html.hpp"
+#include "study/report/power_report.hpp"
+#include "study/report/svg.hpp"
+#include "study/tables/paper.hpp"
+#include "support/shared_data.hpp"
+#include "support/study_files.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::study {
+namespace {
+
+using nlohmann::json;
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+/// Every element ends, nothing is loaded from elsewhere, and no number is missing.
+void expect_page(const std::string& html) {
+  EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
+  EXPECT_TRUE(html.ends_with("</html>\n"));
+  for (const std::string element : {"table", "figure", "svg", "tr", "th", "td", "text", "h2", "p", "ul", "rect"}) {
+    EXPECT_EQ(times(html, "<" + element + ">") + times(html, "<" + element + " "), times(html, "</" + element + ">"))
+        << element;
+  }
+  for (const char* foreign : {"<script", "src=", "href=", "url(", "nan", "inf\""})
+    EXPECT_EQ(html.find(foreign), std::string::npos) << foreign;
+}
+
+Analysis ten() {
+  const auto folder = test::scratch_folder("reports");
+  test::write_ten(folder);
+  return analyse(read_study(std::vector<std::string>{folder.string()}), 0);
+}
+
+TEST(Reports, OfAStudy) {
+  const Analysis analysis = ten();
+  const std::string html = analysis_html(analysis), text = analysis_text(analysis), csv = analysis_csv(analysis);
+  expect_page(html);
+  EXPECT_CONTAINS(html, "p = 0.00195");
+  EXPECT_CONTAINS(html, "seed 0");
+  EXPECT_EQ(times(html, "<svg"), 4u) << "accuracies, two confusion matrices, learning";
+  EXPECT_CONTAINS(text, "single-focus: mean accuracy 0.390 of 10 participants");
+  EXPECT_CONTAINS(text, "cross-section: mean accuracy 0.653 of 10 participants");
+  EXPECT_CONTAINS(text, "exact: p = 0.00195, T+ = 55");
+  EXPECT_EQ(times(csv, "\n"), 21u);
+  EXPECT_CONTAINS(csv, "1,single-focus,1,40,18,0.45,");
+  EXPECT_EQ(analysis_html(ten()), html);
+  EXPECT_EQ(analysis_json(ten()), analysis_json(analysis));
+}
+
+TEST(Reports, JsonHasTheNumbersAndIsReadBack) {
+  const Analysis analysis = ten();
+  const std::string text = analysis_json(analysis);
+  const json document = json::parse(text);
+  EXPECT_EQ(document["methods"][0]["mean_accuracy"], 0.39);
+  EXPECT_EQ(document["methods"][1]["accuracy"], 0.6525);
+  EXPECT_EQ(document["pairs"][0]["wilcoxon"]["p_two_sided"], 0.001953125);
+  EXPECT_EQ(document["participants"].size(), 20u);
+  EXPECT_TRUE(document["left_out"].empty());
+  const auto file = test::scratch_folder("results") / "a.json";
+  test::write_text(file, text);
+  const auto tables = read_results(file);
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_EQ(tables[1].first, "cross-section");
+  EXPECT_EQ(tables[1].second, analysis.results.methods[1].pooled.table);
+}
+
+TEST(Reports, OtherJsonIsRefused) {
+  const auto file = test::scratch_folder("results") / "a.json";
+  const auto refused = [&](const std::string& text, const std::string& told) {
+    test::write_text(file, text);
+    EXPECT_REFUSED(read_results(file), told);
+  };
+  const std::string begin = R"({"kind": "palpa study analyse", "shapes": ["a", "b"], "methods": )";
+  refused("{}", "\"kind\" is not that of such a file: a JSON file of palpa study analyse is needed");
+  refused("not json", "\"kind\"");
+  refused(R"({"kind": "palpa study analyse"})", "\"shapes\" is not a list");
+  refused(R"({"kind": "palpa study analyse", "shapes": ["a", "a"], "methods": []})", "a name twice");
+  refused(begin + "3}", "\"methods\" is not a list");
+  refused(begin + "[3]}", "without a \"name\"");
+  refused(begin + R"([{"name": "m", "counts": [[1, 2]]}]})", "\"counts\" has not 2 rows");
+  refused(begin + R"([{"name": "m", "counts": [[1, 2], [3, -4]]}]})",
+          "row 2 of \"counts\" has something that is not a count");
+  refused(begin + R"([{"name": "m", "counts": [[1, 2], [3]]}]})", "row 2 of \"counts\" has not 2 counts");
+}
+
+TEST(Reports, OfTables) {
+  Confusion turned({"prism", "pyramid", "semi-sphere", "cube"});
+  const Confusion paper = paper_cross_section();
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j)
+      turned.at(3 - i, 3 - j) = paper.at(i, j);
+  }
+  Confusion other({"cone", "cube"});
+  other.at(0, 0) = other.at(1, 0) = 5;
+  const Comparison comparison = compare_tables({{"one", paper}, {"turned", turned}, {"other", other}});
+  ASSERT_EQ(comparison.pairs.size(), 1u);
+  EXPECT_EQ(comparison.pairs[0].tables.rms, 0) << "the order of shapes does not matter";
+  EXPECT_EQ(comparison.not_compared.size(), 2u);
+  expect_page(comparison_html(comparison, comparison.not_compared));
+  const json document = json::parse(comparison_json(comparison, {}));
+  EXPECT_EQ(document["tables"][0]["accuracy"], 0.6525);
+  EXPECT_EQ(document["tables"][0]["luce_fit"]["deviance"], 25.30202174);
+  EXPECT_EQ(times(comparison_csv(comparison), "\n"), 4u);
+  EXPECT_CONTAINS(comparison_text(comparison), "261 of 400 correct: 0.653, d' 1.327");
+}
+
+TEST(Reports, OfPower) {
+  const PowerSetting setting{.studies = 100, .most_people = 10};
+  const PowerResult result = find_power(setting);
+  expect_page(power_html(setting, result));
+  EXPECT_EQ(json::parse(power_json(setting, result))["participants"], 6);
+  EXPECT_CONTAINS(power_text(setting, result), "seed 0");
+  EXPECT_CONTAINS(power_text(setting, result), "6 participants reach a power of 0.8");
+}
+
+TEST(Reports, NamesFromFilesAreOnlyText) {
+  EXPECT_EQ(escaped("<script>\"&\n\x80"), "&lt;script&gt;&quot;&amp;\\n\\x80");
+  HtmlPage page("<b>");
+  page.paragraph("<i>");
+  page.table("<u>", {{"<s>"}});
+  page.list({"</ul>"});
+  const std::string html = page.finish();
+  for (const char* element : {"<b>", "<i>", "<u>", "<s>"})
+    EXPECT_EQ(html.find(element), std::string::npos) << element;
+  expect_page(html);
+}
+
+}  // namespace
+}  // namespace palpa::study

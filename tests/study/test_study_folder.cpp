@@ -1,0 +1,118 @@
+// Studies as folders: what is left out, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "study/files/study_folder.hpp"
+#include "support/shared_data.hpp"
+#include "support/study_files.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::study {
+namespace {
+
+using test::events_place;
+using test::events_text;
+using test::write_events;
+
+class StudyFolder : public testing::Test {
+ protected:
+  const std::filesystem::path folder_ = test::scratch_folder("study");
+
+  Study read() const { return read_study(std::vector<std::string>{folder_.string()}); }
+  /// The only line about what was left out.
+  std::string left_out() const {
+    const Study study = read();
+    EXPECT_EQ(study.left_out.size(), 1u) << testing::PrintToString(study.left_out);
+    return study.left_out.empty() ? "" : study.left_out[0];
+  }
+};
+
+TEST_F(StudyFolder, HasParticipantsByNumberWithTheirTrials) {
+  test::write_ten(folder_);
+  const Study study = read();
+  EXPECT_TRUE(study.left_out.empty()) << testing::PrintToString(study.left_out);
+  EXPECT_EQ(study.methods, (std::vector<std::string>{"single-focus", "cross-section"}));
+  EXPECT_EQ(study.shapes, test::study_shapes);
+  ASSERT_EQ(study.participants.size(), 10u);
+  EXPECT_EQ(study.participants[1].number, 2u) << "not in the order of the names, in which 10 precedes 2";
+  EXPECT_EQ(study.participants[0].trials.size(), 80u);
+  EXPECT_EQ(std::ranges::count_if(study.participants[0].trials, [](const Trial& t) { return t.correct(); }), 18 + 28);
+  EXPECT_EQ(study.participants[5].trials[0].method, 1u) << "began with cross-section";
+}
+
+TEST_F(StudyFolder, WithoutSidecarsTheShapesAreThoseThatWereShown) {
+  test::write_text(events_place(folder_, 1), events_text("m", 20));
+  const Study study = read();
+  EXPECT_EQ(study.shapes, test::study_shapes);
+  EXPECT_EQ(study.left_out.size(), 1u);
+}
+
+TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  const auto log = events_place(folder_, 2);
+  write_events(log, events_text("m", 20), R"({"PalpaStudyVersion": 7})");
+  EXPECT_CONTAINS(left_out(), "the log has version 7, this palpa reads version 1; the log is left out");
+  write_events(log, "onset\tduration\n");
+  EXPECT_CONTAINS(left_out(), log.string() + ": line 1: the column trial_type is missing");
+  write_events(log, std::string(17 << 20, ' '));
+  EXPECT_CONTAINS(left_out(), "has 17825792 bytes, at most 16777216 are expected; the log is left out");
+  write_events(log, test::events_header);
+  EXPECT_CONTAINS(left_out(), "sub-2: has no answered trial; the participant is left out");
+  std::filesystem::remove_all(folder_ / "sub-2" / "beh");
+  EXPECT_CONTAINS(left_out(), "there is no such folder; the participant is left out");
+  std::filesystem::create_directory(folder_ / "sub-2" / "beh");
+  EXPECT_CONTAINS(left_out(), "has no log, such as sub-2_task-shapes_events.tsv");
+  EXPECT_EQ(read().participants.size(), 1u);
+}
+
+TEST_F(StudyFolder, ANameIsANumber) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  std::filesystem::create_directories(folder_ / "sub-anna" / "beh");
+  EXPECT_CONTAINS(left_out(), "sub-anna: is not a participant with a number, such as sub-7");
+  std::filesystem::remove_all(folder_ / "sub-anna");
+  std::filesystem::copy_file(events_place(folder_, 1), folder_ / "sub-1" / "beh" / "sub-2_task-shapes_events.tsv");
+  EXPECT_CONTAINS(left_out(), "the name is not that of a log of participant 1");
+}
+
+TEST_F(StudyFolder, AnUnknownShapeOrAnswerIsLeftOutWithItsLine) {
+  std::string text = events_text("m", 20);
+  write_events(events_place(folder_, 1), text.replace(text.rfind("prism\tprism"), 11, "prism\tcone!"));
+  const std::string told = left_out();
+  EXPECT_CONTAINS(told, ": line ");
+  EXPECT_CONTAINS(told, "the answer 'cone!' is not one of cube, semi-sphere, pyramid, prism; the row is left out");
+  EXPECT_EQ(read().participants[0].trials.size(), 39u);
+}
+
+TEST_F(StudyFolder, ALogOfOtherShapesIsLeftOut) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  write_events(events_place(folder_, 2), events_text("m", 20),
+               R"({"PalpaStudyVersion": 1, "shape": {"Levels": {"cube": "", "cone": ""}}})");
+  EXPECT_CONTAINS(left_out(), "its shapes are cube, cone, but those of");
+}
+
+TEST_F(StudyFolder, TwoParticipantsWithOneNumberAreRefused) {
+  test::write_participant(folder_, 3, {{"m", 20}});
+  const auto other = folder_ / "more";
+  test::write_participant(other, 3, {{"m", 20}});
+  EXPECT_REFUSED(read_study(std::vector<std::string>{folder_.string(), other.string()}), "participant 3 is also in");
+  EXPECT_REFUSED(read_study(std::vector<std::string>{folder_.string(), folder_.string()}), "participant 3 is also in");
+  std::filesystem::rename(other / "sub-3", folder_ / "sub-03");
+  EXPECT_REFUSED(read(), "give each participant a number of their own");
+}
+
+TEST_F(StudyFolder, ThatHasNothingIsRefused) {
+  EXPECT_REFUSED(read(), "has no participants: their logs are in folders such as sub-1/beh");
+  EXPECT_REFUSED(read_study(std::vector<std::string>{(folder_ / "none").string()}), "none: no such folder");
+  const auto log = events_place(folder_, 1);
+  EXPECT_REFUSED(read_study(std::vector<std::string>{log.parent_path().string()}), "has no participants");
+  write_events(log, "nothing\n");
+  EXPECT_REFUSED(read(), "nothing can be analysed: ");
+  EXPECT_REFUSED(read_study(std::vector<std::string>{log.string()}), "is not a folder");
+}
+
+}  // namespace
+}  // namespace palpa::study

@@ -1,0 +1,124 @@
+// Measures of confusion matrices: the paper's tables, whose values are known.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+
+#include "study/tables/dprime.hpp"
+#include "study/tables/information.hpp"
+#include "study/tables/measures.hpp"
+#include "study/tables/paper.hpp"
+#include "study/tables/two_tables.hpp"
+
+namespace palpa::study {
+namespace {
+
+TEST(Tables, ThePapersAccuracies) {
+  const Confusion one = paper_single_focus(), two = paper_cross_section();
+  EXPECT_EQ(accuracy(one), 0.390);
+  EXPECT_EQ(accuracy(two), 0.6525);
+  EXPECT_EQ(one.correct(), 156u);
+  const double recalls[]{.50, .42, .26, .38}, precisions[]{.485, .331, .333, .413}, more[]{.779, .522, .714, .624};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(one.row(i), 100u);
+    EXPECT_EQ(two.row(i), 100u);
+    EXPECT_NEAR(recall(one, i).value(), recalls[i], 1e-15);
+    EXPECT_NEAR(precision(one, i).value(), precisions[i], 5e-4);
+    EXPECT_NEAR(precision(two, i).value(), more[i], 5e-4);
+  }
+  EXPECT_EQ(one.column(1), 127u);
+  EXPECT_NEAR(kappa(one).value(), 0.1866666667, 1e-10);
+  EXPECT_NEAR(kappa(two).value(), 0.5366666667, 1e-10);
+}
+
+TEST(Tables, WithoutTrialsThereAreNoShares) {
+  const Confusion empty({"a", "b"});
+  EXPECT_FALSE(recall(empty, 0) || precision(empty, 0) || kappa(empty) || dprime(0, 0, 2));
+  EXPECT_EQ(accuracy(empty), 0);
+  Confusion one({"a", "b"});
+  one.at(0, 0) = 7;
+  EXPECT_FALSE(kappa(one)) << "chance alone is right";
+  EXPECT_FALSE(recall(one, 1));
+}
+
+TEST(DPrime, OfManyAlternatives) {
+  EXPECT_NEAR(correct_of_dprime(1, 2), 0.7602499389, 1e-10);
+  EXPECT_NEAR(correct_of_dprime(1, 3), 0.6337020458, 1e-10);
+  EXPECT_NEAR(correct_of_dprime(1, 4), 0.5520314384, 1e-10);
+  constexpr std::array<std::array<double, 2>, 7> known{{{.39, 0.4892759241},
+                                                        {.5, 0.8367745602},
+                                                        {.6525, 1.327078511},
+                                                        {.653, 1.328776837},
+                                                        {.75, 1.682195195},
+                                                        {.9, 2.451569426},
+                                                        {.25, 0}}};
+  for (const auto& [share, dprime] : known)
+    EXPECT_NEAR(dprime_of_share(share, 4), dprime, 1e-9) << share;
+  EXPECT_NEAR(dprime_of_share(.75, 2), 0.9538725524, 1e-10);
+  EXPECT_NEAR(dprime(156, 400, 4).value(), 0.4892759241, 1e-9);
+  EXPECT_NEAR(dprime(40, 40, 4).value(), dprime_of_share(79.0 / 80, 4), 1e-12) << "all correct";
+  EXPECT_LT(dprime(0, 40, 4).value(), 0);
+}
+
+TEST(DPrime, OfPairs) {
+  const double one[]{0.683581029, 1.42062705, 1.38343852, 0.366741866, 0.938070543, 0.259597773};
+  const double two[]{2.3572018, 3.63523545, 2.05063916, 1.46050288, 1.59625859, 2.5711983};
+  const Measures of_one = measure("one", paper_single_focus()), of_two = measure("two", paper_cross_section());
+  ASSERT_EQ(of_one.pairs.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(of_one.pairs[i].dprime.value(), one[i], 2e-8) << i;
+    EXPECT_NEAR(of_two.pairs[i].dprime.value(), two[i], 2e-8) << i;
+  }
+  Confusion never({"a", "b", "c"});
+  never.at(0, 2) = never.at(1, 1) = 3;
+  EXPECT_FALSE(dprime_of_pair(never, 0, 1)) << "a was never answered a or b";
+}
+
+TEST(Information, OfThePapersTables) {
+  const Information one = information(paper_single_focus()), two = information(paper_cross_section());
+  EXPECT_NEAR(one.bits, 0.1249141177, 1e-10);
+  EXPECT_NEAR(two.bits, 0.6449111722, 1e-10);
+  EXPECT_NEAR(one.corrected_bits, 0.1086837985, 1e-10);
+  EXPECT_NEAR(two.corrected_bits, 0.628680853, 1e-9);
+  EXPECT_EQ(one.most_bits, 2);
+  EXPECT_NEAR(one.chi_square, 70.76176421, 1e-8);
+  EXPECT_NEAR(two.chi_square, 390.4944158, 1e-7);
+  EXPECT_NEAR(one.cramers_v, 0.2428335579, 1e-10);
+  EXPECT_NEAR(two.cramers_v, 0.5704489575, 1e-10);
+  EXPECT_EQ(information(Confusion({"a", "b"})).bits, 0);
+}
+
+TEST(TwoTables, ThePapersBesideEachOther) {
+  const TwoTables found = compare(paper_single_focus(), paper_cross_section());
+  const double chi[]{14.96550761, 16.17692245, 41.845629, 13.66415568};
+  const double ratio[]{15.49412922, 17.16698364, 45.60759735, 13.86685404};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(found.rows[i].chi_square, chi[i], 1e-7);
+    EXPECT_NEAR(found.rows[i].likelihood_ratio, ratio[i], 1e-7);
+    EXPECT_EQ(found.rows[i].degrees, 3);
+  }
+  EXPECT_NEAR(found.all.chi_square, 86.65221474, 1e-7);
+  EXPECT_NEAR(found.all.likelihood_ratio, 92.13556425, 1e-7);
+  EXPECT_EQ(found.all.degrees, 12);
+  EXPECT_NEAR(found.all.p / 2.188449344e-13, 1, 1e-7);
+  EXPECT_NEAR(found.all.p_likelihood_ratio / 1.903254091e-14, 1, 1e-7);
+  EXPECT_NEAR(found.correct.chi_square, 55.2247497, 1e-6);
+  EXPECT_NEAR(found.correct_yates, 54.17785876, 1e-7);
+  EXPECT_NEAR(found.p_correct_yates / 1.831388728e-13, 1, 1e-7);
+  ASSERT_TRUE(found.errors);
+  EXPECT_NEAR(found.errors->r, 0.589, 5e-4);
+}
+
+TEST(TwoTables, TheSameTwiceDoesNotDiffer) {
+  const TwoTables found = compare(paper_single_focus(), paper_single_focus());
+  EXPECT_EQ(found.rms, 0);
+  EXPECT_EQ(found.all.chi_square, 0);
+  EXPECT_EQ(found.all.p, 1);
+  EXPECT_NEAR(found.errors->r, 1, 1e-12);
+  const TwoTables empty = compare(Confusion({"a", "b"}), Confusion({"a", "b"}));
+  EXPECT_EQ(empty.all.p, 1);
+  EXPECT_FALSE(empty.errors);
+}
+
+}  // namespace
+}  // namespace palpa::study

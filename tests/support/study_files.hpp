@@ -1,0 +1,75 @@
+// The folder of a study, as an experiment would write it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/files.hpp"
+
+namespace palpa::test {
+
+inline const std::vector<std::string> study_shapes{"cube", "semi-sphere", "pyramid", "prism"};
+inline constexpr const char* events_header =
+    "onset\tduration\ttrial_type\tmethod\tshape\tanswer\tresponse_time\tstatus\n";
+
+/// A log of 40 trials, of which `correct` are correct, spread over the session. All wrong answers are the next shape.
+inline std::string events_text(const std::string& method, std::uint32_t correct, std::uint32_t trials = 40) {
+  std::string text = events_header;
+  const auto row = [&](double onset, const std::string& type, const std::string& rest) {
+    text += std::to_string(onset) + "\t10\t" + type + "\t" + method + "\t" + rest + "\n";
+  };
+  row(0, "familiarise", "cube\tn/a\tn/a\tdone");
+  row(20, "free", "n/a\tn/a\tn/a\tdone");
+  row(60, "practice", "semi-sphere\tcube\t2.5\tanswered");
+  for (std::uint32_t k = 0; k < trials; ++k) {
+    const std::uint32_t shape = k % 4, answer = k * 7 % trials < correct ? shape : (shape + 1) % 4;
+    row(100 + 15.0 * k, "trial",
+        study_shapes[shape] + "\t" + study_shapes[answer] + "\t" + std::to_string(1 + 0.01 * (k % 9)) + "\tanswered");
+  }
+  return text;
+}
+
+inline constexpr const char* events_sidecar =
+    R"({"PalpaStudyVersion": 1, "shape": {"Levels": {"cube": "", "semi-sphere": "", "pyramid": "", "prism": ""}}})";
+
+/// The path of a participant's log, whose folder is made.
+inline std::filesystem::path events_place(const std::filesystem::path& study, std::uint32_t number, int run = 1) {
+  const std::string name = "sub-" + std::to_string(number);
+  std::filesystem::create_directories(study / name / "beh");
+  return study / name / "beh" / (name + "_task-shapes_run-" + std::to_string(run) + "_events.tsv");
+}
+
+/// Writes a log and its sidecar.
+inline void write_events(const std::filesystem::path& log, const std::string& text,
+                         const std::string& sidecar = events_sidecar) {
+  write_text(log, text);
+  std::filesystem::path beside = log;
+  write_text(beside.replace_extension(".json"), sidecar);
+}
+
+/// One participant's correct answers of 40 with each method, in the order in which the methods were used.
+using CorrectAnswers = std::vector<std::pair<std::string, std::uint32_t>>;
+
+inline void write_participant(const std::filesystem::path& study, std::uint32_t number,
+                              const CorrectAnswers& sessions) {
+  int run = 0;
+  for (const auto& [method, correct] : sessions)
+    write_events(events_place(study, number, ++run), events_text(method, correct));
+}
+
+/// Ten participants with accuracies whose statistics are known: sf .45 .30 .55 .25 .40 .35 .50 .275 .375 .45, cs .70
+/// .65 .80 .45 .75 .55 .85 .525 .60 .65. The first five began with single-focus, the others with cross-section.
+inline constexpr std::uint32_t ten_single[]{18, 12, 22, 10, 16, 14, 20, 11, 15, 18};
+inline constexpr std::uint32_t ten_cross[]{28, 26, 32, 18, 30, 22, 34, 21, 24, 26};
+inline void write_ten(const std::filesystem::path& study) {
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const std::pair<std::string, std::uint32_t> single{"single-focus", ten_single[i]},
+        cross{"cross-section", ten_cross[i]};
+    write_participant(study, i + 1, i < 5 ? CorrectAnswers{single, cross} : CorrectAnswers{cross, single});
+  }
+}
+
+}  // namespace palpa::test

@@ -1,0 +1,74 @@
+// Escape closes what is innermost, and how the viewer ends.
+#include <gtest/gtest.h>
+
+#include "live_app.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+class Escape : public LiveAppWithPanels {
+ protected:
+  Escape() : LiveAppWithPanels({900, 600}) {}
+  void escape() {
+    key(Key::escape);
+    draw();
+    key(static_cast<char>(Key::escape), false);
+    draw();
+  }
+};
+
+TEST_F(Escape, ClosesAListAndLeavesTheRunAlone) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  click("copy");
+  ASSERT_TRUE(app_->desk().places.list);
+  escape();
+  EXPECT_FALSE(app_->desk().places.list);
+  EXPECT_FALSE(app_->quitting());
+  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+}
+
+TEST_F(Escape, ClosesTheInnermostFirst) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  key('g');
+  draw();
+  ASSERT_TRUE(app_->desk().placed.chosen);
+  key('h');
+  click("open");
+  ASSERT_TRUE(app_->desk().picker);
+  escape();
+  EXPECT_FALSE(app_->desk().picker);
+  EXPECT_TRUE(app_->desk().help);
+  escape();
+  EXPECT_FALSE(app_->desk().help);
+  EXPECT_TRUE(app_->desk().placed.chosen);
+  escape();
+  EXPECT_FALSE(app_->desk().placed.chosen);
+  escape();
+  EXPECT_FALSE(app_->quitting()) << "a run never ends by Escape";
+  EXPECT_TRUE(says("Q quits"));
+}
+
+TEST_F(Escape, QuittingWhileTheArraySoundsTakesTwoPresses) {
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
+  key('q');
+  EXPECT_FALSE(app_->quitting());
+  EXPECT_TRUE(says("press Q again"));
+  now_s_ += 2.5;
+  go_round();
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
+  key('q');
+  EXPECT_FALSE(app_->quitting()) << "too late to be the second press";
+  key('q');
+  EXPECT_TRUE(app_->quitting());
+}
+
+TEST_F(Escape, QuittingInSilenceTakesOne) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  all_off();
+  ASSERT_TRUE(comes_to(LiveState::ended));
+  key('q');
+  EXPECT_TRUE(app_->quitting());
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,247 @@
+// What people do with the window alone, from an empty one.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "live_app.hpp"
+#include "support/files.hpp"
+#include "support/thrown.hpp"
+#include "viewer/app/own_files.hpp"
+#include "viewer/live/live_line.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+class FirstSteps : public LiveAppWithPanels {
+ protected:
+  FirstSteps() : LiveAppWithPanels({1000, 1600}) {}
+
+  void begin_empty() {
+    ViewerOptions options;
+    options.given = {{"--backend", {"cpu"}},
+                     {"--layout", {"autd3"}},
+                     {"--link", {"heard"}},
+                     {"--hold", {"5s"}},
+                     {"--noise-free", {}}};
+    now_s_ = 0;
+    make(options);
+    draw();
+  }
+  void begin_touch() {
+    ViewerOptions options = options_of({{"--scene", {scene_}},
+                                        {"--points", {test::source_file("assets/finger.ply")}},
+                                        {"--penetration", {"3mm"}},
+                                        {"--backend", {"cpu"}}});
+    make(options);
+    draw();
+  }
+  bool opened() {
+    return goes_round_until([&] { return !app_->desk().opening; });
+  }
+};
+
+TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
+  begin_empty();
+  ASSERT_TRUE(app_->desk().empty);
+  for (const char* object : {"cube", "pyramid", "prism", "semi-sphere"})
+    EXPECT_TRUE(place_of_widget(object)) << object;
+  click("cube");
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(went_live_, 1);
+  EXPECT_EQ(options().source, "mouse");
+  ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
+  EXPECT_FALSE(app_->desk().empty);
+  EXPECT_EQ(app_->title(), "cube.glb, live (mouse)");
+  EXPECT_EQ(app_->desk().recent.size(), 1u);
+}
+
+TEST_F(FirstSteps, APlyIsWhatTouches) {
+  begin_empty();
+  const std::string finger = test::source_file("assets/finger.ply");
+  drop(finger);
+  draw();
+  EXPECT_TRUE(says("touches the object that you open next"));
+  drop(scene_);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(options().source, "mouse:" + finger);
+}
+
+TEST_F(FirstSteps, AnotherObjectIsFramed) {
+  begin("synthetic");
+  ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
+  const double before = app_->desk().state.viewpoint.distance;
+  for (int i = 0; i < 10; ++i) {
+    WindowEvent event;
+    event.kind = WindowEvent::Kind::scroll;
+    event.x = 300, event.y = 300;
+    event.steps = 1;
+    app_->handle(event, size_);
+  }
+  draw();
+  ASSERT_LT(app_->desk().state.viewpoint.distance, 0.5 * before);
+  key(Key::page_down);
+  ASSERT_TRUE(opens_other());
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.viewpoint.distance > 0.8 * before; }));
+}
+
+TEST_F(FirstSteps, FingersAndHandsAreNoObjects) {
+  const auto scenes = scenes_beside(test::source_file("assets/cube.glb"));
+  EXPECT_GE(scenes.size(), 4u);
+  for (const std::string& scene : scenes) {
+    const std::string name = fs::path(scene).filename();
+    EXPECT_FALSE(name.starts_with("hand") || name.starts_with("finger")) << name;
+  }
+}
+
+TEST_F(FirstSteps, ATouchHasTheSameOptionsAndIsFoundAgainWithThem) {
+  begin_touch();
+  ASSERT_EQ(app_->picture().fingers.size(), 1u);
+  const std::size_t before = app_->picture().fingers[0].foci.size();
+  click("Run");
+  click("Touch");
+  click("--foci");
+  type("7");
+  ASSERT_TRUE(opened());
+  draw();
+  EXPECT_EQ(before, 10u);
+  ASSERT_EQ(app_->picture().fingers.size(), 1u);
+  EXPECT_EQ(app_->picture().fingers[0].foci.size(), 7u);
+  click("--foci reset");
+  ASSERT_TRUE(opened());
+  draw();
+  EXPECT_EQ(app_->picture().fingers[0].foci.size(), 10u);
+  EXPECT_FALSE(place_of_widget("--foci reset")) << "the default has nothing to reset";
+}
+
+TEST_F(FirstSteps, AnErrorGoesWhenItsCauseIsMended) {
+  begin_touch();
+  click("Run");
+  click("Touch");
+  click("--foci");
+  type("nonsense");
+  EXPECT_TRUE(says("--foci"));
+  click("--foci");
+  type("9");
+  EXPECT_FALSE(says("nonsense"));
+}
+
+TEST_F(FirstSteps, KeysWithoutAnEffectSaySo) {
+  begin_touch();
+  key('g');
+  EXPECT_TRUE(says("G: this is one touch"));
+  key('r');
+  EXPECT_TRUE(says("R: no run is under way"));
+  key(Key::left);
+  EXPECT_TRUE(says("no recording is played"));
+  key('c');
+  draw();
+  EXPECT_CONTAINS(copied_, "palpa-viewer --scene");
+  EXPECT_CONTAINS(copied_, "--eye ");
+}
+
+TEST_F(FirstSteps, TheParticipantsWindowTakesPAndQ) {
+  begin_touch();
+  app_->tell_monitors({"one 1920x1080"});
+  app_->try_participant(true);
+  draw();
+  EXPECT_TRUE(app_->desk().participant.says_how_to_leave) << "there is one monitor";
+  now_s_ += 20;
+  draw();
+  EXPECT_FALSE(app_->desk().participant.says_how_to_leave);
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key;
+  event.key = key_of('p');
+  app_->handle_participant(event);
+  draw();
+  EXPECT_FALSE(app_->desk().participant.open);
+  app_->try_participant(true);
+  app_->participant_fills({1000, 1000});
+  EXPECT_TRUE(says("stretched"));
+  event.key = key_of('q');
+  app_->handle_participant(event);
+  EXPECT_TRUE(app_->quitting());
+}
+
+/// Touches an object; changes the method; records, pauses, steps; moves the object and saves it; silences, starts
+/// again.
+TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_);
+  begin_empty();
+  click("cube");
+  ASSERT_TRUE(comes_to(LiveState::running));
+  ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
+  EXPECT_FALSE(app_->desk().placed.can_undo);
+  const auto touch = [&] {
+    return goes_round_until([&] {
+      const Vec3 at(0, -0.002, 0);
+      const Size size{static_cast<std::uint32_t>(1000 - 19 * 17), static_cast<std::uint32_t>(1600 - 37)};
+      const Projected p = project(projection(app_->desk().state.viewpoint, size.width, size.height), at);
+      button(WindowEvent::Kind::move, p.x, p.y + 37);
+      draw(1);
+      return heard_->last_sounds.load();
+    });
+  };
+  ASSERT_TRUE(touch()) << "1: touch the object";
+
+  click("Run");
+  click("Touch");
+  click("--method");
+  ASSERT_TRUE(app_->desk().places.list);
+  const Area field = *place_of_widget("--method");
+  click_at(field.left + 20, field.bottom + 3 * (field.bottom - field.top) / 2 + 4);
+  EXPECT_NE(options().touch.method.method, touch::Method::cross_section) << "2: change the method";
+  ASSERT_TRUE(comes_to(LiveState::running));
+  click("Touch");
+  click("Run");
+  ASSERT_TRUE(touch()) << "and go on touching";
+
+  click("record");
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().recorded > 5; })) << "3: record";
+  click("record");
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().recording.empty(); }));
+  drop(folder_ / "recording-1");
+  ASSERT_TRUE(goes_round_until([&] { return app_->desk().playback.has_value(); }));
+  click("recording play");
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().playback->playing; })) << "pause";
+  const std::uint64_t frame = app_->desk().playback->frame;
+  click("recording step");
+  EXPECT_TRUE(goes_round_until([&] { return app_->desk().playback->frame != frame; })) << "step";
+
+  key('g');
+  draw();
+  ASSERT_TRUE(app_->desk().placed.chosen) << "4: move the object";
+  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().marks.empty(); }));
+  const Size size{static_cast<std::uint32_t>(1000 - 19 * 17), static_cast<std::uint32_t>(1600 - 37)};
+  const Sight sight{app_->desk().state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), 1};
+  const Box box = extent(app_->picture(), Extent::objects);
+  const Gizmo gizmo = gizmo_at(box.centre(), sight);
+  const Projected tip =
+      project(projection(sight.viewpoint, sight.width, sight.height), gizmo.at + Vec3(0, 0.8 * gizmo.size_m, 0));
+  button(WindowEvent::Kind::move, tip.x, tip.y + 37);
+  draw();
+  button(WindowEvent::Kind::press, tip.x, tip.y + 37);
+  button(WindowEvent::Kind::move, tip.x, tip.y + 20);
+  draw();
+  button(WindowEvent::Kind::release, tip.x, tip.y + 20);
+  draw();
+  EXPECT_TRUE(app_->desk().placed.can_undo);
+  ASSERT_TRUE(app_->desk().placed.moved);
+  click("save as");
+  EXPECT_TRUE(goes_round_until([&] { return options().scene == "moved.glb"; })) << "and save it";
+  ASSERT_TRUE(comes_to(LiveState::running));
+
+  const Area off = all_off_button();
+  button(WindowEvent::Kind::press, off.left + 3, off.top + 3);
+  button(WindowEvent::Kind::release, off.left + 3, off.top + 3);
+  ASSERT_TRUE(comes_to(LiveState::ended)) << "5: silence it";
+  EXPECT_FALSE(heard_->last_sounds);
+  draw();
+  click(app_->desk().places.start.value_or(Area()));
+  EXPECT_TRUE(comes_to(LiveState::running)) << "and start again";
+  app_.reset();
+  fs::current_path(before);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

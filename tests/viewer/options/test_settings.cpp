@@ -1,0 +1,68 @@
+// The settings that the viewer stores.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/options/settings.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+TEST(Settings, ComeBackAsTheyWere) {
+  const auto file = test::scratch_folder("viewer-settings") / "made" / "palpa" / "viewer.toml";
+  EXPECT_EQ(load_settings(file), Settings()) << "none yet";
+  Settings settings;
+  settings.dark = true;
+  settings.panels = false;
+  settings.fine = FinePictures::never;
+  settings.slots_per_s = 12.5;
+  settings.layers[Layer::sections] = {true, 0.25F};
+  settings.layers[Layer::solids].visible = false;
+  settings.headings = {{"Run", true}, {"View", false}};
+  settings.window = WindowPlace{-20, 40, 1000, 700};
+  settings.recent = {"/with \"quotes\".glb", "/second.glb"};
+  save_settings(file, settings);
+  EXPECT_EQ(load_settings(file), settings);
+  EXPECT_EQ(remembered_window(file), settings.window);
+}
+
+TEST(Settings, WhatALineSaysIsForItsRunAlone) {
+  Settings before, began, now;
+  before.layers[Layer::grid].visible = false;
+  began = before;
+  began.layers[Layer::slice].visible = began.dark = true;  // --show slice --dark
+  began.panels = false;                                    // --no-panels
+  now = began;
+  EXPECT_EQ(to_remember(before, began, now), before);
+  now.layers[Layer::solids].opacity = 0.5F;  // by hand
+  now.layers[Layer::slice].opacity = 0.25F;
+  now.dark = false;
+  now.slots_per_s = 12;
+  Settings expected = before;
+  expected.layers[Layer::solids].opacity = 0.5F;
+  expected.layers[Layer::slice].opacity = 0.25F;
+  expected.slots_per_s = 12;
+  EXPECT_EQ(to_remember(before, began, now), expected);
+  EXPECT_EQ(to_remember(expected, began, now), expected) << "asked once more";
+}
+
+TEST(Settings, ABrokenFileIsToldWithItsLine) {
+  const auto file = test::scratch_folder("viewer-settings-broken") / "viewer.toml";
+  for (const char* text :
+       {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n", "fine_pictures = \"often\"\n",
+        "[layers.solids]\nopacity = 2\n", "[window]\nx = 1\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
+    std::ofstream(file) << text;
+    try {
+      load_settings(file);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::bad_input);
+      EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::viewer

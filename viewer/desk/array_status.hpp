@@ -1,0 +1,23 @@
+// What the array does now, in words.
+#pragma once
+
+#include <string>
+
+#include "viewer/desk/desk.hpp"
+
+namespace palpa::viewer {
+
+enum class ArrayState {
+  off,       ///< no run drives it
+  silent,    ///< a run drives it, and nothing sounds
+  sounding,  ///< the last drive that left for it sounds
+};
+
+struct ArrayStatus {
+  ArrayState state = ArrayState::off;
+  std::string word;  ///< OFF, SILENT or SOUNDING
+  std::string more;  ///< the link, or why it is off
+};
+ArrayStatus array_status(const Desk& desk);
+
+}  // namespace palpa::viewer

@@ -1,0 +1,148 @@
+// The viewer's desk: everything that its panels show, change and ask for, as plain values. The application fills the
+// first part before each picture. The panels change the second part. The application does what the third part asks for.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acoustics/felt/spectrum.hpp"
+#include "base/log.hpp"
+#include "setup/places.hpp"
+#include "viewer/desk/file_list.hpp"
+#include "viewer/hands/gizmo.hpp"
+#include "viewer/live/live_edit.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/live/recording_player.hpp"
+#include "viewer/picture/picture.hpp"
+#include "viewer/render/participant.hpp"
+#include "viewer/view/view_state.hpp"
+
+namespace palpa::viewer {
+
+/// A line that is shown for a while, whatever else is open.
+struct Toast {
+  std::string text;
+  log::Level level = log::Level::info;
+  double until_s = 0;   ///< on the application's clock
+  std::string about{};  ///< what it is about; it goes when this is in order again
+};
+
+/// A file that is offered by name.
+struct NamedFile {
+  std::string name, path;
+};
+
+/// How deep a finger is in a solid.
+struct Depth {
+  std::string solid;
+  double depth_m = 0;  ///< of its deepest skin point
+};
+
+/// What was found under the pointer.
+struct Reading {
+  std::string what;
+  Vec3 at{};
+  std::optional<double> depth_m;  ///< inside a solid, positive inside; of a contact
+};
+
+/// Where a part of the panels was drawn, in pixels.
+struct Area {
+  double left = 0, top = 0, right = 0, bottom = 0;
+  bool holds(double x, double y) const { return x >= left && x < right && y >= top && y < bottom; }
+};
+
+/// The text in an option's field, see LiveEdit::set.
+struct OptionText {
+  std::string option;
+  std::optional<std::string> text;  ///< nullopt: the default
+};
+
+struct Desk {
+  // ---- shown -------------------------------------------------------------------------------------------------------
+  const Picture* picture = nullptr;
+  bool empty = false;  ///< nothing is open
+  bool live = false;
+  bool can_start = false;  ///< a run could begin
+  LiveState live_state = LiveState::loading;
+  bool sounding = false, link_open = false;
+  std::uint64_t drives = 0, silent_drives = 0;
+  std::string doing;           ///< while something is loaded
+  std::optional<double> done;  ///< the progress of that, 0..1, if it is known
+  bool opening = false;        ///< a scene is being loaded in the background
+  std::string recording;       ///< the folder that frames are written to
+  std::uint64_t recorded = 0;  ///< frames written to it
+  LiveNumbers numbers;
+  std::optional<Playback> playback;
+  double picture_ms = 0;  ///< to draw the last picture
+  std::deque<log::Line> log;
+  std::deque<Toast> toasts;
+  std::optional<Reading> reading;
+  std::vector<Depth> depths;                 ///< of the fingers of a live run
+  std::vector<FlatMark> marks;               ///< over the picture
+  std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
+  LiveEdit edit;                             ///< the options of the run; for a touch, those that a run of it would have
+  std::vector<NamedFile> objects, rigs;      ///< palpa's own
+  std::vector<std::string> layouts;          ///< built-in
+  std::vector<std::string> recent;           ///< files that were opened, the newest first
+
+  // ---- changed -----------------------------------------------------------------------------------------------------
+  ViewState state;
+  /// What is moved by hand.
+  struct Placed {
+    std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
+    std::optional<Vec3> tip;                           ///< shown: of the finger that is held, world
+    bool moved = false;                                ///< shown: a solid is elsewhere than in its scene
+    bool can_undo = false;                             ///< shown: there is a move to undo
+    std::optional<std::size_t> chosen;                 ///< the thing that has handles
+    bool follows = true;                               ///< the finger goes where the pointer goes
+    std::string file = "moved.glb";                    ///< to save to
+    bool undo = false, restore = false, save = false;  ///< asked for
+  } placed;
+  /// What the participant's window shows, and where.
+  struct ParticipantWindowState {
+    bool open = false;                   ///< shown
+    bool says_how_to_leave = false;      ///< shown
+    std::vector<std::string> monitors;   ///< shown
+    std::size_t monitor = 0;             ///< index into these
+    bool hidden = false;                 ///< the objects; the marker tile stays
+    std::optional<Participant> setting;  ///< set once the window was open
+  } participant;
+  bool panels = true;
+  bool help = false;
+  bool wants_spectrum = false;           ///< the spectrum is being looked at
+  std::map<std::string, bool> headings;  ///< those that the user has folded (false) or unfolded
+  std::optional<double> ceiling;         ///< while its slider is held
+  std::optional<FilePicker> picker;      ///< while a file is being chosen
+
+  // ---- asked for ---------------------------------------------------------------------------------------------------
+  struct Asked {
+    bool all_off = false, start = false, frame = false, frame_touch = false;
+    std::optional<StandardView> view;
+    std::optional<setup::Plane> plane;   ///< for the field, through the touch
+    bool copy = false;                   ///< the run, as a command line for other programs
+    bool copy_picture = false;           ///< the picture, as a command line
+    std::string open;                    ///< a file or folder to be opened
+    std::vector<OptionText> options;     ///< to be set as their fields say
+    std::optional<Playback> play;        ///< how the recording is to play; its place is ignored
+    std::optional<std::uint64_t> go_to;  ///< go to this frame of the recording
+    bool cancel = false;                 ///< cancel what is being opened
+    bool record = false;                 ///< begin or end recording
+    std::optional<bool> participant;     ///< open or close the participant's window
+    int step = 0;                        ///< frames of the recording
+    int slots = 0;                       ///< slots of the schedule to go on by
+  } asked;
+
+  // ---- where the panels of the last picture were -------------------------------------------------------------------
+  struct Places {
+    std::optional<Area> all_off, start, ceiling;  ///< on the strip at the top
+    bool list = false;                            ///< a list has dropped down
+    std::vector<Area> texts;                      ///< fields where text is typed
+    std::map<std::string, Area> named;            ///< widgets that scripts and tests look for, by their names
+  } places;
+};
+
+}  // namespace palpa::viewer

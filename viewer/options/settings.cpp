@@ -1,0 +1,167 @@
+#include "viewer/options/settings.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <exception>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/file_register.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "base/toml.hpp"
+
+namespace palpa::viewer {
+
+std::optional<std::filesystem::path> settings_file() {
+  const auto under = [](const char* variable) -> std::filesystem::path {
+    const char* value = std::getenv(variable);
+    return value != nullptr && value[0] == '/' ? value : "";
+  };
+  std::filesystem::path folder = under("XDG_CONFIG_HOME");
+  if (folder.empty() && !under("HOME").empty()) folder = under("HOME") / ".config";
+  if (folder.empty()) return std::nullopt;
+  return folder / "palpa" / "viewer.toml";
+}
+
+namespace {
+
+constexpr const char *unfolded = "unfolded", *folded = "folded", *recent = "recent";
+
+std::vector<std::string> texts_or_none(TomlTable& table, const char* key) {
+  return table.has(key) ? table.texts(key) : std::vector<std::string>();
+}
+
+WindowPlace load_window(TomlTable window) {
+  const auto place = [&](const char* key) { return static_cast<int>(window.number(key, -30000, 30000)); };
+  const auto size = [&](const char* key) { return static_cast<std::uint32_t>(window.whole(key, 16, 16384)); };
+  const WindowPlace out{place("x"), place("y"), size("width"), size("height")};
+  window.done();
+  return out;
+}
+
+std::string list_of(const char* key, const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items)
+    text += (text.empty() ? "" : ", ") + toml_string(item);
+  return items.empty() ? "" : fmt::format("{} = [{}]\n", key, text);
+}
+
+}  // namespace
+
+Settings load_settings(const std::filesystem::path& file) {
+  Settings settings;
+  file_register::add_own(file);
+  std::error_code fault;
+  if (!std::filesystem::exists(file, fault) && !fault) return settings;
+  TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
+  settings.dark = table.flag_or("dark", settings.dark);
+  settings.panels = table.flag_or("panels", settings.panels);
+  constexpr const char* fine = "fine_pictures";
+  if (const std::string word = table.text_or(fine, std::string(word_of(fine_words, settings.fine)));
+      const std::optional<FinePictures> known = value_of(fine_words, word)) {
+    settings.fine = *known;
+  } else {
+    throw table.fault(fine, fmt::format("{} is '{}': give {}", fine, word, one_of(fine_words)));
+  }
+  settings.slots_per_s = table.number_or("slots_per_s", settings.slots_per_s, 0.5, 667);
+  for (const std::string& name : texts_or_none(table, unfolded))
+    settings.headings[name] = true;
+  for (const std::string& name : texts_or_none(table, folded))
+    settings.headings[name] = false;
+  settings.recent = texts_or_none(table, recent);
+  if (std::optional<TomlTable> window = table.table("window")) settings.window = load_window(std::move(*window));
+  if (std::optional<TomlTable> layers = table.table("layers")) {
+    for (const Word<Layer>& entry : layer_words) {
+      LayerState& state = settings.layers[entry.value];
+      std::optional<TomlTable> layer = layers->table(entry.word);
+      if (!layer) continue;
+      state.visible = layer->flag_or("visible", state.visible);
+      state.opacity = static_cast<float>(layer->number_or("opacity", state.opacity, 0, 1));
+      layer->done();
+    }
+    layers->done();
+  }
+  table.done();
+  return settings;
+}
+
+std::optional<WindowPlace> remembered_window(const std::filesystem::path& file) {
+  try {
+    return load_settings(file).window;
+  } catch (const Error&) {  // App, which loads all of it, reports that
+    return std::nullopt;
+  }
+}
+
+void warn_of_settings(const std::filesystem::path& file) {
+  try {
+    load_settings(file);
+  } catch (const Error& error) {
+    log::warning(fmt::format("{}; a picture without a window does not use it", error.what()));
+  }
+}
+
+void save_settings(const std::filesystem::path& file, const Settings& settings) {
+  std::error_code fault;
+  std::filesystem::create_directories(file.parent_path(), fault);
+  if (fault) throw failure(fmt::format("{}: cannot be created: {}", file.parent_path().string(), fault.message()));
+  std::string text = fmt::format(
+      "# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nfine_pictures = \"{}\"\nslots_per_s = "
+      "{}\n",
+      settings.dark, settings.panels, word_of(fine_words, settings.fine), settings.slots_per_s);
+  std::vector<std::string> open, closed;
+  for (const auto& [name, is_open] : settings.headings)
+    (is_open ? open : closed).push_back(name);
+  text += list_of(unfolded, open) + list_of(folded, closed) + list_of(recent, settings.recent);
+  if (const auto& window = settings.window) {
+    text += fmt::format("[window]\nx = {}\ny = {}\nwidth = {}\nheight = {}\n", window->x, window->y, window->width,
+                        window->height);
+  }
+  for (const Word<Layer>& entry : layer_words) {
+    const LayerState& state = settings.layers[entry.value];
+    text += fmt::format("[layers.{}]\nvisible = {}\nopacity = {}\n", entry.word, state.visible, state.opacity);
+  }
+  file_register::add_own(file);
+  OutputFile out(file);
+  out.write(text);
+  out.finish();
+}
+
+Settings to_remember(const Settings& before, const Settings& began, const Settings& now) {
+  Settings out = before;
+  const auto take = [](auto& value, const auto& at_first, const auto& at_last) {
+    if (at_last != at_first) value = at_last;
+  };
+  take(out.dark, began.dark, now.dark);
+  take(out.panels, began.panels, now.panels);
+  take(out.fine, began.fine, now.fine);
+  take(out.slots_per_s, began.slots_per_s, now.slots_per_s);
+  take(out.headings, began.headings, now.headings);
+  take(out.window, began.window, now.window);
+  take(out.recent, began.recent, now.recent);
+  for (const Word<Layer>& entry : layer_words) {
+    take(out.layers[entry.value].visible, began.layers[entry.value].visible, now.layers[entry.value].visible);
+    take(out.layers[entry.value].opacity, began.layers[entry.value].opacity, now.layers[entry.value].opacity);
+  }
+  return out;
+}
+
+void SettingsMemory::remember(const Settings& now) {
+  if (!remembers()) return;
+  const Settings next = to_remember(recalled_, began_, now);
+  if (next == recalled_) return;
+  Settings wanted = next;  // without what changes by itself, of whose loss nobody needs to hear
+  wanted.window = recalled_.window;
+  wanted.recent = recalled_.recent;
+  const bool tell = wanted != recalled_;
+  recalled_ = next;  // tried once: if it cannot be written, there is one warning
+  try {
+    save_settings(file_, next);
+  } catch (const std::exception& error) {
+    if (tell) log::warning(error.what());
+  }
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,93 @@
+#include "viewer/options/view_line.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <initializer_list>
+
+#include "viewer/live/held_finger.hpp"
+#include "viewer/live/live_line.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// What the view itself says.
+constexpr const char* of_view[] = {
+    "--show",       "--hide",     "--opacity",   "--explode",    "--slice",         "--slice-at",    "--dark",
+    "--slice-size", "--fine",     "--view",      "--eye",        "--target",        "--frame",       "--ortho",
+    "--slot",       "--size",     "--frames",    "--panels",     "--video",         "--pixel-ratio", "--headless",
+    "--screenshot", "--interact", "--reference", "--no-panels",  "--threshold",     "--json",        "--participant",
+    "--monitor",    "--screen",   "--stereo",    "--eyes-apart", "--barrier-pitch", "--barrier-gap", "--barrier-phase"};
+
+std::string point_text(const Vec3& p) {
+  return fmt::format("{},{},{}", p.x, p.y, p.z);
+}
+
+void add_item(std::string& list, const std::string& item) {
+  list += (list.empty() ? "" : ",") + item;
+}
+
+void give_layers(setup::Given& given, const Layers& layers) {
+  std::string shown, hidden, opacities;
+  const Layers usual;
+  for (const Word<Layer>& entry : layer_words) {
+    const LayerState &now = layers[entry.value], &before = usual[entry.value];
+    if (now.visible && !before.visible) add_item(shown, entry.word);
+    if (!now.visible && before.visible) add_item(hidden, entry.word);
+    if (now.visible && now.opacity != before.opacity)
+      add_item(opacities, fmt::format("{}={:g}", entry.word, now.opacity));
+  }
+  if (!shown.empty()) given["--show"] = {shown};
+  if (!hidden.empty()) given["--hide"] = {hidden};
+  if (!opacities.empty()) given["--opacity"] = {opacities};
+}
+
+/// A camera's own view is named, because it is no orbit.
+void give_viewpoint(setup::Given& given, const ViewerOptions& options, const Viewpoint& viewpoint) {
+  if (viewpoint.frustum) {
+    given["--view"] = {options.view};
+  } else {
+    const Basis seen = basis(viewpoint);
+    given["--eye"] = {point_text(seen.eye)};
+    given["--target"] = {point_text(viewpoint.target)};
+  }
+  if (viewpoint.orthographic) given["--ortho"] = {};
+}
+
+void give_slice(setup::Given& given, const ViewerOptions& options, const SeenView& seen) {
+  if (!seen.state.layers.shows(Layer::slice)) return;
+  if (options.slice_plane) given["--slice"] = {std::string(word_of(setup::plane_words, *options.slice_plane))};
+  if (seen.placed) given["--slice-at"] = {point_text(Vec3(seen.state.slice.T_world_slice[3]))};
+  given["--slice-size"] = {fmt::format("{}", seen.state.slice.size_m.x)};
+}
+
+}  // namespace
+
+std::string picture_command(const ViewerOptions& options, const setup::Given& run, const SeenView& seen) {
+  setup::Given given = options.given;
+  if (!run.empty()) {
+    for (const setup::OptionInfo& info : live_table())
+      given.erase(info.name);
+    given.insert(run.begin(), run.end());
+    // Without a window, there is no pointer to follow, so the finger dips by itself.
+    if (const auto source = given.find("--source"); source != given.end() && !source->second.empty())
+      source->second.front() = HeldFinger::without_hand(source->second.front());
+  }
+  for (const char* name : of_view)
+    given.erase(name);
+  give_layers(given, seen.state.layers);
+  give_viewpoint(given, options, seen.state.viewpoint);
+  give_slice(given, options, seen);
+  if (seen.state.dark) given["--dark"] = {};
+  if (seen.state.explode > 0) given["--explode"] = {fmt::format("{:g}", seen.state.explode)};
+  constexpr std::uint64_t most_frames = 300;
+  if (!run.empty()) given["--frames"] = {fmt::format("{}", std::clamp<std::uint64_t>(seen.frames, 1, most_frames))};
+  if (run.empty() && seen.state.time.slot > 0) given["--slot"] = {fmt::format("{}", seen.state.time.slot)};
+  if (seen.ratio != 1) given["--pixel-ratio"] = {fmt::format("{:g}", seen.ratio)};
+  given["--size"] = {fmt::format("{}x{}", seen.size.width, seen.size.height)};
+  given["--headless"] = {};
+  given["--screenshot"] = {"picture.png"};
+  return setup::command_line("palpa-viewer", viewer_table(), given);
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,88 @@
+// A window in which a file or a folder is chosen.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+void choose(Desk& desk) {
+  const FilePicker picker = *std::exchange(desk.picker, std::nullopt);
+  const std::string file = chosen_file(picker);
+  if (picker.option.empty()) {
+    desk.asked.open = file;
+  } else if (picker.option == save_as) {
+    desk.placed.file = file;
+  } else {
+    desk.asked.options.push_back({picker.option, picker.prefix + file});
+  }
+}
+
+/// Returns whether an entry was double-clicked that is to be chosen.
+bool draw_entries(FilePicker& picker, float height) {
+  bool chosen = false;
+  ImGui::BeginChild("files", {0, height}, true);
+  if (!picker.fault.empty()) ImGui::TextWrapped("%s", picker.fault.c_str());
+  std::string go_to;
+  if (ImGui::Selectable("..")) go_to = folder_above(picker.folder);
+  for (const FilePicker::Entry& entry : picker.entries) {
+    const std::string shown = entry.folder ? entry.name + "/" : entry.name;
+    if (!ImGui::Selectable(shown.c_str(), picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick)) continue;
+    const bool twice = ImGui::IsMouseDoubleClicked(0);
+    if (entry.folder && (!picker.folders || twice)) {
+      go_to = (picker.folder == "/" ? "" : picker.folder) + "/" + entry.name;
+    } else {
+      picker.name = entry.name;
+      chosen = twice;
+    }
+  }
+  ImGui::EndChild();
+  if (!go_to.empty()) {
+    picker.folder = std::move(go_to);
+    if (!picker.is_new) picker.name.clear();
+  }
+  return chosen;
+}
+
+}  // namespace
+
+void draw_file_picker(Desk& desk) {
+  FilePicker& picker = *desk.picker;
+  list_files(picker);
+  const Area free = free_area(desk);
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  const auto top = static_cast<float>(free.top);
+  const ImVec2 size{std::min(em(30), whole.x - em(1)), std::min(em(22), whole.y - top - em(1))};
+  ImGui::SetNextWindowPos({whole.x / 2, (whole.y + top) / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::max(size.x, 1.0f), std::max(size.y, 1.0f)});
+  bool open = true;
+  const std::string title = "Choose " + picker.title + "###picker";
+  ImGui::Begin(title.c_str(), &open, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  ImGui::TextWrapped("%s", picker.folder.c_str());
+  const float below = 2 * ImGui::GetFrameHeightWithSpacing();
+  bool chosen = draw_entries(picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputTextWithHint("##name", picker.is_new ? "a new name" : "a name", &picker.name);
+  if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
+  ImGui::BeginDisabled(picker.name.empty() && !picker.folders);
+  if (ImGui::Button("Choose", {em(6), 0})) chosen = true;
+  desk.places.named["choose"] = last_area();
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (ImGui::Button("Cancel", {em(6), 0})) open = false;
+  tip("Nothing changes. Key: Escape");
+  ImGui::End();
+  if (chosen && (picker.folders || !picker.name.empty())) {
+    choose(desk);
+  } else if (!open) {
+    desk.picker.reset();
+  }
+}
+
+}  // namespace palpa::viewer

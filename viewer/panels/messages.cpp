@@ -1,0 +1,75 @@
+// Messages: the log, lines that fade, and what is being loaded.
+#include <imgui.h>
+
+#include <algorithm>
+#include <string>
+
+#include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+ImVec4 colour_of(log::Level level) {
+  if (level == log::Level::error) return {0.84f, 0.15f, 0.10f, 1};
+  if (level == log::Level::warning) return {0.93f, 0.56f, 0.0f, 1};
+  return {0.22f, 0.46f, 0.75f, 1};
+}
+
+float width_in(const Area& free) {
+  return std::max(std::min(em(24), static_cast<float>(free.right) - em(1)), 1.0f);
+}
+
+}  // namespace
+
+void draw_log_panel(const Desk& desk) {
+  ImGui::BeginChild("lines", {0, em(7)}, true);
+  for (const log::Line& line : desk.log) {
+    ImGui::PushStyleColor(ImGuiCol_Text, line.level <= log::Level::warning ? colour_of(line.level)
+                                                                           : ImGui::GetStyleColorVec4(ImGuiCol_Text));
+    ImGui::TextWrapped("%s", line.text.c_str());
+    ImGui::PopStyleColor();
+  }
+  if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY()) ImGui::SetScrollHereY(1);
+  ImGui::EndChild();
+}
+
+void draw_toasts(Desk& desk, double now_s) {
+  std::erase_if(desk.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; });
+  const Area free = free_area(desk);
+  float y = static_cast<float>(free.top) + em(0.5f);
+  int number = 0;
+  for (const Toast& toast : desk.toasts) {
+    ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 0});
+    ImGui::SetNextWindowSize({width_in(free), 0});
+    ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast.level));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, em(0.12f));
+    const std::string id = "toast" + std::to_string(number++);
+    ImGui::Begin(id.c_str(), nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |
+                     ImGuiWindowFlags_NoNav);
+    ImGui::TextWrapped("%s", toast.text.c_str());
+    y += ImGui::GetWindowHeight() + em(0.3f);
+    ImGui::End();
+    ImGui::PopStyleVar();
+    ImGui::PopStyleColor();
+  }
+}
+
+void draw_opening(Desk& desk) {
+  const Area free = free_area(desk);
+  ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, static_cast<float>(free.bottom) - em(1)},
+                          ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSize({width_in(free), 0});
+  ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::TextWrapped("%s", desk.doing.empty() ? "opening a file" : desk.doing.c_str());
+  if (desk.done) {
+    ImGui::ProgressBar(static_cast<float>(*desk.done), {-em(5), 0});
+    ImGui::SameLine();
+  }
+  if (ImGui::Button("Cancel", {-1, 0})) desk.asked.cancel = true;
+  tip("Cancels; what is shown and what runs stay as they are. Key: Escape");
+  ImGui::End();
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,213 @@
+// The options of the run. A value that is not the default has a mark, and a button that resets it.
+#include <fmt/core.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viewer/desk/option_words.hpp"
+#include "viewer/live/live_line.hpp"
+#include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// One option while its row is drawn.
+struct Row {
+  Desk& desk;
+  const setup::OptionInfo& info;
+  const OptionWords words;
+  const std::optional<std::string> value;  ///< nullopt: the default
+
+  std::string usual() const { return shown_default(info); }
+  std::string now() const { return value.value_or(usual()); }
+  void set(const std::optional<std::string>& text) const { desk.asked.options.push_back({info.name, text}); }
+  /// A text that is the default is not stored as the user's.
+  void type(const std::string& text) const {
+    const std::string typed = with_unit(text, words);
+    if (typed == now() || text == now()) return;
+    set(text.empty() || typed == usual() ? std::nullopt : std::optional(typed));
+  }
+  void choose_file(const std::string& title, std::vector<std::string> endings, const std::string& prefix = {}) const {
+    FilePicker picker{.title = title, .option = info.name, .prefix = prefix, .endings = std::move(endings)};
+    const std::string last = value.value_or("").substr(value && value->starts_with(prefix) ? prefix.size() : 0);
+    picker.folder = last.find('/') != std::string::npos ? folder_above(last) : ".";
+    picker.folders = words.kind == FieldKind::folder || !prefix.empty();
+    picker.is_new = words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder;
+    desk.picker = picker;
+  }
+};
+
+void offer(const Row& row, const std::string& name, const std::string& value) {
+  if (ImGui::Selectable(name.c_str(), row.value == value)) row.set(value);
+}
+
+/// Each word once; the default has a note.
+void draw_words(const Row& row) {
+  const bool among = std::ranges::find(row.info.words, row.info.initial) != row.info.words.end();
+  ImGui::SetNextItemWidth(-1);
+  drop_down("##value", row.now(), [&] {
+    if (!among && ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+    for (const std::string& word : row.info.words) {
+      const bool usual = word == row.info.initial;
+      if (!ImGui::Selectable((usual ? word + "  (default)" : word).c_str(), word == row.now())) continue;
+      row.set(usual ? std::nullopt : std::optional(word));
+    }
+  });
+}
+
+void draw_text(const Row& row, float width) {
+  std::string text = row.now();
+  ImGui::SetNextItemWidth(width);
+  ImGui::InputText("##value", &text, ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemVisible()) row.desk.places.texts.push_back(last_area());
+  row.desk.places.named[row.info.name] = last_area();
+  // Typed text is not used until it is finished.
+  if (ImGui::IsItemDeactivatedAfterEdit()) row.type(text);
+}
+
+void draw_choices(const Row& row) {
+  const Desk& desk = row.desk;
+  if (ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+  switch (row.words.kind) {
+    case FieldKind::object:
+      for (const NamedFile& object : desk.objects)
+        offer(row, object.name, object.path);
+      if (ImGui::Selectable("choose a file ...")) row.choose_file("a glTF model", {".glb", ".gltf"});
+      break;
+    case FieldKind::rig:
+      for (const NamedFile& rig : desk.rigs)
+        offer(row, rig.name, rig.path);
+      if (ImGui::Selectable("choose a file ...")) row.choose_file("a rig", {".toml"});
+      break;
+    case FieldKind::layout:
+      for (const std::string& layout : desk.layouts)
+        offer(row, layout, layout);
+      if (ImGui::Selectable("choose a file ...")) row.choose_file("a layout", {".toml"});
+      break;
+    case FieldKind::source:
+      offer(row, "mouse: the pointer holds a fingertip", "mouse");
+      offer(row, "synthetic: a fingertip that dips by itself", "synthetic");
+      if (ImGui::Selectable("recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
+      break;
+    case FieldKind::plain:
+    case FieldKind::folder:
+    case FieldKind::new_file:
+    case FieldKind::new_folder:
+      break;
+  }
+}
+
+/// A field to type into, with a button to its right: a list, or a file picker.
+void draw_field(const Row& row) {
+  const FieldKind kind = row.words.kind;
+  if (kind == FieldKind::plain) return draw_text(row, -1);
+  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  draw_text(row, std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
+  tip(row.words.about);
+  ImGui::SameLine(0, gap);
+  const bool picks = kind == FieldKind::folder || kind == FieldKind::new_file || kind == FieldKind::new_folder;
+  if (picks) {
+    if (ImGui::Button("...", {button, 0}))
+      row.choose_file(kind == FieldKind::new_file ? "a file to be written" : "a folder", {});
+    tip("Chooses a file or folder");
+    return;
+  }
+  if (ImGui::BeginCombo("##list", "", ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft)) {
+    draw_choices(row);
+    ImGui::EndCombo();
+  }
+  row.desk.places.named[row.info.name + " list"] = last_area();
+}
+
+void draw_label(const Row& row) {
+  ImGui::AlignTextToFramePadding();
+  const float mark = em(0.35f);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  if (row.value) {
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + mark / 2, at.y + ImGui::GetFrameHeight() / 2}, mark / 2,
+                                                ImGui::GetColorU32(ImGuiCol_CheckMark), 12);
+  }
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(0.55f));
+  ImGui::TextUnformatted(label_of(row.words).c_str());
+  tip(row.words.about + ". In the command line: " + row.info.name);
+}
+
+void draw_option(Desk& desk, const setup::OptionInfo& info) {
+  const Row row{desk, info, words_of(info), desk.edit.text(info.name)};
+  ImGui::PushID(info.name.c_str());
+  ImGui::TableNextColumn();
+  draw_label(row);
+  ImGui::TableNextColumn();
+  if (info.flag) {
+    bool on = row.value.has_value();
+    if (ImGui::Checkbox("##value", &on)) row.set(on ? std::optional(std::string()) : std::nullopt);
+  } else if (!info.words.empty()) {
+    draw_words(row);
+  } else {
+    draw_field(row);
+  }
+  desk.places.named.try_emplace(info.name, last_area());
+  tip(row.words.about);
+  ImGui::TableNextColumn();
+  if (row.value) {
+    if (ImGui::Button("\u00d7", {ImGui::GetFrameHeight(), 0})) row.set(std::nullopt);
+    desk.places.named[info.name + " reset"] = last_area();
+    tip(info.flag ? std::string("Back to the default: off") : "Back to the default: " + row.usual());
+  }
+  ImGui::PopID();
+}
+
+/// Three columns: names, values, resets.
+void draw_options(Desk& desk, std::span<const setup::OptionInfo> options) {
+  ImGui::Unindent();  // names need the room
+  const bool open = ImGui::BeginTable("options", 3);
+  if (!open) return ImGui::Indent();
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1.15f);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.0f);
+  ImGui::TableSetupColumn("reset", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFrameHeight());
+  for (const setup::OptionInfo& info : options)
+    draw_option(desk, info);
+  ImGui::EndTable();
+  ImGui::Indent();
+}
+
+/// How many of them the user has set, for the heading.
+std::string heading_of(const Desk& desk, std::span<const setup::OptionInfo> options) {
+  const auto set =
+      std::ranges::count_if(options, [&](const auto& info) { return desk.edit.text(info.name).has_value(); });
+  return set == 0 ? options.front().heading : fmt::format("{} ({} changed)", options.front().heading, set);
+}
+
+}  // namespace
+
+void draw_options_panel(Desk& desk) {
+  if (!desk.live && !desk.empty) {
+    ImGui::TextWrapped("What a touch has is used at once, the rest when Start begins a run.");
+  }
+  const std::vector<setup::OptionInfo>& table = live_table();
+  for (auto first = table.begin(); first != table.end();) {
+    const auto last =
+        std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
+    const std::span<const setup::OptionInfo> options(first, last);
+    if (subheading(desk, first->heading.c_str(), "", heading_of(desk, options))) {
+      draw_options(desk, options);
+      ImGui::TreePop();
+    }
+    first = last;
+  }
+  const bool open = subheading(desk, "Only in the copied command",
+                               "How long palpa run runs and what it prints in a terminal: the viewer runs until it is "
+                               "closed, and has panels");
+  if (!open) return;
+  draw_options(desk, copied_table());
+  ImGui::TreePop();
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,50 @@
+// What an empty window offers.
+#include <imgui.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "viewer/panels/panels.hpp"
+#include "viewer/panels/widgets.hpp"
+
+namespace palpa::viewer {
+
+void draw_welcome(Desk& desk) {
+  const Area free = free_area(desk);
+  const auto right = static_cast<float>(free.right), top = static_cast<float>(free.top);
+  const auto bottom = static_cast<float>(free.bottom);
+  ImGui::SetNextWindowPos({right / 2, (top + bottom) / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  const float width = std::max(std::min(em(22), right - em(1)), 1.0f);
+  ImGui::SetNextWindowSizeConstraints({width, 1}, {width, std::max(bottom - top - em(1), 1.0f)});
+  ImGui::Begin("welcome", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::TextWrapped("Touch an object:");
+  const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+  for (std::size_t i = 0; i < desk.objects.size(); ++i) {
+    if (i % 2 == 1) ImGui::SameLine();
+    if (ImGui::Button(desk.objects[i].name.c_str(), {half, em(2.2f)})) desk.asked.open = desk.objects[i].path;
+    desk.places.named[desk.objects[i].name] = last_area();
+    tip(desk.objects[i].path + ": the pointer holds a fingertip that touches it");
+  }
+  ImGui::Spacing();
+  if (ImGui::Button("Open a file", {-1, em(2.2f)})) desk.picker = picker_to_open(desk.recent);
+  desk.places.named["open a file"] = last_area();
+  ImGui::TextWrapped("or drop a glTF model, a PLY or a recording here.");
+  if (!desk.recent.empty()) {
+    ImGui::Spacing();
+    ImGui::TextWrapped("Opened before:");
+    for (const std::string& file : desk.recent) {
+      ImGui::PushID(file.c_str());
+      const std::string name = std::filesystem::path(file).filename().string();
+      if (ImGui::Selectable(name.c_str())) desk.asked.open = file;
+      tip(file);
+      ImGui::PopID();
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace palpa::viewer

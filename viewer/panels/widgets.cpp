@@ -1,0 +1,86 @@
+#include "viewer/panels/widgets.hpp"
+
+#include <algorithm>
+
+#include "viewer/panels/panels.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// Keeps what the user folds and unfolds. `draw` draws the heading and returns whether it is open.
+bool folding(Desk& desk, const char* name, bool open, const std::function<bool()>& draw) {
+  const auto known = desk.headings.find(name);
+  const bool was = known == desk.headings.end() ? open : known->second;
+  ImGui::SetNextItemOpen(was);
+  const bool is = draw();
+  desk.places.named[name] = last_area();
+  if (is != was) desk.headings[name] = is;
+  return is;
+}
+
+}  // namespace
+
+float em(float lines) {
+  return lines * ImGui::GetFontSize();
+}
+
+Area last_area() {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const ImDrawList& list = *ImGui::GetWindowDrawList();  // what is scrolled out of sight has no area
+  const ImVec2 least = list.GetClipRectMin(), most = list.GetClipRectMax();
+  return {std::max(low.x, least.x), std::max(low.y, least.y), std::min(high.x, most.x), std::min(high.y, most.y)};
+}
+
+void tip(const std::string& text) {
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  const ImVec2 whole = ImGui::GetIO().DisplaySize, low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+  const float gap = em(0.4f), top = static_cast<float>(strip_height(em(1))) + gap;
+  const float panels = whole.x - static_cast<float>(panels_width(whole.x, em(1)));
+  const bool in_panels = low.x >= panels && low.y >= top - gap;
+  const float room = (in_panels ? panels : whole.x) - 2 * (gap + padding.x);
+  const float wrap = std::clamp(room, 1.0f, em(24));
+  const ImVec2 words = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  const float height = words.y + 2 * padding.y;
+  ImVec2 at{low.x, high.y + gap};
+  if (in_panels) {
+    at = {panels - gap - words.x - 2 * padding.x, low.y};
+  } else if (at.y + height > whole.y) {
+    at.y = low.y - gap - height;
+  }
+  at.x = std::clamp(at.x, 0.0f, std::max(whole.x - words.x - 2 * padding.x, 0.0f));
+  at.y = std::max(std::min(at.y, whole.y - height), top);
+  ImGui::SetNextWindowPos(at);
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(padding.x + wrap);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+bool heading(Desk& desk, const char* name, bool open, const char* about) {
+  const bool shown = folding(desk, name, open, [&] { return ImGui::CollapsingHeader(name); });
+  tip(about);
+  return shown;
+}
+
+bool subheading(Desk& desk, const char* name, const char* about, const std::string& shown) {
+  const std::string label = (shown.empty() ? std::string(name) : shown) + "###" + name;
+  const bool open = folding(desk, name, false, [&] { return ImGui::TreeNode(label.c_str()); });
+  if (about[0] != '\0') tip(about);
+  return open;
+}
+
+void drop_down(const char* label, const std::string& now, const std::function<void()>& choices) {
+  if (!ImGui::BeginCombo(label, now.c_str())) return;
+  choices();
+  ImGui::EndCombo();
+}
+
+Area free_area(const Desk& desk) {
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  const double right = whole.x - (desk.panels ? panels_width(whole.x, em(1)) : 0.0);
+  return {0, strip_height(em(1)), right, whole.y};
+}
+
+}  // namespace palpa::viewer
