@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <mutex>
 #include <vector>
 
 namespace palpa::test {
@@ -10,6 +11,7 @@ namespace {
 
 /// Removes the scratch folders when the process ends.
 struct Scratch {
+  std::mutex lock;
   std::vector<std::filesystem::path> folders;
   ~Scratch() {
     std::error_code ignored;
@@ -36,6 +38,7 @@ std::filesystem::path scratch_folder(const std::string& name) {
   auto folder = std::filesystem::temp_directory_path() / ("palpa-" + std::to_string(getpid()) + "-" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
+  const std::scoped_lock guard(scratch.lock);
   scratch.folders.push_back(folder);
   return folder;
 }

@@ -1,5 +1,4 @@
-// Runs functions that mostly wait, at the same time. Prepare anything that belongs to the whole test, such as scratch
-// folders, before.
+// Runs functions that mostly wait, at the same time. Prepare anything that they share before.
 #pragma once
 
 #include <atomic>

@@ -110,6 +110,7 @@ void LiveRun::signal(int signal) const {
 }
 
 LiveRun::End LiveRun::wait(double at_most_s) {
+  if (end_.ended) return end_;
   const auto begin = Clock::now();
   End end;
   int status = 0;
@@ -123,7 +124,7 @@ LiveRun::End LiveRun::wait(double at_most_s) {
   child_ = -1;
   if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) end.by_signal = WTERMSIG(status);
-  return end;
+  return end_ = end;
 }
 
 }  // namespace palpa::test

@@ -63,11 +63,12 @@ class LiveRun {
     double after_s = 0;  ///< since the call
   };
   /// Waits for the program's end, which is the end of its first thread. The system frees the program's memory only
-  /// after that; this is not waited for.
+  /// after that; this is not waited for. Once it has ended, every further call returns the same.
   End wait(double at_most_s);
 
  private:
   pid_t child_ = -1;
+  End end_{};  ///< once the program has ended
 };
 
 }  // namespace palpa::test
