@@ -402,7 +402,8 @@ TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
     std::ranges::sort(apart);
     std::printf("  %d: median %.1e, nine of ten %.1e, farthest %.1e\n", static_cast<int>(constraint),
                 apart[apart.size() / 2], apart[apart.size() * 9 / 10], apart.back());
-    EXPECT_LE(apart[apart.size() / 2], 3e-5) << static_cast<int>(constraint);
+    // The sanitizers' few sets have a less certain median.
+    EXPECT_LE(apart[apart.size() / 2], test::instrumented() ? 1e-4 : 3e-5) << static_cast<int>(constraint);
     EXPECT_LE(apart[apart.size() * 9 / 10], 1e-3) << static_cast<int>(constraint);
     EXPECT_LE(apart.back(), 0.05) << static_cast<int>(constraint);
   }

@@ -316,7 +316,8 @@ std::vector<geometry::Solid> copies_of(const geometry::Mesh& mesh, std::uint32_t
 }
 
 TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
-  constexpr std::uint32_t count = palpa::test::instrumented() ? 16 : 64;
+  constexpr std::uint32_t count = 64;  // fewer are not worth sharing
+  constexpr std::uint32_t step = palpa::test::instrumented() ? 16 : 5;
   const geometry::Mesh mesh = notched_cube();
   const std::vector<geometry::Solid> solids = copies_of(mesh, count, true), alone = copies_of(mesh, count, false);
   const PreparedSolids table = prepare_solids(solids);
@@ -325,7 +326,7 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
     EXPECT_EQ(table.records[s].first_cell, table.records[0].first_cell);
   }
   std::vector<glm::vec3> points;
-  for (std::uint32_t s = 0; s < count; s += 5) {
+  for (std::uint32_t s = 0; s < count; s += step) {
     const auto near = points_near(solids[s].mesh, 3'000, s);
     points.insert(points.end(), near.begin(), near.end());
   }
@@ -346,7 +347,7 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
     EXPECT_EQ(contact.solid, found->second->solid);
     EXPECT_NEAR(contact.depth_m, found->second->depth_m, band);
   }
-  EXPECT_GT(cpu.contacts.size(), 75 * count);
+  EXPECT_GT(cpu.contacts.size(), 350 * count / step);
   EXPECT_LT(other, cpu.contacts.size() / 100);
   // They move as any solid does.
   constexpr std::uint32_t moved = count / 4 + 1;
