@@ -35,15 +35,6 @@ std::span<const Unit> units_of(Quantity quantity) {
   return {};
 }
 
-/// The finite number that the whole `text` represents.
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, value);
-  if (fault != std::errc{} || rest != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 /// The number times 10^power, rounded once: the power is added to the text's exponent, so that "998.8mm" is the double
 /// 0.9988.
 std::optional<double> parse_scaled(std::string_view number, int power) {
@@ -60,6 +51,14 @@ std::optional<double> parse_scaled(std::string_view number, int power) {
 }
 
 }  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc{} || rest != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
 
 std::optional<double> parse_quantity(std::string_view text, Quantity quantity) {
   double value = 0;

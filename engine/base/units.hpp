@@ -8,6 +8,9 @@ namespace palpa {
 
 enum class Quantity { length, time, frequency, speed, pressure };
 
+/// The finite number that the whole `text` represents.
+std::optional<double> parse_number(std::string_view text);
+
 /// The value in metres, seconds, hertz, metres per second or pascals. Units: m cm mm um; s ms us; Hz kHz MHz; m/s; Pa
 /// kPa.
 /// nullopt unless the text is a finite number, alone or followed by a unit of that quantity.

@@ -44,6 +44,7 @@ void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   add_allow_outside(group, o.common);
   group.flag("--force", o.task.force, "also takes a finger whose faces are too coarse for the wavelength");
   group.text("--csv", o.csv, "FILE|-", "writes every transducer: index,x,y,z,nx,ny,nz,amplitude,phase");
+  setup::add_spread_options(app, o.task.spread);
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
 }
 
@@ -82,14 +83,17 @@ std::string summary_of_drive(const setup::DriveResult& result) {
       fmt::format("{}: {} transducers, {} kHz, sound at {:.2f} m/s, wavelength {:.3f} mm\n", result.layout.name,
                   result.drive.size(), air.frequency / 1e3, air.sound_speed, 1e3 / air.turns_per_metre());
   for (std::size_t j = 0; j < foci.size(); ++j) {
-    fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm: {:.0f} Pa\n",
+    fmt::format_to(std::back_inserter(text), "focus at ({:.2f}, {:.2f}, {:.2f}) mm: {:.0f} Pa{}\n",
                    foci[j].position.x * 1e3, foci[j].position.y * 1e3, foci[j].position.z * 1e3,
-                   result.pressure.pascals[j]);
+                   result.pressure.pascals[j],
+                   result.spread ? "; " + range_text(result.spread->pressures_pa[j], 0) + " Pa as built" : "");
     if (!result.aimed.empty()) text += finger_line(result, j);
   }
   if (foci.size() > 1)
-    fmt::format_to(std::back_inserter(text), "weakest to strongest focus, relative to what was asked: {:.3f}\n",
-                   result.pressure.evenness);
+    fmt::format_to(std::back_inserter(text), "weakest to strongest focus, relative to what was asked: {:.3f}{}\n",
+                   result.pressure.evenness,
+                   result.spread ? "; " + range_text(result.spread->evenness, 3) + " as built" : "");
+  if (result.spread) text += spread_line(result.spread->draws);
   if (!result.unresolved.empty()) text += unresolved_line(result);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
                  least, most);

@@ -40,21 +40,30 @@ void add_options_of_field(CLI::App& app, FieldCommand& o) {
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help));
   setup::add_place_options(app, o.task.place);
   const setup::Group results(app, "Results");
-  results.text("--csv", o.csv, "FILE|-", "writes every point: x,y,z,re,im in metres and Pa");
+  results.text("--csv", o.csv, "FILE|-",
+               "writes every point: x,y,z,re,im in metres and Pa; with --spread also p05,p50,p95 of |p|");
   results.text("--vtu", o.vtu, "FILE", "writes the same for ParaView, with amplitude and phase");
-  results.text("--png", o.png, "FILE", "draws |p| on the plane, with a bar in Pa and axes in mm");
+  results.text("--png", o.png, "FILE",
+               "draws |p|: on a plane with a bar in Pa, along a line as a curve; axes are in mm");
   setup::add_drive_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
+  setup::add_spread_options(app, o.task.spread);
 }
 
 /// Values computed in single precision are printed in single precision.
 void write_csv(const std::string& file, const setup::FieldResult& field) {
   OutputFile out(file);
-  std::string text = "x,y,z,re,im\n";
+  std::string text = field.spread ? "x,y,z,re,im,p05,p50,p95\n" : "x,y,z,re,im\n";
   for (std::size_t i = 0; i < field.pressures.size(); ++i) {
     const Vec3& at = field.places.points[i];
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{}\n", at.x, at.y, at.z,
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{}", at.x, at.y, at.z,
                    static_cast<float>(field.pressures[i].real()), static_cast<float>(field.pressures[i].imag()));
+    if (field.spread) {
+      const setup::Percentiles& range = field.spread->amplitudes[i];
+      fmt::format_to(std::back_inserter(text), ",{},{},{}", static_cast<float>(range.p05),
+                     static_cast<float>(range.p50), static_cast<float>(range.p95));
+    }
+    text += '\n';
     if (text.size() < (1u << 20)) continue;
     out.write(text);
     text.clear();
@@ -99,8 +108,17 @@ void write_vtu(const std::string& file, const setup::FieldResult& field) {
     amplitude.push_back(static_cast<float>(std::abs(p)));
     phase.push_back(static_cast<float>(std::arg(p)));
   }
-  const geometry::VtuValues values[]{
+  std::vector<geometry::VtuValues> values{
       {"amplitude (Pa)", amplitude}, {"phase (rad)", phase}, {"real part (Pa)", re}, {"imaginary part (Pa)", im}};
+  std::vector<float> low, high;
+  if (field.spread) {
+    for (const setup::Percentiles& range : field.spread->amplitudes) {
+      low.push_back(static_cast<float>(range.p05));
+      high.push_back(static_cast<float>(range.p95));
+    }
+    values.push_back({"amplitude, 5 % of arrays below (Pa)", low});
+    values.push_back({"amplitude, 95 % of arrays below (Pa)", high});
+  }
   geometry::write_vtu(file, field.places.points, cells_of(field.places), values);
 }
 
@@ -109,6 +127,15 @@ std::string summary_of_field(const setup::FieldResult& field) {
   const acoustics::Air& air = field.air;
   std::string text = fmt::format("{} points in {:.2f} s: at most {:.0f} Pa, at ({:.2f}, {:.2f}, {:.2f}) mm\n",
                                  field.pressures.size(), field.sum_ms / 1e3, field.peak_pa(), at.x, at.y, at.z);
+  if (field.spread) {
+    const auto& where = field.spread->peak_m;
+    const auto in_mm = [](const setup::Percentiles& p) {
+      return setup::range_text({p.p05 * 1e3, p.p50 * 1e3, p.p95 * 1e3}, 2);
+    };
+    fmt::format_to(std::back_inserter(text), "  {} Pa as built, at x {}, y {}, z {} mm\n",
+                   range_text(field.spread->peak_pa, 0), in_mm(where[0]), in_mm(where[1]), in_mm(where[2]));
+    text += spread_line(field.spread->draws);
+  }
   fmt::format_to(std::back_inserter(text), "air: {:.2f} m/s, {:.4f} kg/m3, absorbs {:.4f} Np/m\n",
                  air.medium.sound_speed, air.density_kg_m3, air.absorption_np_m);
   return text + (field.beyond_linear() ? setup::linear_line() : "");

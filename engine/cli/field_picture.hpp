@@ -1,4 +1,4 @@
-// The picture that `palpa field --png` draws of a plane.
+// The picture that `palpa field --png` draws of a plane or along a line.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace palpa::cli {
 
-/// Draws |p| on the plane of `field`, which was computed from `task`, into the PNG `file`: colours with a bar in Pa,
-/// axes in mm. Above the pressure up to which linear acoustics holds, colours show only values relative to the largest.
-/// Throws failure() if the file cannot be written.
+/// Draws |p| of `field`, which was computed from `task` on a plane or a line, into the PNG `file`: colours with a bar
+/// in Pa, or a curve, with a band if there is a spread; axes in mm. Above the pressure up to which linear acoustics
+/// holds, the picture shows only values relative to the largest. Throws failure() if the file cannot be written.
 void draw_field(const std::string& file, const setup::FieldResult& field, const setup::FieldTask& task);
 
 }  // namespace palpa::cli

@@ -27,10 +27,4 @@ struct FieldPicture {
 /// and averaged if there are more samples than pixels. NaN has its own colour.
 Pixels draw(const FieldPicture& picture);
 
-/// Tick positions for an axis from `low` to `high`: multiples of 1, 2 or 5 times a power of ten, at most `most` of them
-/// (but at least two where they exist).
-std::vector<double> ticks(double low, double high, int most);
-/// A tick's number as text, without unnecessary digits.
-std::string tick_label(double value, double step);
-
 }  // namespace palpa::drawing

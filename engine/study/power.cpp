@@ -6,8 +6,8 @@
 #include <span>
 
 #include "base/parallel.hpp"
+#include "base/random.hpp"
 #include "study/statistics/proportions.hpp"
-#include "study/statistics/random.hpp"
 #include "study/statistics/wilcoxon.hpp"
 
 namespace palpa::study {

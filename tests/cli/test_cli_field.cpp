@@ -156,8 +156,34 @@ TEST(Field, PngIsAPictureOfAPlane) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
   EXPECT_GT(std::filesystem::file_size(png), 10000u);
-  expect_failure(palpa_here(with(with({"field", "--png", png}, focus), {"--line", "0,0,0.1", "0,0,0.2"})), 2,
-                 "--png draws a plane");
+  expect_failure(palpa_here(with(with({"field", "--png", png}, focus), {"--points", "points.ply"})), 2,
+                 "--png draws a plane or a line");
+}
+
+/// What it looks like: tests/drawing/test_line_picture.cpp.
+TEST(Field, PngIsAPictureOfALine) {
+  const std::string png = folder() / "line.png", banded = folder() / "banded.png";
+  const auto line = with(focus, {"--line", "0,0,0.1", "0,0,0.2", "--backend", "cpu"});
+  ASSERT_EQ(palpa_here(with({"field", "--png", png}, line)).exit_code, 0);
+  ASSERT_EQ(palpa_here(with({"field", "--png", banded, "--spread", "phase=0.5", "--draws", "20"}, line)).exit_code, 0);
+  EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
+  EXPECT_NE(read_text(png), read_text(banded));
+}
+
+TEST(Field, SpreadAddsColumnsAndWords) {
+  const std::string csv = folder() / "spread.csv";
+  const Result result = palpa_here(
+      with(with({"field"}, focus), {"--line", "0,0,0.1", "0,0,0.2", "--samples", "5", "--backend", "cpu", "--spread",
+                                    "amplitude=20%,position=1mm", "--draws", "40", "--seed", "3", "--csv", csv}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("as built: the range of 90 % of 40 random arrays (seed 3)"), std::string::npos)
+      << result.out;
+  EXPECT_TRUE(read_text(csv).starts_with("x,y,z,re,im,p05,p50,p95\n"));
+  for (const auto& row : read_csv(csv)) {
+    ASSERT_EQ(row.size(), 8u);
+    EXPECT_LT(row[5], row[6]);
+    EXPECT_LT(row[6], row[7]);
+  }
 }
 
 TEST(Field, SaysWhatIsWrong) {

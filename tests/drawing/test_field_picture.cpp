@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drawing/axes.hpp"
 #include "drawing/canvas.hpp"
 #include "drawing/colour.hpp"
 #include "drawing/field_picture.hpp"

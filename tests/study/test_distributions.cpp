@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/normal.hpp"
 #include "study/statistics/proportions.hpp"
 #include "study/statistics/special.hpp"
 

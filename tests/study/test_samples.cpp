@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "base/random.hpp"
 #include "study/statistics/paired.hpp"
-#include "study/statistics/random.hpp"
 
 namespace palpa::study {
 namespace {

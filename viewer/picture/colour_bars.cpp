@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "drawing/field_picture.hpp"
+#include "drawing/axes.hpp"
 #include "viewer/picture/backing.hpp"
 #include "viewer/picture/field_marks.hpp"
 

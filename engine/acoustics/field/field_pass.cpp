@@ -105,28 +105,38 @@ std::size_t field_batch(std::size_t transducers) {
   return std::clamp(pairs / std::max<std::size_t>(transducers, 1) / least * least, least, most);
 }
 
-bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, Directivity directivity,
-              std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
-              std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up) {
+FieldOn::FieldOn(const gpu::Device& device, Directivity directivity, bool absorbing)
+    : device_(&device),
+      directivity_(directivity),
+      pass_(device, directivity, absorbing),
+      recorder_(device, "field"),
+      timeline_(device) {}
+
+bool FieldOn::at(const Layout& layout, const Air& air, std::span<const Vec3> points,
+                 std::span<const std::complex<double>> strengths, std::vector<std::complex<double>>& pressures,
+                 const std::atomic<bool>* give_up) {
   reserve_large(pressures, points.size());
   pressures.assign(points.size(), 0);
   if (points.empty() || layout.transducers.empty()) return true;
   const std::size_t batch = field_batch(layout.transducers.size());
-  const FieldPass pass(device, directivity, air.absorption_np_m != 0);
-  FieldMemory memory(device, layout, air, directivity, std::min(batch, points.size()));
+  FieldMemory memory(*device_, layout, air, directivity_, std::min(batch, points.size()));
   memory.set(strengths);
-  const gpu::Recorder recorder(device, "field");
-  gpu::Timeline timeline(device);
   Activity activity("summing the sound of transducers", points.size());
   for (std::size_t first = 0; first < points.size(); first += batch) {
     if (give_up && *give_up) return false;
     const std::size_t count = std::min(batch, points.size() - first);
-    memory.record(recorder.begin(), pass, points.subspan(first, count));
-    timeline.wait(timeline.submit(recorder.end()));
+    memory.record(recorder_.begin(), pass_, points.subspan(first, count));
+    timeline_.wait(timeline_.submit(recorder_.end()));
     memory.read(std::span(pressures).subspan(first, count));
     activity.advance(count);
   }
   return true;
+}
+
+bool field_on(const gpu::Device& device, const Layout& layout, const Air& air, Directivity directivity,
+              std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
+              std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up) {
+  return FieldOn(device, directivity, air.absorption_np_m != 0).at(layout, air, points, strengths, pressures, give_up);
 }
 
 }  // namespace palpa::acoustics

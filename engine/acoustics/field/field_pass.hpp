@@ -13,6 +13,7 @@
 #include "array/layout.hpp"
 #include "base/math.hpp"
 #include "gpu/buffer.hpp"
+#include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/texel_view.hpp"
@@ -73,9 +74,27 @@ class FieldMemory {
 /// device.
 std::size_t field_batch(std::size_t transducers);
 
-/// The twin's at() on the device, without slopes and for one drive: `pressures` has one entry per point. Points are
-/// submitted in batches of a fraction of a second on a software device. Returns false, with a meaningless result, if
-/// `give_up` became true meanwhile.
+/// The twin's at() on the device, without slopes, for the drives of many arrays in turn. For one thread at a time.
+class FieldOn {
+ public:
+  FieldOn(const gpu::Device& device, array::Directivity directivity, bool absorbing);
+
+  /// `pressures` gets one entry per point. Points are submitted in batches of a fraction of a second on a software
+  /// device. Whether the air absorbs is as given to the constructor. Returns false, with a meaningless result, if
+  /// `give_up` became true meanwhile.
+  bool at(const array::Layout& layout, const Air& air, std::span<const Vec3> points,
+          std::span<const std::complex<double>> strengths, std::vector<std::complex<double>>& pressures,
+          const std::atomic<bool>* give_up = nullptr);
+
+ private:
+  const gpu::Device* device_;
+  array::Directivity directivity_;
+  FieldPass pass_;
+  gpu::Recorder recorder_;
+  gpu::Timeline timeline_;
+};
+
+/// The same for a single drive.
 bool field_on(const gpu::Device& device, const array::Layout& layout, const Air& air, array::Directivity directivity,
               std::span<const Vec3> points, std::span<const std::complex<double>> strengths,
               std::vector<std::complex<double>>& pressures, const std::atomic<bool>* give_up = nullptr);

@@ -13,6 +13,7 @@
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/parallel.hpp"
 #include "gpu/commands.hpp"
 #include "setup/body.hpp"
 #include "setup/load.hpp"
@@ -175,11 +176,14 @@ DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> 
 
 void check(const DriveTask& task) {
   check_values(task.drive);
+  check(task.spread, task.drive.medium);
   const std::string asks = asks_for_finger(task.drive);
   if (!asks.empty() && task.mesh.empty())
     throw bad_usage(asks + ": --mesh is missing: give the finger's closed mesh, in the layout's frame");
   if (asks.empty() && (!task.mesh.empty() || task.force))
     throw bad_usage(fmt::format("{} goes with --transfer finger", task.mesh.empty() ? "--force" : "--mesh"));
+  if (!asks.empty() && !task.spread.text.empty())
+    throw bad_usage("--spread computes in free air and --transfer finger on a finger: give one of them");
   if (task.touch.empty()) {
     if (task.slot || !task.rig.empty())
       throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
@@ -230,8 +234,38 @@ std::string to_json(const DriveResult& result) {
   json.key("phases_rad").begin_array();
   for (const array::TransducerDrive& d : result.drive)
     json.value(d.phase);
-  json.end_array().end_object();
+  json.end_array();
+  if (result.spread) {
+    begin_spread(json, result.spread->draws);
+    json.key("pressures_pa").begin_array();
+    for (const Percentiles& pressure : result.spread->pressures_pa)
+      add(json, pressure);
+    json.end_array().key("weakest_to_strongest");
+    add(json, result.spread->evenness);
+    json.end_object();
+  }
+  json.end_object();
   return json.take();
+}
+
+DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& drive,
+                            std::span<const array::SlotFocus> foci, const MediumOptions& medium_options,
+                            array::Directivity directivity, const array::Spread& spread, const Draws& draws) {
+  std::vector<std::vector<double>> pascals(foci.size(), std::vector<double>(draws.count));
+  std::vector<double> evenness(draws.count);
+  parallel_chunks(draws.count, 1, [&](std::size_t draw, std::size_t, std::size_t) {
+    const array::AsBuilt built = array::as_built(layout, drive, spread, draws.seed, static_cast<std::uint32_t>(draw));
+    const acoustics::FociPressure pressure = acoustics::pressure_at_foci(
+        built.layout, built.drive, foci, medium(warmer(medium_options, built.temperature)), directivity);
+    for (std::size_t j = 0; j < foci.size(); ++j)
+      pascals[j][draw] = pressure.pascals[j];
+    evenness[draw] = pressure.evenness;
+  });
+  DriveSpread result{.draws = draws, .pressures_pa = {}, .evenness = percentiles(std::move(evenness))};
+  result.pressures_pa.reserve(foci.size());
+  for (std::vector<double>& of_focus : pascals)
+    result.pressures_pa.push_back(percentiles(std::move(of_focus)));
+  return result;
 }
 
 FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
@@ -286,6 +320,10 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
               .finger = finger.get(),
               .touch = task.touch},
              result);
+  if (!task.spread.text.empty()) {
+    result.spread = spread_of_drive(layout, result.drive, result.foci, task.drive.medium, options.directivity,
+                                    parse_spread(task.spread.text), draws_of(task.spread, common.seed));
+  }
   return result;
 }
 

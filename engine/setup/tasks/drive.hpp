@@ -22,6 +22,7 @@
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
+#include "setup/spread.hpp"
 #include "setup/tasks/foci.hpp"
 
 namespace palpa::setup {
@@ -36,10 +37,18 @@ struct DriveTask {
   DriveOptionsGroup drive;
   std::string mesh;    ///< finger for a finger's transfer: a closed mesh in the layout's frame
   bool force = false;  ///< allow a finger that is too coarse for the wavelength
+  SpreadOptions spread;
 };
 /// Throws bad_usage, naming the command's options, if some are missing or exclude each other, and for air, tone or
 /// pressure out of range.
 void check(const DriveTask& task);
+
+/// What random arrays make of a drive at its foci.
+struct DriveSpread {
+  Draws draws;
+  std::vector<Percentiles> pressures_pa;  ///< one per focus
+  Percentiles evenness;
+};
 
 struct DriveResult {
   array::Layout layout;
@@ -54,6 +63,7 @@ struct DriveResult {
   std::vector<double> over_free_field;
   std::vector<array::FocusPair> unresolved;  ///< foci that are closer together than the array resolves
   bool pressure_asked = false;               ///< some focus requests a pressure
+  std::optional<DriveSpread> spread;         ///< if requested
 
   /// Whether a focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
@@ -95,7 +105,14 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
                        FingerInSound& finger);
 
-/// The same from files. Only the backend and the choice of device in `common` are used. If there is a finger,
+/// The sound of this drive at its foci in free air, for `count` arrays as built (array/as_built.hpp) in air of these
+/// options. Computed on all cores of the processor; a millisecond per draw of ten foci and a thousand transducers.
+DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& drive,
+                            std::span<const array::SlotFocus> foci, const MediumOptions& medium,
+                            array::Directivity directivity, const array::Spread& spread, const Draws& draws);
+
+/// The same from files. Only the backend, the choice of device and the seed in `common` are
+/// used. If there is a finger,
 /// `finger_read` is called after it is read and before its sound is computed, which takes seconds. Throws as check,
 /// load_touch, load_placed_layout, load_body and make_drive do. Throws bad_usage if the touch has no such slot, or if
 /// one of its fingers requests a pressure together with an option that a pressure replaces. Throws bad_input if all of

@@ -2,15 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
 #include "acoustics/field/field_pass.hpp"
 #include "acoustics/field/incident.hpp"
+#include "array/as_built.hpp"
 #include "array/schedule.hpp"
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/memory.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/warnings.hpp"
@@ -35,6 +39,14 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
   return drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
 }
 
+std::size_t loudest_of(std::span<const std::complex<double>> pressures) {
+  std::size_t loudest = 0;
+  for (std::size_t i = 0; i < pressures.size(); ++i) {
+    if (std::norm(pressures[i]) > std::norm(pressures[loudest])) loudest = i;
+  }
+  return loudest;
+}
+
 /// Computes the field at the places of `result`, in its air.
 void sum(const array::Layout& layout, std::span<const array::TransducerDrive> drive, array::Directivity directivity,
          const gpu::Device* device, FieldResult& result) {
@@ -48,9 +60,7 @@ void sum(const array::Layout& layout, std::span<const array::TransducerDrive> dr
     result.pressures = std::move(waves.pressures);
   }
   result.sum_ms = milliseconds_since(begin);
-  for (std::size_t i = 0; i < result.pressures.size(); ++i) {
-    if (std::norm(result.pressures[i]) > std::norm(result.pressures[result.loudest])) result.loudest = i;
-  }
+  result.loudest = loudest_of(result.pressures);
 }
 
 }  // namespace
@@ -68,8 +78,9 @@ void check(const FieldTask& task, bool picture) {
     throw bad_usage(
         "--amplitude, --solver, --transfer, --constraint and --pressure go with --focus: --drive is already a drive");
   }
-  if (picture && task.place.given() && !task.place.plane)
-    throw bad_usage("--png draws a plane: give --plane, or use --csv or --vtu");
+  if (picture && task.place.given() && !task.place.plane && task.place.line[0].empty())
+    throw bad_usage("--png draws a plane or a line: give --plane or --line, or use --csv or --vtu");
+  check(task.spread, task.drive.medium);
   refuse_idle_air(task.air);
   check_pressure(task.drive.pressure_pa);
 }
@@ -87,6 +98,15 @@ std::string to_json(const FieldResult& result) {
       .member("sound_speed_m_s", result.air.medium.sound_speed)
       .member("density_kg_m3", result.air.density_kg_m3)
       .member("absorption_np_m", result.air.absorption_np_m);
+  if (result.spread) {
+    begin_spread(json, result.spread->draws);
+    json.key("peak_pa");
+    add(json, result.spread->peak_pa);
+    json.key("peak_m").begin_array();
+    for (const Percentiles& axis : result.spread->peak_m)
+      add(json, axis);
+    json.end_array().end_object();
+  }
   json.key("timing_ms").begin_object().member("field", result.sum_ms).member("total", result.total_ms).end_object();
   json.end_object();
   return json.take();
@@ -100,6 +120,47 @@ FieldResult sum_field(const array::Layout& layout, std::span<const array::Transd
   FieldResult result{.places = std::move(places), .pressures = {}, .air = air, .layout = layout.name, .foci = {}};
   sum(layout, drive, directivity, device, result);
   result.total_ms = milliseconds_since(begin);
+  return result;
+}
+
+FieldSpread spread_of_field(const FieldTask& task, const array::Layout& layout, const array::Drive& drive,
+                            std::span<const Vec3> points, const Draws& draws, const gpu::Device* device) {
+  const array::Spread spread = parse_spread(task.spread.text);
+  std::vector<float> amplitudes;  // of each point, draw by draw
+  reserve_large(amplitudes, points.size() * draws.count);
+  amplitudes.resize(points.size() * draws.count);
+  std::vector<double> peaks(draws.count);
+  std::array<std::vector<double>, 3> peaks_at;
+  peaks_at.fill(peaks);
+  std::optional<acoustics::FieldOn> on;
+  if (device) on.emplace(*device, task.drive.directivity, air(task.drive.medium, task.air).absorption_np_m != 0);
+  acoustics::Waves waves;
+  Activity activity("computing random arrays", draws.count);
+  for (std::uint32_t draw = 0; draw < draws.count; ++draw) {
+    const array::AsBuilt built = array::as_built(layout, drive, spread, draws.seed, draw);
+    const acoustics::Air warm = air(warmer(task.drive.medium, built.temperature), task.air);
+    const acoustics::Strengths strengths = acoustics::strengths_of(built.drive);
+    if (on) {
+      on->at(built.layout, warm, points, strengths, waves.pressures);
+    } else {
+      acoustics::Incident(built.layout, warm, task.drive.directivity).at(points, {}, strengths, waves);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+      amplitudes[i * draws.count + draw] = static_cast<float>(std::abs(waves.pressures[i]));
+    const std::size_t loudest = loudest_of(waves.pressures);
+    peaks[draw] = std::abs(waves.pressures[loudest]);
+    for (int axis = 0; axis < 3; ++axis)
+      peaks_at[static_cast<std::size_t>(axis)][draw] = points[loudest][axis];
+    activity.advance();
+  }
+  FieldSpread result{.draws = draws, .peak_pa = percentiles(std::move(peaks)), .peak_m = {}, .amplitudes = {}};
+  std::ranges::transform(peaks_at, result.peak_m.begin(),
+                         [](const std::vector<double>& at) { return percentiles(at); });
+  reserve_large(result.amplitudes, points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto of_point = std::span(amplitudes).subspan(i * draws.count, draws.count);
+    result.amplitudes.push_back(percentiles({of_point.begin(), of_point.end()}));
+  }
   return result;
 }
 
@@ -117,6 +178,10 @@ FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const 
   std::optional<gpu::Device> device;
   if (common.backend == Backend::gpu) device.emplace(device_options(common));
   sum(layout, drive, task.drive.directivity, device ? &*device : nullptr, result);
+  if (!task.spread.text.empty()) {
+    result.spread = spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed),
+                                    device ? &*device : nullptr);
+  }
   result.total_ms = milliseconds_since(begin);
   return result;
 }

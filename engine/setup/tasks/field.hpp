@@ -3,9 +3,11 @@
 // The formula is in acoustics/field/incident.hpp.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
+#include "setup/spread.hpp"
 
 namespace palpa::setup {
 
@@ -28,10 +31,19 @@ struct FieldTask {
   PlaceOptions place;
   DriveOptionsGroup drive;  ///< with a drive's file, only directivity and medium are used
   AirOptions air;
+  SpreadOptions spread;
 };
 /// Throws bad_usage, naming the command's options, if some are missing or exclude each other. `picture`: the field is
-/// to be drawn, which requires a plane.
+/// to be drawn, which requires a plane or a line.
 void check(const FieldTask& task, bool picture = false);
+
+/// What random arrays make of a field.
+struct FieldSpread {
+  Draws draws;
+  Percentiles peak_pa;
+  std::array<Percentiles, 3> peak_m;    ///< x, y, z of the loudest point
+  std::vector<Percentiles> amplitudes;  ///< |p| in Pa, one per point
+};
 
 struct FieldResult {
   Places places;
@@ -40,6 +52,7 @@ struct FieldResult {
   acoustics::Air air;
   std::string layout;                  ///< name of the layout
   std::vector<array::SlotFocus> foci;  ///< for which the drive was made; empty if the drive was given
+  std::optional<FieldSpread> spread;   ///< if requested
   /// Times of the sum and of the complete task. A caller may add the time for its use of the result.
   double sum_ms = 0, total_ms = 0;
 
@@ -58,9 +71,14 @@ FieldResult sum_field(const array::Layout& layout, std::span<const array::Transd
                       const acoustics::Air& air, array::Directivity directivity = array::Directivity::t4010a1,
                       const gpu::Device* device = nullptr);
 
-/// The same from files. Only the backend and the choice of device in `common` are used. `all_read` is called after all
-/// input is read and before the long computation begins. Throws as check, array::load_layout, load_places, load_drive
-/// and schedule_of do. Warns of unusual values.
+/// The field of this drive, made for `task`, at these places for `count` arrays as built (array/as_built.hpp). Needs
+/// four bytes per point and draw; throws failure if that is more than the memory that is free.
+FieldSpread spread_of_field(const FieldTask& task, const array::Layout& layout, const array::Drive& drive,
+                            std::span<const Vec3> points, const Draws& draws, const gpu::Device* device = nullptr);
+
+/// The same from files. Only the backend, the choice of device and the seed in `common` are used. `all_read` is called
+/// after all input is read and before the long computation begins. Throws as check, array::load_layout, load_places,
+/// load_drive and schedule_of do. Warns of unusual values.
 FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const std::function<void()>& all_read = {});
 
 }  // namespace palpa::setup

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/normal.hpp"
 #include "study/statistics/ranks.hpp"
 #include "study/statistics/special.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "study/statistics/random.hpp"
+#include "base/random.hpp"
 #include "study/statistics/wilcoxon.hpp"
 
 namespace palpa::study {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/normal.hpp"
 #include "study/statistics/special.hpp"
 
 namespace palpa::study {

@@ -1,4 +1,4 @@
-// Distribution functions that the statistics of a study need: normal, Student's t, chi-square, binomial and beta. They
+// Distribution functions that the statistics of a study need: Student's t, chi-square, binomial and beta. They
 // agree with published tables to about twelve digits.
 #pragma once
 
@@ -6,11 +6,7 @@
 
 namespace palpa::study {
 
-double normal_density(double z);
-double normal_cdf(double z);
-/// z with normal_cdf(z) = p, for 0 < p < 1.
-double normal_quantile(double p);
-/// Both tails beyond |z|.
+/// Both tails of the standard normal distribution (base/normal.hpp) beyond |z|.
 double normal_two_sided(double z);
 
 /// The regularised incomplete beta function I_x(a, b), for a, b > 0 and 0 <= x <= 1.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/normal.hpp"
 #include "study/statistics/ranks.hpp"
 #include "study/statistics/special.hpp"
 

@@ -144,8 +144,12 @@ TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
   FieldTask line = task_of("openmpd");
   line.foci = {"0,0,0.1"};
   line.place.line = {"0,0,0", "0,0,1"};
-  refused([&] { check(line, true); }, "--png draws a plane");
+  check(line, true);
   check(line);
+  FieldTask points = line;
+  points.place = {};
+  points.place.points = "points.ply";
+  refused([&] { check(points, true); }, "--png draws a plane or a line");
   line.drive.pressure_pa = std::numeric_limits<double>::infinity();
   refused([&] { (void)setup::sum_field(line, {}); }, "Pa at each focus is not above 0");
 }

@@ -1,8 +1,8 @@
-#include "study/statistics/random.hpp"
+#include "base/random.hpp"
 
-#include "study/statistics/special.hpp"
+#include "base/normal.hpp"
 
-namespace palpa::study {
+namespace palpa {
 
 std::uint64_t Random::next() {
   std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
@@ -31,4 +31,4 @@ std::uint32_t Random::binomial(std::uint32_t trials, double p) {
   return successes;
 }
 
-}  // namespace palpa::study
+}  // namespace palpa

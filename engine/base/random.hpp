@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace palpa::study {
+namespace palpa {
 
 /// SplitMix64: 64 bits of state, one step per number.
 class Random {
@@ -24,4 +24,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace palpa::study
+}  // namespace palpa

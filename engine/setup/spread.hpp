@@ -1,0 +1,65 @@
+// --spread: how sure a result is, given the tolerances of the array and of the air. The result is computed again for
+// random arrays (array/as_built.hpp), and each of its numbers gets the range in which nine of ten of them lie.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "array/as_built.hpp"
+#include "array/medium.hpp"
+#include "base/json_writer.hpp"
+#include "setup/options.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace palpa::setup {
+
+/// Draws if none are requested, and limits of --draws.
+inline constexpr std::uint32_t usual_draws = 200, least_draws = 20, most_draws = 100'000;
+
+struct SpreadOptions {
+  std::string text;                    ///< for parse_spread; empty: none
+  std::optional<std::uint32_t> draws;  ///< default usual_draws
+};
+/// --spread and --draws.
+void add_spread_options(CLI::App& app, SpreadOptions& options);
+
+/// The spread of a text such as "amplitude=10%,phase=0.2,position=0.5mm,temperature=2". Throws bad_usage for an unknown
+/// or repeated key and for a value out of range.
+array::Spread parse_spread(const std::string& text);
+
+/// Throws bad_usage for draws without a spread, and for a spread of the temperature where the sound speed is given.
+void check(const SpreadOptions& options, const MediumOptions& medium);
+
+/// Percentiles of one number over all draws, interpolated linearly between neighbours.
+struct Percentiles {
+  double p05 = 0, p50 = 0, p95 = 0;
+};
+/// `values` must not be empty. NaN must not occur.
+Percentiles percentiles(std::vector<double> values);
+
+/// How a spread was computed; its results follow in their own structures.
+struct Draws {
+  std::uint32_t count = 0;
+  std::uint64_t seed = 0;
+};
+Draws draws_of(const SpreadOptions& options, std::uint64_t seed);
+/// Opens the object "spread" and writes "draws" and "seed"; the caller adds its percentiles and ends the object.
+void begin_spread(JsonWriter& json, const Draws& draws);
+/// [p05, p50, p95].
+void add(JsonWriter& json, const Percentiles& percentiles);
+
+/// The air of a draw: the medium's options at `temperature` kelvin above theirs, within the accepted range.
+MediumOptions warmer(MediumOptions medium, double temperature);
+
+/// "3.80 to 4.31", the range of nine of ten draws, with this many digits after the decimal point.
+std::string range_text(const Percentiles& percentiles, int digits);
+
+/// The line of a summary that says what "as built" means in it.
+std::string spread_line(const Draws& draws);
+
+}  // namespace palpa::setup

@@ -1,0 +1,37 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "base/normal.hpp"
+#include "base/random.hpp"
+
+namespace palpa {
+namespace {
+
+/// The sequence that the generator's authors publish for this seed.
+TEST(Random, IsSplitMix64) {
+  Random random(1234567);
+  for (const std::uint64_t expected :
+       {6457827717110365317u, 3203168211198807973u, 9817491932198370423u, 4593380528125082431u, 16408922859458223821u})
+    EXPECT_EQ(random.next(), expected);
+}
+
+TEST(Random, NormalNumbersAreNormal) {
+  Random random(7);
+  constexpr int many = 100'000;
+  double sum = 0, squares = 0;
+  int within_one = 0;
+  for (int i = 0; i < many; ++i) {
+    const double n = random.normal();
+    sum += n;
+    squares += n * n;
+    within_one += std::abs(n) < 1 ? 1 : 0;
+  }
+  EXPECT_NEAR(sum / many, 0, 0.012);
+  EXPECT_NEAR(squares / many, 1, 0.018);
+  EXPECT_NEAR(within_one / double{many}, normal_cdf(1) - normal_cdf(-1), 0.006);
+}
+
+}  // namespace
+}  // namespace palpa
