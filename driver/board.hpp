@@ -1,17 +1,17 @@
 // A board as its guard uses it. A guard (driver/guard/) is the only process that has the device open. There is one
-// guard for each link that drives a board. It calls everything here from one thread, and calls nothing else. Each board
-// has a folder here with its protocol, its Board and its emulator.
+// guard for each link that drives a board. It calls the functions below from one thread, and no other functions of a
+// board. Each board has a folder beside this file with its protocol, its Board and its emulator.
 //
 //   open -> { play | plan | all_off | tend }... -> all_off -> close
 //
-// Only open() allocates, waits and throws. Afterwards nothing throws, and only close() waits for the device. What the
-// device does not take at once is kept (only the newest; nothing queues), and tend() continues with it. Nothing
+// Only open() allocates, waits and throws. Afterwards nothing throws, and only close() waits for the device. Data that
+// the device does not take at once is kept (only the newest, without a queue), and tend() continues with it. Nothing
 // allocates, with two exceptions: the search for a lost device, which may also wait for one answer from it, and
 // libusb's own allocations.
 //
 // The board itself handles a device that fails, disappears or comes back. It reports this once (BoardNotes), takes
 // drives as before and drops them, and tries again within tend(). When the device is back, it silences the device
-// before anything else, reports that, and plays on. So a loop never ends because of a cable.
+// before anything else, reports that, and plays on. A loop therefore never ends because of a cable.
 #pragma once
 
 #include <poll.h>
@@ -99,7 +99,7 @@ class Board {
   /// Continues with what waits for the device. Called when one of watched() is ready, and at least every 5 ms.
   virtual void tend() {}
 
-  /// What to wait on besides the loop: at most 16 descriptors, requested before each wait.
+  /// The descriptors on which the guard waits besides the loop, at most 16. The guard asks for them before each wait.
   virtual std::span<const pollfd> watched() { return {}; }
 
   /// Called after all_off(): waits until the silence has left for the device, 0.85 s at most. Returns false if it is

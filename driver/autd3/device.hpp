@@ -1,6 +1,6 @@
-// An emulated AUTD3 device. It reads messages as its firmware 12.1 does, and reports what it emits. It is as strict as
-// the firmware but reports more: a violation is what the firmware answers with an error, and also what it would accept
-// silently although it cannot be intended.
+// An emulated AUTD3 device. It reads messages as firmware 12.1 does, and says what its transducers emit. It is as
+// strict as the firmware, but reports more. A violation is a message that the firmware answers with an error, or one
+// that it accepts silently although no program can have intended it.
 #pragma once
 
 #include <array>
@@ -30,13 +30,13 @@ class EmulatedDevice {
   /// times 64. Computed in whole numbers, with the firmware's tables of 256 sines and 128 x 128 angles.
   static std::array<std::uint8_t, transducers> phases_of_focus(std::int32_t x, std::int32_t y, std::int32_t z,
                                                                std::uint32_t c);
-  /// Data, then error and number.
+  /// The two bytes of the answer: first the data, then the error and the number.
   std::array<std::uint8_t, 2> answer() const;
 
-  /// What its transducers emit at that time: the pattern's part times the modulation.
+  /// What its transducers emit at that time: the current part of the pattern times the modulation.
   std::array<Output, transducers> output(double now_s) const;
   bool silent(double now_s) const;
-  /// Whether nothing sounds in either of its pattern memories, whichever it switches to.
+  /// Whether both of its pattern memories are silent, so that nothing sounds after a switch either.
   bool empty() const;
   bool cleared() const { return cleared_; }
   /// Operations that it has understood, and transitions from one segment to the other.

@@ -39,7 +39,7 @@ class LiveCamera {
 
   /// The descriptor that poll() waits for; below 0 while the camera is gone.
   int fd() const { return stream_ ? stream_->fd() : -1; }
-  /// The time from frame to frame: the requested one, or the smallest of the last few distances if that is longer. In
+  /// The time from frame to frame: the requested one, or the smallest of the last few intervals if that is longer. In
   /// the dark, automatic exposure takes longer than a frame.
   double period_s() const;
   /// The lens of the camera's own calibration, if the setting asks for it. Call before the first tend().

@@ -1,5 +1,5 @@
-// What emulators of one line or one server have in common, from the address that a loop connects to, up to the signal
-// that ends them.
+// The code that emulators of one line or one server have in common, from the address to which a loop connects to the
+// signal that ends them.
 #pragma once
 
 #include <atomic>
@@ -24,17 +24,18 @@ struct Emulator {
   const array::Layout& layout;
   double begin_s = 0;  ///< times are counted from here
   std::function<double()> now_s;
-  /// What sounds. Called with the lock held.
+  /// The drive that sounds. Called with the lock held.
   std::function<array::Drive()> heard;
   /// The first violations. Called on the thread that takes the bytes, or when no more are taken.
   std::function<std::vector<Violation>()> violations;
   using Took = std::function<void(std::span<const std::uint8_t>)>;
-  /// Takes bytes until `stop`. It passes them to `took` before they are taken, and holds the lock while they are taken.
+  /// Takes bytes until `stop`. Passes bytes to `took` before the emulated device takes them, and holds the lock while
+  /// it takes them.
   std::function<void(const std::atomic<bool>& stop, std::mutex& lock, const Took& took)> serve;
 };
 
-/// Runs until a signal asks the caller's Stop for the end, with trace and view, and prints violations as they come.
-/// Returns the violations, with times counted from begin_s. Throws failure() if the trace cannot be written.
+/// Runs with trace and view until a signal sets the caller's Stop, and prints violations as they come. Returns the
+/// violations, with times counted from begin_s. Throws failure() if the trace cannot be written.
 std::vector<Violation> serve(const Options& options, const Emulator& emulator);
 
 }  // namespace palpa::driver::emulate

@@ -1,5 +1,5 @@
-// What a board was sent, as a file of JSON lines (docs/files.md): one per transfer. Each is in the file when the next
-// begins.
+// The data that a board was sent, as a file of JSON lines (docs/files.md), one per transfer. The line of a transfer is
+// in the file before the next transfer begins.
 #pragma once
 
 #include <cstdint>

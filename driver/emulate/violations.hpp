@@ -1,4 +1,4 @@
-// A violation of the rules of the emulated device, as an emulator found it.
+// Violations of the rules of an emulated device, as its emulator finds them.
 #pragma once
 
 #include <cstddef>

@@ -21,7 +21,7 @@ inline constexpr double refresh_s = 60e-3;
 /// bad_input.
 std::vector<float> read_degrees(const std::string& folder, std::size_t count);
 
-/// `sonicsurface`.
+/// The kind of board that `--link sonicsurface:...` names.
 BoardKind board_kind();
 
 }  // namespace palpa::driver::sonicsurface

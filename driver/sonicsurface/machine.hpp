@@ -1,6 +1,6 @@
 // Emulated SonicSurface boards on one serial line: a primary one, and a secondary one that hears what the primary
-// repeats. They read bytes as the firmware's state machine does, and report what sounds. Input that the boards would
-// accept although it cannot be intended is a violation.
+// repeats. They read bytes as the firmware's state machine does, and say what sounds. If the boards would accept some
+// input although no program can have intended it, the input counts as a violation.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ class EmulatedBoards {
   /// The phase of a transducer in layout order (16 r + c, r from the top), in 1/32 turns, or `silent`.
   int sounding(std::size_t board, std::size_t transducer) const;
   bool all_silent() const;
-  /// Whether nothing is heard after the next swap either.
+  /// Whether nothing would sound after the next swap of the buffers.
   bool all_silent_behind() const;
   std::uint64_t swaps() const { return swaps_; }
   std::uint64_t bytes() const { return bytes_; }

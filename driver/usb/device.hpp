@@ -14,9 +14,9 @@ namespace palpa::driver::usb {
 
 /// The result of a transfer or a request.
 enum class Outcome {
-  done,       ///< all of it; for a transfer, what its `bytes` say
+  done,       ///< complete; a transfer has moved as many bytes as its `bytes` says
   stalled,    ///< the device refuses it; a transfer's endpoint refuses all until clear_halt()
-  timed_out,  ///< a request: no answer within the patience
+  timed_out,  ///< only for a request: no answer within request_patience_s
   cancelled,
   gone,  ///< the device is not there any more
   failed,
@@ -52,12 +52,12 @@ using Wanted = bool (*)(std::uint16_t vendor, std::uint16_t product);
 struct Sent {
   unsigned number = 0;
   Outcome outcome = Outcome::done;
-  std::size_t bytes = 0;  ///< that the device took: fewer than were given if the outcome is not `done`, and sometimes
-                          ///< if it is. The caller must send what is left
+  std::size_t bytes = 0;  ///< how many bytes the device took. If the outcome is not `done`, and sometimes even if it
+                          ///< is, these are fewer than were given. The caller must send the rest
 };
 
 inline constexpr unsigned most_in_flight = 4;       ///< transfers of a device
-inline constexpr double request_patience_s = 0.25;  ///< the time that a request is waited for
+inline constexpr double request_patience_s = 0.25;  ///< how long to wait for the answer to a request
 
 /// An open device with one bulk endpoint to write to. Nothing here throws. Only request(), clear_halt() and the
 /// destructor wait.
@@ -66,7 +66,7 @@ class Device {
   /// Ends what is in flight, and closes.
   virtual ~Device() = default;
 
-  /// If data comes from the device, fills `in` and says in `received` how much came.
+  /// If data comes from the device, fills `in` and sets `received` to the number of bytes.
   virtual Outcome request(const Setup& setup, std::span<std::uint8_t> in, std::size_t& received) = 0;
   Outcome request(const Setup& setup) {
     std::size_t none = 0;

@@ -19,15 +19,15 @@ enum Request : std::uint8_t { reset = 0, set_latency = 9, set_bit_mode = 11, rea
 constexpr Setup reset_request() {
   return {0x40, reset, 0, 0};
 }
-/// The chip drops what it has for the device behind it, such as a board. (What old programs call "purge RX".)
+/// The chip drops the data that waits for the device behind it, such as a board. (Old programs call this "purge RX".)
 constexpr Setup purge_to_device_request() {
   return {0x40, reset, 1, 0};
 }
-/// The chip drops what it has for the host.
+/// The chip drops the data that waits for the host.
 constexpr Setup purge_to_host_request() {
   return {0x40, reset, 2, 0};
 }
-/// Back to the mode that the EEPROM says.
+/// The chip returns to the mode that its EEPROM gives.
 constexpr Setup plain_mode_request() {
   return {0x40, set_bit_mode, 0, 0};
 }
@@ -35,11 +35,11 @@ constexpr Setup latency_request(std::uint8_t milliseconds) {
   return {0x40, set_latency, milliseconds, 0};
 }
 
-/// How an FT232H's pins speak to what is behind it: the low four bits of its EEPROM's first byte.
+/// The protocol of an FT232H's pins to the device behind it: the low four bits of the first byte of its EEPROM.
 enum class Channel : std::uint8_t { uart = 0, fifo = 1, optical = 2, cpu = 4, ft1284 = 8, blank = 15 };
 const char* text_of(Channel channel);  ///< "serial (UART)"
 
-/// Reads it into `channel`.
+/// Reads the protocol of the chip's pins into `channel`.
 Outcome read_channel(Device& device, Channel& channel);
 
 /// The requests that make a chip ready, in this order: reset, plain mode, latency of 2 ms (with 1 ms, bytes were seen

@@ -26,8 +26,8 @@ struct Node {
 /// All nodes, by their number. `sys` is /sys, or a test's own; nodes are named as if in /dev.
 std::vector<Node> find_nodes(const std::filesystem::path& sys);
 
-/// What stays the same for a node whose device is unplugged and comes back, perhaps with another number and on another
-/// port.
+/// The data by which a node is recognised when its device was unplugged and comes back, perhaps with another number and
+/// on another port.
 struct Identity {
   std::string path;  ///< as on the command line
   Node node;         ///< as it was when it was opened; its path is empty if sysfs does not know it

@@ -28,7 +28,7 @@ struct DriveBindings {
 
 struct DriveBatch {
   std::uint32_t transducers = 0;  ///< at most max_transducers
-  std::uint32_t slots = 0;        ///< some slot has at most one focus
+  std::uint32_t slots = 0;        ///< of this batch
   bool single = true;             ///< some slot has one focus or none
   bool several = true;            ///< some slot has several foci and is not solved (drive_unsolved)
   bool weighted = false;          ///< some slot has several foci and factors for them
@@ -41,13 +41,14 @@ struct DriveBatch {
 std::size_t most_pass_foci(std::uint32_t transducers);
 
 /// Holds only pipelines. Twin: drive_for. The pass agrees within 2e-6 rad and 1e-6 of amplitude for single foci up to 2
-/// m away (float becomes coarser beyond: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x), for
-/// which Vulkan only guarantees 4096 ULP (2.4e-4 of the phase): their drives may differ by that much between devices.
+/// m away (farther away, floats are coarser: 2e-4 rad at 10 m). Sums of several foci depend on the device's atan(y, x),
+/// for which Vulkan only guarantees 4096 ULP (2.4e-4 of the phase): their drives may differ by that much between
+/// devices.
 class DrivePass {
  public:
   explicit DrivePass(const gpu::Device& device);
 
-  /// Barriers: expects the three inputs to be visible to compute; the caller makes `drives` visible afterwards.
+  /// Barriers: expects the inputs to be visible to compute; the caller makes `drives` visible afterwards.
   void record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const;
 
  private:

@@ -37,8 +37,8 @@ class Patience {
   /// How long to wait before the next check.
   double slice_s() const;
   /// Call after each unsuccessful wait, which took `waited_s`, with the work of the driver's threads. Returns true if
-  /// the limit is reached. A wait that took much longer than a slice counts as two slices: this program did not run
-  /// then either.
+  /// the limit is reached. A wait that took much longer than a slice counts as two slices, because this program did not
+  /// run during the rest of it either.
   bool ends(double waited_s, std::span<const ThreadWork> threads);
   /// After the end: what was waited for.
   std::string reason() const;

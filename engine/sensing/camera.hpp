@@ -54,7 +54,7 @@ inline bool is_ignored(const Camera& camera, std::uint32_t u, std::uint32_t v) {
 /// Pixel of a point in camera coordinates (z > 0), distorted.
 Vec2 project(const Camera& camera, const Vec3& point_camera);
 /// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9. Both are NaN if
-/// the lens model sends no ray to that pixel, or only one beyond the circle where the model folds back on itself.
+/// no ray of the lens model reaches that pixel, or only a ray beyond the circle where the model folds back on itself.
 Vec2 undistort(const Camera& camera, const Vec2& pixel);
 /// World point of pixel (u, v) at raw depth d > 0, in double precision.
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth);

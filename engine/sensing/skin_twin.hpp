@@ -14,7 +14,7 @@ namespace palpa::sensing {
 /// right size per camera.
 void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
                std::vector<SkinPoint>& out);
-/// The same for a single call: builds tables and crops itself.
+/// The same for a single call. It builds the tables and crops itself.
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box);
 
 }  // namespace palpa::sensing

@@ -34,10 +34,10 @@ constexpr Named named[] = {{"left", Key::left, true}, {"right", Key::right, true
                            {"q", Key::leave, false},  {"wait", Key::wait, false}};
 
 Error unknown(const std::string& option, std::string_view word) {
-  return bad_usage(
-      fmt::format("{}: unknown key '{}'; known are left, right, up, down, pageup, pagedown, any of these with shift+, "
-                  "f, 0, enter, q and wait, each with *TIMES",
-                  option, printable(word, 40)));
+  return bad_usage(fmt::format(
+      "{}: unknown key '{}'; the known keys are left, right, up, down, pageup, pagedown, any of these with shift+, "
+      "f, 0, enter, q and wait, each with *TIMES",
+      option, printable(word, 40)));
 }
 
 /// Adds one word of a script, as often as it is repeated.

@@ -36,8 +36,8 @@ void check_parameters(const Parameters& parameters, const PreparedSolids& solids
   for (const shader::SolidRecord& solid : solids.records) {
     const double least = least_finger_gap(solid);
     if (parameters.finger_gap_m < least) {
-      throw bad_usage(fmt::format("the finger gap is {} m: at least {:.3g} m for a solid of {:.3g} m",
-                                  parameters.finger_gap_m, least * 1.01, 2 * half_size(solid)));
+      throw bad_usage(fmt::format("the finger gap is {} m; a solid of {:.3g} m needs at least {:.3g} m",
+                                  parameters.finger_gap_m, 2 * half_size(solid), least * 1.01));
     }
   }
 }

@@ -5,8 +5,8 @@
 
 namespace palpa::viewer {
 
-// Where the panels stand: the strip with the array's state across the top, the others on the right below it. In pixels;
-// `line_height` is the height of a line of text.
+// The places of the panels: the strip with the array's state is across the top, the others are on the right below it.
+// In pixels; `line_height` is the height of a line of text.
 double strip_height(double line_height);
 double panels_width(double width, double line_height);
 
@@ -15,7 +15,7 @@ void draw_panels(Desk& desk, double now_s);
 
 void draw_state_strip(Desk& desk);
 
-// Each draws the content of one heading.
+// Each of these functions draws the content of one heading.
 void draw_view_panel(Desk& desk);
 void draw_time_panel(Desk& desk);
 void draw_place_panel(Desk& desk);

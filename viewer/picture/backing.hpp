@@ -1,4 +1,4 @@
-// What lies behind something to read, so that the picture does not show through clearly.
+// A backing behind text, so that the picture does not show through clearly and the text can be read.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,9 @@
 
 namespace palpa::viewer {
 
-/// Covers the rectangle with the background, so that little shows through. Strokes have round ends, so many thin ones
-/// make hardly rounded corners. They are whole pixels high, so that they meet without overlapping.
+/// Covers the rectangle with the background, so that little shows through. It consists of many thin strokes: strokes
+/// have round ends, and with thin ones the corners are hardly rounded. The strokes are whole pixels high, so that they
+/// meet without overlapping.
 inline void draw_backing(drawing::Ink& ink, const Vec2& low, const Vec2& high, const Theme& theme) {
   constexpr double opacity = 0.8;
   const double row = std::max(std::round(ink.px(2)), 1.0);

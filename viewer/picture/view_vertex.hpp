@@ -1,4 +1,4 @@
-// Corners as view_mesh.vert has them.
+// Corners in the form that view_mesh.vert reads.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace palpa::viewer {
 
-/// A corner in the colour of its draw.
+/// A corner that has the colour of the draw call.
 inline shader::ViewVertex plain(const glm::vec3& position, const glm::vec3& normal) {
   return {{position.x, position.y, position.z, 0}, {normal.x, normal.y, normal.z, 0}};
 }

@@ -12,7 +12,7 @@
 namespace palpa::viewer {
 
 struct Participant {
-  sensing::Screen screen;  ///< its eye is between the participant's
+  sensing::Screen screen;  ///< its eye is the point between the participant's eyes
   double eyes_apart_m = 63e-3;
   Stereo stereo = Stereo::none;
   /// For columns and rows. By default, those of usual_barrier().
@@ -30,7 +30,7 @@ ViewState for_participant(const ViewState& state);
 /// What one eye sees.
 Viewpoint eye_view(const sensing::Screen& screen, const Vec3& eye, const Box& objects);
 
-/// A warning if a picture of that size has another shape than the screen, which then stretches it; else empty.
+/// A warning if a picture of that size has another shape than the screen, so that the screen stretches it; else empty.
 std::string stretched(const sensing::Screen& screen, std::uint32_t width, std::uint32_t height);
 
 /// Writes a line of text over the top of the picture.

@@ -1,5 +1,5 @@
-// The field in a plane, computed in the background by the engine's field pass on its own device. It is coarse while
-// plane or drive change, so that it keeps up with a hand, and finer once they rest.
+// The field in a plane, computed in the background by the engine's field pass on its own device. While plane or drive
+// change, the field is coarse, so that it keeps up with a hand. When both have stopped changing, it becomes finer.
 #pragma once
 
 #include <cstdint>
@@ -36,10 +36,10 @@ class SlicePreview {
   /// most.
   explicit SlicePreview(gpu::DeviceOptions device);
 
-  /// Asks again if plane or drive have changed since the last question, or more finely if they have rested, and puts
-  /// answers into the picture. Never waits.
+  /// Asks again if plane or drive have changed since the last question. If they have stopped changing, asks for a finer
+  /// field. Puts answers into the picture. Never waits.
   Change look(const Sounding& now, const SliceState& slice, Picture& picture, double now_s);
-  /// Call for another picture: everything must be shown again.
+  /// Call this if the picture is a new one, in which everything must be shown again.
   void forget();
   /// Whether the picture will change by itself.
   bool busy() const { return busy_; }

@@ -1,6 +1,6 @@
 // How finely pictures are drawn, and when. Four samples for each pixel keep edges smooth, but take a long time on a
-// slow device or a processor. There, a picture in motion has one sample, and a picture at rest is drawn again with
-// four.
+// slow device or a processor. On such a device, a picture that changes has one sample for each pixel. Once the picture
+// is at rest, it is drawn again with four.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace palpa::viewer {
 
 enum class Fineness {
-  quick,  ///< one sample; of very many skin points only every n-th
+  quick,  ///< one sample; if there are very many skin points, only every n-th of them
   fine,   ///< four samples, if the device supports them
 };
 
@@ -26,7 +26,7 @@ inline constexpr Word<FinePictures> fine_words[] = {
 /// A fine picture that takes longer than this is too slow for a picture in motion.
 inline constexpr double slow_picture_ms = 40;
 
-/// Chooses for one picture after the other.
+/// Chooses the fineness of each picture.
 class Rest {
  public:
   /// A picture that has not changed for this long is at rest.
@@ -44,7 +44,7 @@ class Rest {
     drawn_s_ = now_s;
     again_ = wanted == FinePictures::automatic && fineness == Fineness::quick;
   }
-  /// When the last picture must be drawn again, finely; nullopt: it need not be.
+  /// The time at which the last picture must be drawn again as a fine picture; nullopt if it need not be.
   std::optional<double> again_s() const { return again_ ? std::optional(*drawn_s_ + rest_s) : std::nullopt; }
 
  private:

@@ -1,7 +1,7 @@
 // The radiation pressure of a focus on one rigid finger. It is the full (Langevin) radiation pressure of radiation.hpp
-// at the finger's skin, of the total field including the sound that the finger scatters. It replaces the array's field
-// in free air (array_field.hpp), with an incident wave and a solution per focus. The path runs from focus to focus
-// through the finger; its places are mapped to the nearest points of the skin.
+// at the finger's skin. It is computed from the total field, which includes the sound that the finger scatters. Use it
+// instead of the array's field in free air (array_field.hpp). It needs an incident wave and a solution per focus. The
+// path runs from focus to focus through the finger; its places are mapped to the nearest points of the skin.
 //
 // The sound of a focus is the drive for this focus alone. Absorption by air is included.
 #pragma once

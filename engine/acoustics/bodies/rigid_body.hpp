@@ -29,7 +29,7 @@ class RigidBody {
   const Patches& patches() const { return patches_; }
   double wave_number() const { return wave_number_; }
 
-  /// Where the incident wave is needed, with its slope along the outward normals: three samples per face.
+  /// The points at which the incident wave and its slope along the outward normals are needed: three samples per face.
   std::span<const Vec3> points() const { return points_; }
   std::span<const Vec3> normals() const { return normals_; }
   /// The area of the curved surface that each of these points represents, m2.
@@ -40,9 +40,9 @@ class RigidBody {
   /// a large body do not converge; GivenUp soon after `give_up` becomes true.
   std::vector<std::complex<float>> solve(const Waves& incident, const std::atomic<bool>* give_up = nullptr) const;
 
-  /// How the unknowns were found, and the worst report of all solutions so far, backward ones included.
+  /// How the unknowns are found, and the worst report of all solutions so far, including backward ones.
   struct Effort {
-    bool iterates = false;  ///< large bodies do (surface_operator.hpp)
+    bool iterates = false;  ///< by iterations, as for large bodies (surface_operator.hpp)
     SolveReport worst;
   };
   Effort effort() const;

@@ -30,8 +30,8 @@ struct ClusterTree {
 /// Divides at the median along the longest axis of the vertices' box until a cluster has at most `leaf_size` vertices.
 ClusterTree cluster_tree(const geometry::Mesh& mesh, std::uint32_t leaf_size);
 
-/// A block of the matrix: its rows' and its columns' cluster, and whether these are so far from each other that the
-/// block can be compressed.
+/// A block of the matrix: the cluster of its rows, the cluster of its columns, and whether these are so far from each
+/// other that the block can be compressed.
 struct BlockPlace {
   std::uint32_t rows, columns;
   bool far;

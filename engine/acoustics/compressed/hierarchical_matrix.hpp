@@ -18,8 +18,8 @@ namespace palpa::acoustics {
 
 class HierarchicalMatrix {
  public:
-  /// Each far block's relative error is about `tolerance` (low_rank.hpp). Warns as assemble() does. The same bytes for
-  /// any number of threads. Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+  /// Each far block's relative error is about `tolerance` (low_rank.hpp). Warns as assemble() does. The matrix has the
+  /// same bytes for any number of threads. Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
   HierarchicalMatrix(const Patches& body, double wave_number, double tolerance,
                      const std::atomic<bool>* give_up = nullptr);
 
@@ -39,7 +39,7 @@ class HierarchicalMatrix {
   std::vector<std::complex<float>> entries(const Square& square) const;
 
   std::uint64_t bytes() const;
-  /// About what bytes() will be.
+  /// An estimate of bytes().
   static std::uint64_t expected_bytes(const geometry::Mesh& body, double wave_number);
 
  private:

@@ -7,10 +7,10 @@
 //   x(u, v) = c0 + u c1 + v c2 + u^2 c3 + u v c4 + v^2 c5,   u, v >= 0, u + v <= 1,
 //
 // through its corners, at (0, 0), (1, 0) and (0, 1), and the middles of its sides. The bulge of a side is the mean of
-// the bulges of two arcs that are perpendicular to the normals at its ends, as the cubics of Vlachos et al. (2001,
-// "Curved PN triangles") are; it is exact on a sphere. A vertex' normal is Max's (1999), exact if its neighbours lie on
-// a sphere. An edge where the surface turns by more than sharp_turn stays a straight edge, and the faces on its two
-// sides do not share normals. Neighbouring patches meet without gaps.
+// the bulges of two arcs. Like the cubics of Vlachos et al. (2001, "Curved PN triangles"), each arc is perpendicular to
+// the normal at one end of the side. The bulge is exact on a sphere. The normal of a vertex is that of Max (1999),
+// which is exact if the vertex's neighbours lie on a sphere. An edge where the surface turns by more than sharp_turn
+// stays a straight edge, and the faces on its two sides do not share normals. Neighbouring patches meet without gaps.
 #pragma once
 
 #include <array>

@@ -51,7 +51,7 @@ struct TransferSetting {
   TransferSetting(const array::Layout& layout, const Air& air, array::Directivity directivity);
 };
 
-/// Fills `out`; its slopes only if `slopes`.
+/// Fills `out`, but its slopes only if `slopes`.
 void transfer(const TransferSetting& setting, const array::Transducer& from, const PointBlock& to, bool slopes,
               TransferBlock& out);
 
@@ -60,7 +60,7 @@ struct SumBlock {
   BlockOf<float> re{}, im{}, slope_re{}, slope_im{};
 };
 
-/// Adds s G of one transducer after the other, each with its strength; slopes only if `slopes`.
+/// Adds s G of each transducer, one after the other, where s is its strength. Adds the slopes only if `slopes`.
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum);
 

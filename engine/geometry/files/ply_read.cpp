@@ -341,7 +341,7 @@ class Body {
       return;
     }
     if (element.count > most_vertices) {
-      throw bad_input(file_.name(), fmt::format("has {} elements {}; palpa reads at most {}", element.count,
+      throw bad_input(file_.name(), fmt::format("has {} elements of the kind {}; palpa reads at most {}", element.count,
                                                 text::quoted(element.name), most_vertices));
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {

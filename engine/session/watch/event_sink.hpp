@@ -30,9 +30,9 @@ class EventSink {
 };
 
 /// "-", a file or "udp:HOST:PORT". A separate thread writes the lines at once. If the reader or the disk is slower, up
-/// to a megabyte is buffered. After that, complete lines are left out and counted, and there is one warning. With
-/// `wait_unless`, for frames that wait for the loop, no line is left out: the sink waits for the reader until that flag
-/// becomes true. Throws bad_usage for another form, failure() if the target cannot be opened.
+/// to a megabyte is buffered. After that, complete lines are left out and counted, and there is one warning. Pass
+/// `wait_unless` if frames wait for the loop: then no line is left out, because the sink waits for the reader until
+/// that flag becomes true. Throws bad_usage for another form, failure() if the target cannot be opened.
 std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
                                            const std::atomic<bool>* wait_unless = nullptr);
 

@@ -107,9 +107,9 @@ std::string analysis_html(const Analysis& analysis) {
   page.heading("Accuracy");
   add_overview(page, analysis);
   if (const auto& friedman = analysis.between.friedman) {
-    page.paragraph(
-        fmt::format("Friedman's test of all methods over {} participants: chi-square {} with {} degrees, {}.",
-                    friedman->people, shown(friedman->chi_square), friedman->degrees, shown_p(friedman->p)));
+    page.paragraph(fmt::format(
+        "Friedman's test of all methods over {} participants: chi-square {} with {} degrees of freedom, {}.",
+        friedman->people, shown(friedman->chi_square), friedman->degrees, shown_p(friedman->p)));
   }
   for (const MethodPair& pair : analysis.between.pairs)
     add_pair(page, analysis, pair);

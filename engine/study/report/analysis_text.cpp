@@ -31,7 +31,7 @@ std::string analysis_text(const Analysis& analysis) {
     fmt::format_to(out, "  correlation of the participants' accuracies: {}\n", shown(pair.pearson));
   }
   if (const auto& friedman = analysis.between.friedman) {
-    fmt::format_to(out, "\nFriedman's test of all methods: chi-square {} with {} degrees, {}\n",
+    fmt::format_to(out, "\nFriedman's test of all methods: chi-square {} with {} degrees of freedom, {}\n",
                    shown(friedman->chi_square), friedman->degrees, shown_p(friedman->p));
   }
   if (!study.left_out.empty())

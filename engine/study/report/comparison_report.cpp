@@ -26,10 +26,10 @@ std::string comparison_text(const Comparison& comparison) {
     text += measures_text(measures);
   }
   for (const ComparedPair& pair : comparison.pairs) {
-    fmt::format_to(out, "\n{} beside {}:\n  rms difference {}, correlation of the errors {}, G2 {} with {} degrees\n",
-                   printable(comparison.tables[pair.b].name), printable(comparison.tables[pair.a].name),
-                   shown(pair.tables.rms), shown(pair.tables.errors), shown(pair.tables.all.likelihood_ratio),
-                   pair.tables.all.degrees);
+    fmt::format_to(
+        out, "\n{} beside {}:\n  rms difference {}, correlation of the errors {}, G2 {} with {} degrees of freedom\n",
+        printable(comparison.tables[pair.b].name), printable(comparison.tables[pair.a].name), shown(pair.tables.rms),
+        shown(pair.tables.errors), shown(pair.tables.all.likelihood_ratio), pair.tables.all.degrees);
   }
   return text;
 }
@@ -75,8 +75,9 @@ std::string comparison_html(const Comparison& comparison, const std::vector<std:
     page.paragraph("Not everything could be analysed:");
     page.list(left_out);
   }
-  page.figure(comparison_figure(comparison.tables),
-              "Accuracies with 95 % intervals (Clopper-Pearson). The intervals take all trials as independent.");
+  page.figure(
+      comparison_figure(comparison.tables),
+      "Accuracies with 95 % intervals (Clopper-Pearson). The intervals assume that all trials are independent.");
   for (const Measures& measures : comparison.tables) {
     page.heading(measures.name);
     add_measures(page, measures);

@@ -68,7 +68,7 @@ void add_measures(HtmlPage& page, const Measures& measures) {
   rows = {{"measure", "value"},
           {"accuracy", shown(measures.accuracy)},
           {"95 % interval (Clopper-Pearson)", shown(std::optional(measures.clopper_pearson))},
-          {"by chance at least as many", shown_p(measures.p_chance)},
+          {"p of at least as many correct answers by chance", shown_p(measures.p_chance)},
           {"d' of all shapes", shown(measures.dprime)},
           {"Cohen's kappa", shown(measures.kappa)},
           {"transmitted information",
@@ -76,18 +76,18 @@ void add_measures(HtmlPage& page, const Measures& measures) {
           {"corrected for the number of trials", fmt::format("{} bit", shown(measures.information.corrected_bits))},
           {"Cramer's V", shown(measures.information.cramers_v)}};
   if (const auto& fit = measures.luce_fit) {
-    rows.push_back({"fit of Luce's model",
-                    fmt::format("G2 = {} with {} degrees, {}", shown(fit->deviance), fit->degrees, shown_p(fit->p))});
+    rows.push_back({"fit of Luce's model", fmt::format("G2 = {} with {} degrees of freedom, {}", shown(fit->deviance),
+                                                       fit->degrees, shown_p(fit->p))});
   }
   page.table(
-      "The interval and the tests of a table take all trials as independent. Trials of one participant are not, "
-      "so they describe the table and do not replace the tests over participants.",
+      "The interval and the tests of a table assume that all trials are independent. Trials of one participant are "
+      "not, so they describe the table and do not replace the tests over participants.",
       rows);
 }
 
 void add_difference(HtmlPage& page, const std::string& a, const std::string& b, const std::vector<std::string>& shapes,
                     const TwoTables& tables) {
-  std::vector<HtmlRow> rows{{"actual shape", "chi-square", "G2", "degrees", "p"}};
+  std::vector<HtmlRow> rows{{"actual shape", "chi-square", "G2", "degrees of freedom", "p"}};
   const auto add_row = [&](const std::string& name, const Difference& row) {
     rows.push_back({name, shown(row.chi_square), shown(row.likelihood_ratio), fmt::format("{}", row.degrees),
                     fmt::format("{:.3g}", row.p)});
@@ -97,7 +97,7 @@ void add_difference(HtmlPage& page, const std::string& a, const std::string& b, 
   add_row("all", tables.all);
   page.table(
       fmt::format("{} beside {}: root mean square difference of the shares {}; correlation of the errors {}. The "
-                  "tests take all trials as independent.",
+                  "tests assume that all trials are independent.",
                   a, b, shown(tables.rms), shown(tables.errors)),
       rows);
 }

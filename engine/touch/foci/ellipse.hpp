@@ -34,7 +34,7 @@ struct Ellipse {
   double xx = 0, xy = 0, yy = 0;  ///< shape
 
   Vec2 at(double t) const;
-  /// The parameter of the point in the direction of `p` after the ellipse is squeezed to a circle, in [0, 2 pi).
+  /// The parameter of the point that lies in the direction of `p` if the ellipse is squeezed to a circle. In [0, 2 pi).
   double parameter_of(const Vec2& p) const;
   double semi_major() const;
   double semi_minor() const;
@@ -61,8 +61,8 @@ class ArcSteps {
  public:
   explicit ArcSteps(const Ellipse& ellipse);
   double length() const { return along_.back(); }
-  /// Parameter after the given share of the whole length, 0 to 1. The error is less than a ten-thousandth of a turn
-  /// unless the ellipse is more than 20 times longer than wide.
+  /// The parameter at which the given share (0 to 1) of the whole length is reached. The error is less than a
+  /// ten-thousandth of a turn unless the ellipse is more than 20 times longer than wide.
   double parameter_at(double share) const;
   /// The inverse of parameter_at().
   double share_of(double parameter) const;
