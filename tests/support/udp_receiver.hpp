@@ -18,7 +18,7 @@ namespace palpa::test {
 class UdpReceiver {
  public:
   explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5))
-      : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+      : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

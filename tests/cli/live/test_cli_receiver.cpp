@@ -41,13 +41,14 @@ bool without_python() {
   return std::system("python3 -c pass >/dev/null 2>&1") != 0;
 }
 
-/// Sends datagrams to a port that was free when it was made.
+/// Sends datagrams to a port that was free when it was made. Programs that other threads start meanwhile do not inherit
+/// its sockets: one that kept the port would leave the receiver none.
 class Sender {
  public:
-  Sender() : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+  Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const int other = socket(AF_INET, SOCK_DGRAM, 0);
+    const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     EXPECT_EQ(bind(other, reinterpret_cast<sockaddr*>(&address_), sizeof(address_)), 0);
     socklen_t size = sizeof(address_);
     getsockname(other, reinterpret_cast<sockaddr*>(&address_), &size);

@@ -322,7 +322,7 @@ TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
 class Stranger {
  public:
   explicit Stranger(std::string answer, bool stays)
-      : answer_(std::move(answer)), stays_(stays), socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+      : answer_(std::move(answer)), stays_(stays), socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
