@@ -23,6 +23,7 @@
 #include "sensing/target.hpp"
 #include "setup/target_mount.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
@@ -52,6 +53,12 @@ Rig rig_of_a_board() {
   rig.array = sensing::ArrayPlacement{"openmpd", array::load_layout("openmpd").default_T_world_layout, {}};
   (*rig.array->T_world_layout)[3] = Vec4(0.02, -0.2, 0, 1);
   rig.screen.reset();
+  return rig;
+}
+
+/// With sanitizers, only the first of cameras that all take the same path.
+Rig fewer_cameras(Rig rig) {
+  if (instrumented()) rig.cameras.resize(1);
   return rig;
 }
 
@@ -161,7 +168,7 @@ TEST_F(Calibrate, FindsThePapersCameras) {
 }
 
 TEST_F(Calibrate, FindsCamerasAboveABoardAmongClutter) {
-  const Rig truth = rig_of_a_board();
+  const Rig truth = fewer_cameras(rig_of_a_board());
   geometry::Mesh clutter = box({-0.4, -0.25, -0.3}, {0.4, -0.21, 0.3});            // a table
   geometry::append(clutter, box({0.12, -0.21, -0.05}, {0.2, -0.14, 0.1}));         // a box of screws
   geometry::append(clutter, transformed(sphere(0.03, 24, 24), [](const Vec3& p) {  // somebody's fist
@@ -194,7 +201,7 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
 }
 
 TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
-  const Rig truth = rig_of_a_board();
+  const Rig truth = fewer_cameras(rig_of_a_board());
   const std::string rig = write("lost.toml", lost(truth));
   const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)));
   const Result result = palpa_here(
@@ -213,7 +220,7 @@ TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
 }
 
 TEST_F(Calibrate, WarnsOfAnotherScaleFromOneAndAHalfPercentOn) {
-  const Rig truth = rig_of_a_board();
+  const Rig truth = fewer_cameras(rig_of_a_board());
   const std::string rig = write("lost.toml", lost(truth));
   for (const auto& [scale, warns] : {std::pair(1.012, false), std::pair(1.018, true)}) {
     const std::string source =

@@ -143,7 +143,7 @@ TEST(FindTarget, TellsATargetOfAnotherScale) {
   std::vector<std::pair<Side, double>> seen_as{{low, 0.97}, {above, 1.03}, {low, 1.05},   {above, 0.95},
                                                {low, 0.95}, {low, 1.03},   {above, 0.97}, {above, 1.05}};
   if (!test::exhaustive()) seen_as.resize(4);
-  for (const auto& [side, scale] : test::the_first(2, seen_as)) {
+  for (const auto& [side, scale] : test::the_first(1, seen_as)) {
     SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, " << scale);
     const FoundTarget found = found_at(side, scale);
     EXPECT_NEAR(found.scale, scale, 3e-3);
@@ -153,11 +153,11 @@ TEST(FindTarget, TellsATargetOfAnotherScale) {
 
 TEST(FindTarget, TellsAnotherScaleFromOneAndAHalfPercentOn) {
   const Side low{30, 190, 0.4}, above{90, 40, 0.5};
-  for (const auto& [side, scale] : {std::pair(low, 1.012), std::pair(above, 0.988)}) {
+  for (const auto& [side, scale] : test::the_first(1, std::vector{std::pair(low, 1.012), std::pair(above, 0.988)})) {
     const FoundTarget found = found_at(side, scale);
     EXPECT_FALSE(scale_is_off(found)) << found.scale << " +- " << found.scale_deviation;
   }
-  for (const auto& [side, scale] : {std::pair(low, 0.982), std::pair(above, 1.018)}) {
+  for (const auto& [side, scale] : test::the_first(1, std::vector{std::pair(low, 0.982), std::pair(above, 1.018)})) {
     const FoundTarget found = found_at(side, scale);
     EXPECT_TRUE(scale_is_off(found)) << found.scale << " +- " << found.scale_deviation;
   }

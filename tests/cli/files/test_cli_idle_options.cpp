@@ -17,6 +17,7 @@
 #include "cli/support/process.hpp"
 #include "cli/support/reviewed_options.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -74,10 +75,11 @@ TEST_F(IdleOptions, AreRefused) {
 }
 
 TEST_F(IdleOptions, EffectiveOnesChangeTheResults) {
-  int tried = 0;
+  int tried = 0, looked_at = 0;
   for (const ReviewedLine& reviewed : lines_) {
     std::map<std::vector<std::string>, Results> before;
     for (const EffectiveOption& option : reviewed.effective) {
+      if (instrumented() && looked_at++ % 3 != 0) continue;
       const std::vector<std::string> line =
           with(reviewed.tried_as.empty() ? reviewed.line : reviewed.tried_as, option.beside);
       SCOPED_TRACE(testing::PrintToString(line) + " " + testing::PrintToString(option.given));
@@ -89,7 +91,7 @@ TEST_F(IdleOptions, EffectiveOnesChangeTheResults) {
       ++tried;
     }
   }
-  EXPECT_GT(tried, 100);
+  EXPECT_GT(tried, instrumented() ? 40 : 100);
 }
 
 TEST_F(IdleOptions, EveryOptionOfEveryCommandWasLookedAt) {
