@@ -79,6 +79,11 @@ Given given_on(const CLI::App& app) {
   return given;
 }
 
+void give(Given& given, const std::string& option, const std::optional<std::string>& text) {
+  given.erase(option);
+  if (text) given[option] = text->empty() ? std::vector<std::string>() : std::vector{*text};
+}
+
 Given known_to(const std::vector<OptionInfo>& table, const Given& given) {
   Given known;
   for (const OptionInfo& info : table) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,8 @@ std::vector<OptionInfo> option_table(const CLI::App& app);
 
 /// The options given on a command line, with their values; a flag has none.
 using Given = std::map<std::string, std::vector<std::string>>;
+/// Gives the option the text of a text field: its only value, or none if the text is empty. nullopt takes it away.
+void give(Given& given, const std::string& option, const std::optional<std::string>& text);
 
 /// The options given on the line that `app` has parsed.
 Given given_on(const CLI::App& app);

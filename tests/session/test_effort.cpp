@@ -234,6 +234,26 @@ TEST(Effort, FewerFociOfASectorWithoutContactsAreItsNeighbours) {
     EXPECT_TRUE(std::isfinite(focus.x));
 }
 
+/// The rule of docs/conventions.md: the nearest sector by angle; if two are equally near, the lower index.
+TEST(Effort, FewerFociTakeTheSameSectorForAnEmptyOneAsAllFociDo) {
+  geometry::Solid solid;
+  const std::vector<geometry::Solid> solids{solid};
+  Scheduler whole("scene", solids, {}, {}), thinned("scene", solids, {}, {});
+  thinned.thin_foci(2);
+  array::Schedule all, fewer;
+  for (std::uint32_t empty = 1; empty < (1u << 10) - 1; ++empty) {
+    std::vector<std::uint32_t> sectors;
+    for (std::uint32_t n = 0; n < 10; ++n)
+      if ((empty >> n & 1) != 0) sectors.push_back(n);
+    whole.make(ten_foci(sectors), 1, all);
+    thinned.make(ten_foci(sectors), 1, fewer);
+    ASSERT_EQ(all.voices[0].foci.size(), 10u);
+    ASSERT_EQ(fewer.voices[0].foci.size(), 5u);
+    for (std::uint32_t f = 0; f < 5; ++f)
+      EXPECT_EQ(fewer.voices[0].foci[f], all.voices[0].foci[2 * f]) << "focus " << f << ", empty sectors " << empty;
+  }
+}
+
 TEST(Effort, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
   const array::Layout layout = test::small_layout();
   const OutputSetting setting{layout, {}, 1.5e-3, hold_s};

@@ -53,6 +53,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
       run_(with_hands(around_.kinds, player_, moved_.finger()), *around_.stop, around_.wake),
       opening_(around_.wake),
       sounds_(setup::device_options(options.common)) {
+  slice_.asked = options_.slice;
   desk_.state = first_state(options_);
   desk_.edit = LiveEdit(options_.given);
   desk_.live = options_.is_live();

@@ -221,6 +221,7 @@ class App {
   Staleness stale_;
   Sounds sounds_;
   struct Slice {
+    AskedSlice asked;  ///< at first by the options; later by the user, whatever options change
     SliceHand hand;
     bool placed = false;  ///< it was given a place
   } slice_;

@@ -15,7 +15,7 @@ void App::copy_command(double now_s) {
 }
 
 void App::copy_picture(double now_s, const Size& size) {
-  const SeenView seen{desk_.state, size, ratio_, slice_.placed, desk_.numbers.frames};
+  const SeenView seen{desk_.state, size, ratio_, slice_.placed, desk_.numbers.frames, slice_.asked.plane};
   const std::string command = picture_command(options_, desk_.live ? desk_.edit.line() : setup::Given(), seen);
   if (around_.copy) around_.copy(command);
   say(log::Level::info, "copied: " + command, now_s);

@@ -10,6 +10,7 @@
 #include "viewer/app/app.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
+#include "viewer/options/touch_edit.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -107,13 +108,11 @@ void App::set_touch_option(const LiveEdit& edit, const OptionText& asked) {
   const auto info = std::ranges::find(live_table(), asked.option, &setup::OptionInfo::name);
   const bool applies = info != live_table().end() && is_of_touch(*info);
   if (!applies || desk_.empty || edit.options().scene.empty()) return;
-  setup::Given given = options_.given;
-  given.erase(asked.option);
-  if (asked.text) given[asked.option] = asked.text->empty() ? std::vector<std::string>() : std::vector{*asked.text};
-  ViewerOptions touch = options_of(given);
-  check(touch);
+  TouchEdit touch(options_);
+  touch.set(asked.option, asked.text);
+  touch.check();
   stale_.redraw();
-  opening_.begin_touch(touch, touch.input.scene == options_.input.scene);
+  opening_.begin_touch(touch.options(), touch.options().input.scene == options_.input.scene);
 }
 
 /// The first object is seen as the command line says, another one from the same side.

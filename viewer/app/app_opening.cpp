@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "viewer/app/app.hpp"
+#include "viewer/options/touch_edit.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -45,12 +46,9 @@ void App::open_scene(const std::string& path) {
     if (goes_together(edit)) opening_.begin_scene(edit.options(), same);
     return;
   }
-  ViewerOptions touch = options_;
-  touch.input.scene = path;
-  touch.input.gltf_scene = edit.options().gltf_scene;
-  touch.given["--scene"] = {path};
-  if (!touch.input.gltf_scene) touch.given.erase("--gltf-scene");
-  opening_.begin_touch(touch, same);
+  TouchEdit touch(options_);
+  touch.open_scene(path);
+  opening_.begin_touch(touch.options(), same);
 }
 
 /// A PLY is what touches: the finger that the pointer holds, or the skin of a single touch.
@@ -60,14 +58,12 @@ void App::open_skin(const std::string& path, double now_s) {
     if (desk_.empty) say(log::Level::info, path + ": touches the object that you open next", now_s);
     return;
   }
-  setup::Given given = options_.given;
-  given.erase("--depth");
-  given["--points"] = {path};
   try {
-    ViewerOptions touch = options_of(given);
-    check(touch);
+    TouchEdit touch(options_);
+    touch.use_points(path);
+    touch.check();
     stale_.redraw();
-    opening_.begin_touch(touch, true);
+    opening_.begin_touch(touch.options(), true);
   } catch (const Error& error) {
     say(log::Level::error, error.what(), now_s, about_opening);
   }

@@ -34,15 +34,13 @@ Sounding App::sounding() {
 /// The plane begins in the middle of the first touch, unless the user has given it another place.
 void App::place_slice_once() {
   if (slice_.placed || !desk_.state.layers.shows(Layer::slice)) return;
-  place_slice(desk_.state, options_, picture());
-  slice_.placed = !picture().fingers.empty() || !options_.slice_at.empty();
+  place_slice(desk_.state, slice_.asked, picture());
+  slice_.placed = !picture().fingers.empty() || !slice_.asked.at.empty();
 }
 
 void App::turn_slice(setup::Plane plane) {
-  options_.slice_plane = plane;
-  options_.slice_at.clear();
-  options_.slice_size_m = desk_.state.slice.size_m.x;
-  place_slice(desk_.state, options_, picture());
+  slice_.asked = {.plane = plane, .at = {}, .size_m = desk_.state.slice.size_m.x};
+  place_slice(desk_.state, slice_.asked, picture());
   slice_.placed = !picture().fingers.empty();
 }
 

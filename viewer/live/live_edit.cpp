@@ -48,11 +48,7 @@ std::optional<std::string> LiveEdit::text(const std::string& option) const {
 void LiveEdit::set(const std::string& option, const std::optional<std::string>& text) {
   const bool runs = std::ranges::find(live_table(), option, &setup::OptionInfo::name) != live_table().end();
   setup::Given part = runs ? line_ : copied_only_;
-  if (!text) {
-    part.erase(option);
-  } else {
-    part[option] = text->empty() ? std::vector<std::string>() : std::vector{*text};
-  }
+  setup::give(part, option, text);
   if (!runs) {
     check_copied(part);
     copied_only_ = std::move(part);

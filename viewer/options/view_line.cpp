@@ -54,9 +54,9 @@ void give_viewpoint(setup::Given& given, const ViewerOptions& options, const Vie
   if (viewpoint.orthographic) given["--ortho"] = {};
 }
 
-void give_slice(setup::Given& given, const ViewerOptions& options, const SeenView& seen) {
+void give_slice(setup::Given& given, const SeenView& seen) {
   if (!seen.state.layers.shows(Layer::slice)) return;
-  if (options.slice_plane) given["--slice"] = {std::string(word_of(setup::plane_words, *options.slice_plane))};
+  if (seen.plane) given["--slice"] = {std::string(word_of(setup::plane_words, *seen.plane))};
   if (seen.placed) given["--slice-at"] = {point_text(Vec3(seen.state.slice.T_world_slice[3]))};
   given["--slice-size"] = {fmt::format("{}", seen.state.slice.size_m.x)};
 }
@@ -77,7 +77,7 @@ std::string picture_command(const ViewerOptions& options, const setup::Given& ru
     given.erase(name);
   give_layers(given, seen.state.layers);
   give_viewpoint(given, options, seen.state.viewpoint);
-  give_slice(given, options, seen);
+  give_slice(given, seen);
   if (seen.state.dark) given["--dark"] = {};
   if (seen.state.explode > 0) given["--explode"] = {fmt::format("{:g}", seen.state.explode)};
   constexpr std::uint64_t most_frames = 300;

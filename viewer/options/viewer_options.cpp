@@ -119,11 +119,11 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.text("--opacity", o.opacities, "LAYER=0..1,...", "opacity of layers, such as array=0.3; 1 is their usual look");
   what.number("--explode", o.explode, {0, 1}, "NUMBER",
               "how far apart the convex parts of solids are drawn, in sizes of their solid");
-  what.choice("--slice", o.slice_plane, setup::plane_words,
+  what.choice("--slice", o.slice.plane, setup::plane_words,
               "shows the sound field of the slot in a plane; its two letters are axes of the world [none; xz with "
               "--show slice]");
-  what.point("--slice-at", o.slice_at, "centre of the plane of --slice [the touch's centre]");
-  what.quantity("--slice-size", o.slice_size_m, Quantity::length, setup::positive(10),
+  what.point("--slice-at", o.slice.at, "centre of the plane of --slice [the touch's centre]");
+  what.quantity("--slice-size", o.slice.size_m, Quantity::length, setup::positive(10),
                 "length of the sides of the plane of --slice");
   what.flag("--dark", o.dark, "draws on a dark background");
   what.choice("--fine", o.fine, fine_words,
@@ -307,7 +307,7 @@ void check(const ViewerOptions& o) {
     if (!o.is_live() && layers.shows(Layer::heat) && o.skin.empty())
       throw bad_usage("--show heat goes with --skin: it needs the finger's closed mesh");
   }
-  if (!o.slice_at.empty()) point("--slice-at", o.slice_at);
+  if (!o.slice.at.empty()) point("--slice-at", o.slice.at);
   if (o.participant) {
     if (o.headless && (o.is_live() || !o.interact.empty()))
       throw bad_usage("--participant with --headless excludes --source and --interact");
@@ -378,7 +378,7 @@ ViewState first_state(const ViewerOptions& o, const Layers& layers) {
       throw bad_usage(fmt::format("--opacity: '{}' is not layer=0..1, such as solids=0.5", item));
     state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);
   }
-  if (o.slice_plane || !o.slice_at.empty()) state.layers[Layer::slice].visible = true;
+  if (o.slice.plane || !o.slice.at.empty()) state.layers[Layer::slice].visible = true;
   state.explode = o.explode;
   state.time.slot = o.slot;
   state.dark = o.dark;
@@ -386,17 +386,17 @@ ViewState first_state(const ViewerOptions& o, const Layers& layers) {
   return state;
 }
 
-void place_slice(ViewState& state, const ViewerOptions& o, const Picture& picture) {
+void place_slice(ViewState& state, const AskedSlice& asked, const Picture& picture) {
   Transform& T = state.slice.T_world_slice;
-  const std::string_view letters = word_of(setup::plane_words, o.slice_plane.value_or(setup::Plane::xz));
+  const std::string_view letters = word_of(setup::plane_words, asked.plane.value_or(setup::Plane::xz));
   for (int column = 0; column < 2; ++column) {
     T[column] = Vec4(0);
     T[column][letters[static_cast<std::size_t>(column)] - 'x'] = 1;
   }
   T[2] = Vec4(glm::cross(Vec3(T[0]), Vec3(T[1])), 0);
   const Box touch = extent(picture, Extent::touch, state);
-  T[3] = Vec4(!o.slice_at.empty() ? point("--slice-at", o.slice_at) : touch.empty() ? Vec3(0) : touch.centre(), 1);
-  state.slice.size_m = Vec2(o.slice_size_m);
+  T[3] = Vec4(!asked.at.empty() ? point("--slice-at", asked.at) : touch.empty() ? Vec3(0) : touch.centre(), 1);
+  state.slice.size_m = Vec2(asked.size_m);
 }
 
 Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& state) {

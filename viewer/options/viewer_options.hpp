@@ -19,6 +19,13 @@
 
 namespace palpa::viewer {
 
+/// The plane in which the field is shown, as it was asked for.
+struct AskedSlice {
+  std::optional<setup::Plane> plane;
+  std::string at;  ///< its centre "x,y,z"; empty: the middle of the touch
+  double size_m = 60e-3;
+};
+
 struct ViewerOptions {
   setup::CommonOptions common;
   setup::TouchInputOptions input;  ///< all of it may be absent if there is a layout
@@ -35,9 +42,7 @@ struct ViewerOptions {
   std::string title;
   std::string shown, hidden, opacities;  ///< layers: "cameras,depth"; with opacities "solids=0.5,skin=0.2"
   double explode = 0;
-  std::optional<setup::Plane> slice_plane;
-  std::string slice_at;  ///< "x,y,z"
-  double slice_size_m = 60e-3;
+  AskedSlice slice;
   bool dark = false;
   FinePictures fine = FinePictures::automatic;
   std::uint64_t slot = 0;
@@ -88,8 +93,8 @@ Size picture_size(const ViewerOptions& options);
 Fineness fineness_without_window(const ViewerOptions& options);
 /// The initial state of the view: `layers`, changed as the options say. Its viewpoint is not set yet.
 ViewState first_state(const ViewerOptions& options, const Layers& layers = {});
-/// Places the slice at --slice-at, by default in the middle of the touch.
-void place_slice(ViewState& state, const ViewerOptions& options, const Picture& picture);
+/// Places the slice where it was asked for.
+void place_slice(ViewState& state, const AskedSlice& asked, const Picture& picture);
 /// The first viewpoint, for a picture of that size. Throws bad_usage for a camera that does not exist.
 Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const ViewState& state,
                           const Size& size);

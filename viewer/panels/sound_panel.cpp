@@ -155,6 +155,7 @@ void draw_sound_panel(Desk& desk) {
   if (!desk.state.layers.shows(Layer::slice)) return;
   for (const Word<setup::Plane>& entry : setup::plane_words) {
     if (ImGui::Button(entry.word)) desk.asked.plane = entry.value;
+    desk.places.named[std::string("plane ") + entry.word] = last_area();
     tip("Its axes in the world, through the middle of the touch");
     ImGui::SameLine();
   }

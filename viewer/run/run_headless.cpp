@@ -34,7 +34,7 @@ void run_headless(const ViewerOptions& options) {
   DrawnPicture drawn(device);
   ViewState state = first_state(options);
   if (participant) state = for_participant(state);
-  place_slice(state, options, show.picture());
+  place_slice(state, options.slice, show.picture());
   if (state.layers.shows(Layer::heat)) {
     const Sounding now = show.sounding();
     const geometry::Mesh mesh = setup::load_body(options.skin, now.air, false);

@@ -9,6 +9,7 @@
 #include "geometry/haptics.hpp"
 #include "session/plan/tuning_thread.hpp"
 #include "session/plan/voice.hpp"
+#include "touch/sections/nearest_filled.hpp"
 
 namespace palpa::session {
 
@@ -78,14 +79,10 @@ void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) co
   const auto count = static_cast<std::uint32_t>(placement.foci.size());
   const std::uint32_t left = std::max(std::min(count, fewest_foci), count / foci_part_);
   if (left == count) return;
-  // For a sector without a position, the nearest one with a position, as in make_voice.
+  // The same sectors as in make_voice. If no sector has a position, each stays without one.
   const auto placed = [&](std::uint32_t sector) {
-    for (std::uint32_t away = 0; away < count; ++away) {
-      for (const std::uint32_t one : {(sector + count - away) % count, (sector + away) % count}) {
-        if (placement.has(one)) return one;
-      }
-    }
-    return sector;
+    const std::uint32_t near = touch::nearest_filled(sector, count, [&](std::uint32_t i) { return placement.has(i); });
+    return near == count ? sector : near;
   };
   std::array<touch::Focus, touch::max_foci> chosen;
   for (std::uint32_t f = 0; f < left; ++f)

@@ -125,6 +125,51 @@ TEST_F(FirstSteps, AnErrorGoesWhenItsCauseIsMended) {
   EXPECT_FALSE(says("nonsense"));
 }
 
+/// A plane that a person has chosen stays chosen when options change and when files are opened.
+TEST_F(FirstSteps, AChosenPlaneOfTheFieldStays) {
+  make(options_of({{"--scene", {scene_}},
+                   {"--points", {test::source_file("assets/finger.ply")}},
+                   {"--penetration", {"3mm"}},
+                   {"--layout", {"autd3"}},
+                   {"--slice", {"xz"}},
+                   {"--slice-at", {"0,0.01,0"}},
+                   {"--slice-size", {"30mm"}},
+                   {"--backend", {"cpu"}}}));
+  draw();
+  click("Sound");
+  const auto chosen = [&](const std::string& plane) {
+    const Transform& T = app_->desk().state.slice.T_world_slice;
+    const auto letters = [&](std::size_t axis) { return T[static_cast<int>(axis)][plane[axis] - 'x'] == 1; };
+    key('c');
+    draw(1);
+    return letters(0) && letters(1) && copied_.find("--slice " + plane + " ") != std::string::npos &&
+           copied_.find("--slice-size 0.03") != std::string::npos;
+  };
+  EXPECT_TRUE(chosen("xz")) << copied_;
+  click("plane yz");
+  EXPECT_TRUE(chosen("yz")) << copied_;
+  const Transform placed = app_->desk().state.slice.T_world_slice;
+  EXPECT_GT(std::abs(placed[3].y - 0.01), 1e-3) << "through the middle of the touch";
+  click("Run");
+  click("Touch");
+  click("--foci");
+  type("7");
+  ASSERT_TRUE(opened());
+  draw();
+  ASSERT_EQ(app_->picture().fingers.at(0).foci.size(), 7u);
+  EXPECT_TRUE(chosen("yz")) << "after an option: " << copied_;
+  drop(test::source_file("assets/finger.ply"));
+  ASSERT_TRUE(opened());
+  EXPECT_TRUE(chosen("yz")) << "after a PLY: " << copied_;
+  drop(other_);
+  ASSERT_TRUE(opened());
+  EXPECT_TRUE(chosen("yz")) << "after an object: " << copied_;
+  EXPECT_EQ(app_->desk().state.slice.T_world_slice, placed);
+  click("--foci");
+  type("0");
+  EXPECT_TRUE(chosen("yz")) << "after a refusal: " << copied_;
+}
+
 TEST_F(FirstSteps, KeysWithoutAnEffectSaySo) {
   begin_touch();
   key('g');
