@@ -36,11 +36,11 @@ gpu::TexelView floats(const gpu::Device& device, const gpu::BufferRef& buffer, c
 }  // namespace
 
 std::size_t most_pass_foci(std::uint32_t transducers) {
-  constexpr std::size_t most_turns = 65'000;  // with a margin for additions by compilers
+  constexpr std::size_t most_iterations = 65'000;  // with a margin for additions by compilers
   const std::size_t stretches = gpu::groups_for(transducers, shader::drive_group * shader::drive_sum_each);
   const std::size_t scaling = gpu::groups_for(transducers, shader::drive_group);
   // One iteration for each stretch and focus, one more for each stretch, and the scaling.
-  return (most_turns - scaling) / std::max<std::size_t>(1, stretches) - 1;
+  return (most_iterations - scaling) / std::max<std::size_t>(1, stretches) - 1;
 }
 
 DrivePass::DrivePass(const gpu::Device& device)

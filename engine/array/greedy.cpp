@@ -35,7 +35,7 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
   const std::uint32_t stride = greedy_stride(transducers);
   double level = 0;
   std::uint32_t n = 0;
-  for (std::uint32_t turn = 0; turn < transducers; ++turn, n = (n + stride) % transducers) {
+  for (std::uint32_t done = 0; done < transducers; ++done, n = (n + stride) % transducers) {
     double total = 0;
     for (std::size_t j = 0; j < foci; ++j) {
       const std::size_t entry = n * foci + j;
@@ -50,7 +50,7 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
     std::uint32_t best = 0;
     double least = 0;
     // For the first transducer, all phases are equivalent.
-    for (std::uint32_t c = 0; c < (turn == 0 ? 1 : greedy_phases); ++c) {
+    for (std::uint32_t c = 0; c < (done == 0 ? 1 : greedy_phases); ++c) {
       double cost = 0;
       for (std::size_t j = 0; j < foci; ++j) {
         const double x = give_re[j] * cosine[c] - give_im[j] * sine[c];

@@ -65,8 +65,8 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
 std::uint32_t gs_pat_most_tries(std::size_t transducers) {
   // 16 threads share the transducers; the loops over foci take about 300 iterations. The margin covers the work before
   // the first try and after the last.
-  const std::size_t turns = transducers / 16 + 1 + 300;
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(45'000 / turns, 1, gs_pat_phase_tries));
+  const std::size_t iterations = transducers / 16 + 1 + 300;
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(45'000 / iterations, 1, gs_pat_phase_tries));
 }
 
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k) {

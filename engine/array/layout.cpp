@@ -16,14 +16,17 @@ std::vector<std::string> layout_names() {
   return {"autd3", "paper", "openmpd", "openmpd-pair", "sonicsurface"};
 }
 
+std::string known_layouts() {
+  return fmt::format("{}", fmt::join(layout_names(), ", "));
+}
+
 Layout load_layout(const std::string& name_or_file) {
   if (auto layout = builtin_layout(name_or_file)) return *std::move(layout);
   std::error_code ignored;
   const bool looks_like_file = name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".toml") ||
                                std::filesystem::exists(name_or_file, ignored);
   if (!looks_like_file) {
-    throw bad_input(name_or_file,
-                    fmt::format("neither a file nor a known layout; known: {}", fmt::join(layout_names(), ", ")));
+    throw bad_input(name_or_file, fmt::format("neither a file nor a known layout; known: {}", known_layouts()));
   }
   return load_layout_toml(name_or_file);
 }

@@ -44,6 +44,8 @@ struct Layout {
 /// docs/layouts.md). Throws bad_input naming file, line and key. The error for an unknown name lists the known ones.
 Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
+/// The same as text for people: "autd3, paper, ...".
+std::string known_layouts();
 /// Whether this is the name of a built-in layout or of an existing file.
 bool is_layout(const std::string& name_or_file);
 

@@ -30,8 +30,7 @@ struct DecomposeCommand {
 void add_options_of_decompose(CLI::App& app, DecomposeCommand& o) {
   const setup::Group group(app, "What to take apart");
   group.text("--scene", o.task.scene, "FILE", "glTF model; each mesh that can be touched is cut into parts");
-  group.integer("--gltf-scene", o.task.gltf_scene, 0, 1'000'000,
-                "number of the scene in that file [the file's default scene]");
+  setup::add_gltf_scene(group, o.task.gltf_scene);
   add_allow_outside(group, o.common);
   group.text("--out", o.out, "FILE.glb|-", "writes the parts as glTF, which other commands read as --scene");
   const setup::Group how(app, "How");

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "array/layout.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
@@ -31,8 +32,7 @@ struct DriveCommand {
 
 void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   const setup::Group group(app, "What to drive");
-  group.text("--layout", o.task.layout, "NAME|FILE",
-             "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+  group.text("--layout", o.task.layout, "NAME|FILE", fmt::format("the array: {} or a TOML", array::known_layouts()));
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help);
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");

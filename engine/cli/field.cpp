@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "array/layout.hpp"
 #include "base/log.hpp"
 #include "base/memory.hpp"
 #include "base/output_file.hpp"
@@ -34,8 +35,7 @@ struct FieldCommand {
 
 void add_options_of_field(CLI::App& app, FieldCommand& o) {
   const setup::Group group(app, "What sounds");
-  group.text("--layout", o.task.layout, "NAME|FILE",
-             "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML");
+  group.text("--layout", o.task.layout, "NAME|FILE", fmt::format("the array: {} or a TOML", array::known_layouts()));
   group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help));
   setup::add_place_options(app, o.task.place);

@@ -43,9 +43,8 @@ void add_options_of_link(CLI::App& app, LinkCommand& o) {
              "the word test: sounds one transducer after the other, so that you can see, hear or measure each");
   group.text("--link", o.link, "LINK", "the board or other link to test, as for palpa run");
   group.text("--layout", o.layout, "NAME|FILE",
-             "the link's array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [the board's own]");
-  group.text("--board-files", o.board_files, "DIR",
-             "folder with the boards' own files, which say how their transducers differ [no differences]");
+             fmt::format("the link's array: {} or a TOML [the board's own]", array::known_layouts()));
+  setup::add_board_files(group, o.board_files);
   constexpr std::uint32_t most = array::max_transducers - 1;
   group.integer("--first", o.first, 0, most, "first transducer to sound, by its number in the layout");
   group.integer("--last", o.last, 0, most, "last transducer to sound [the layout's last]");

@@ -26,6 +26,7 @@
 #include "setup/interrupt.hpp"
 #include "setup/keys.hpp"
 #include "setup/load.hpp"
+#include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/values.hpp"
@@ -248,15 +249,12 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
              "feel it there, and --out gets the array's corrected place");
   group.text("--scene", o.scene, "FILE", "glTF model that the fingertip touches [assets/cube.glb]");
   group.text("--link", o.link, "LINK", "where drives go, as for palpa run");
-  group.text("--board-files", o.board_files, "DIR",
-             "folder with the boards' own files, which say how their transducers differ [no differences]");
+  setup::add_board_files(group, o.board_files);
   group.text("--keys", o.keys, "KEYS",
              "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
   group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10),
                  "how long the newest frame sounds if no other comes");
-  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER", "multiplies every transducer's amplitude, 0 to 1");
-  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
-                 "time in which sound gets to full strength when a touch begins, and to silence when it ends");
+  setup::add_safety(group, o.safety);
   setup::add_medium_options(app, o.drive.medium);
 }
 

@@ -16,6 +16,7 @@
 #include "drawing/arrange.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/simulate_picture.hpp"
 #include "setup/values.hpp"
@@ -29,8 +30,7 @@ constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices},
 void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   const setup::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1u << 30,
-                "number of the scene in that file [the file's default scene]");
+  setup::add_gltf_scene(group, o.gltf_scene);
   group.text("--finger", o.finger, "FILE",
              "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y");
   add_allow_outside(group, o.common);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -14,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -37,8 +37,9 @@ using Row = std::array<double, columns>;
 bool parse(std::string_view line, Row& row) {
   for (std::size_t i = 0; i < columns; ++i) {
     const std::string_view cell = line.substr(0, line.find(','));
-    const auto [rest, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), row[i]);
-    if (fault != std::errc{} || rest != cell.data() + cell.size() || !std::isfinite(row[i])) return false;
+    const std::optional<double> number = parse_number(cell);
+    if (!number) return false;
+    row[i] = *number;
     if ((cell.size() == line.size()) != (i + 1 == columns)) return false;
     line.remove_prefix(std::min(line.size(), cell.size() + 1));
   }

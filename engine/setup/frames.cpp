@@ -66,8 +66,7 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 
 void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", o.gltf_scene, 0, 1'000'000,
-                "number of the scene in that file [the file's default scene]");
+  add_gltf_scene(group, o.gltf_scene);
   group.text("--source", o.source, "SOURCE",
              "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
              "realsense:SERIAL[,...] or bag:FILE");
@@ -76,14 +75,18 @@ void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   add_loop_options(group, o);
 }
 
+void add_safety(const Group& group, session::Safety& safety) {
+  group.number("--ceiling", safety.ceiling, {0, 1}, "NUMBER",
+               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
+  group.quantity("--ramp", safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
+                 "time in which sound gets to full strength when a touch begins, and to silence when it ends");
+}
+
 void add_loop_options(const Group& group, FrameOptions& o) {
   group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
                          "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
                          "frames are late");
-  group.number("--ceiling", o.safety.ceiling, {0, 1}, "NUMBER",
-               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
-  group.quantity("--ramp", o.safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
-                 "time in which sound gets to full strength when a touch begins, and to silence when it ends");
+  add_safety(group, o.safety);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
              "writes a line of JSON when a finger touches, moves on, presses or releases (docs/files.md) [no events]");

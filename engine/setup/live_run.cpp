@@ -55,8 +55,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 void add_link_options(const Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
              "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
-  group.text("--board-files", o.board_files, "DIR",
-             "folder with the boards' own files, which say how their transducers differ [no differences]");
+  add_board_files(group, o.board_files);
   group.flag("--every-frame", o.every_frame, "processes every frame, however long it takes, and not only the newest");
   group.text("--record", o.record, "DIR",
              "writes every depth frame into a new folder, for --source recording:DIR [no recording]");

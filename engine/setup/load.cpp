@@ -26,7 +26,7 @@ geometry::Scene read_scene(const std::string& file, const std::optional<int>& in
 array::Layout load_layout_of(const sensing::ArrayPlacement& array) {
   if (!array::is_layout(array.layout)) {
     throw bad_input(array.where, fmt::format("layout is {}, neither a file nor a known layout; known: {}",
-                                             printable(array.layout, 200), fmt::join(array::layout_names(), ", ")));
+                                             printable(array.layout, 200), array::known_layouts()));
   }
   return array::load_layout(array.layout);
 }

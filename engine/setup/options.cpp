@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "array/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "setup/values.hpp"
@@ -60,6 +61,15 @@ void add_common(CLI::App& app, CommonOptions& options) {
 void add_allow_outside(const Group& group, CommonOptions& options) {
   group.flag("--allow-outside", options.allow_outside,
              "scenes and recordings may name files outside their own folders");
+}
+
+void add_gltf_scene(const Group& group, std::optional<std::uint32_t>& number) {
+  group.integer("--gltf-scene", number, 0, 1u << 30, "number of the scene in that file [the file's default scene]");
+}
+
+void add_board_files(const Group& group, std::string& folder) {
+  group.text("--board-files", folder, "DIR",
+             "folder with the boards' own files, which say how their transducers differ [no differences]");
 }
 
 void apply_logging(const CommonOptions& options) {
@@ -300,8 +310,9 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
 void add_array_options(CLI::App& app, ArrayOptions& options) {
   Group(app, "Array")
       .text("--layout", options.layout, "NAME|FILE",
-            "the array: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML; palpa then prints the pressure "
-            "at the foci [no array]");
+            fmt::format("the array: {} or a TOML; palpa then prints the pressure "
+                        "at the foci [no array]",
+                        array::known_layouts()));
   add_drive_options(app, options.drive);
 }
 
@@ -314,7 +325,7 @@ void add_rig_options(CLI::App& app, RigOptions& options) {
   const Group group(app, "Rig");
   group.text("--rig", options.rig, "FILE", "TOML file of cameras, array and screen [the paper's rig]");
   group.text("--layout", options.layout, "NAME|FILE",
-             "array instead of the rig's: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [the rig's]");
+             fmt::format("array instead of the rig's: {} or a TOML [the rig's]", array::known_layouts()));
 }
 
 }  // namespace palpa::setup

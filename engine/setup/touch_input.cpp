@@ -106,8 +106,7 @@ TouchInput load_depths(const TouchInputOptions& options) {
 void add_touch_input(CLI::App& app, TouchInputOptions& options) {
   const Group group(app, "What touches what");
   group.text("--scene", options.scene, "FILE", "glTF model whose meshes can be touched");
-  group.integer("--gltf-scene", options.gltf_scene, 0, 1u << 30,
-                "number of the scene in that file [the file's default scene]");
+  add_gltf_scene(group, options.gltf_scene);
   group.text("--points", options.points, "FILE", "PLY file with points of the skin, in metres, world coordinates");
   group.texts("--depth", options.depths, "FILE",
               "16-bit depth image (PNG), instead of --points; give it again for more cameras");

@@ -15,7 +15,7 @@
 
 namespace palpa::setup {
 
-/// Stages in the order they ran, with their times in ms.
+/// Steps in the order they ran, with their times in ms.
 using StepTimes = std::vector<std::pair<std::string, double>>;
 
 /// A session and the touch of its frame.
@@ -34,7 +34,7 @@ struct TouchArray {
 };
 
 /// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, whose file is `scene`, and the drives of
-/// `array`. Adds the stages' times to `times`. Throws bad_usage for more points than the backend can hold and for
+/// `array`. Adds the steps' times to `times`. Throws bad_usage for more points than the backend can hold and for
 /// parameters that do not fit the scene, otherwise as Session does.
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,

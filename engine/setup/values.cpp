@@ -44,17 +44,13 @@ double take_quantity(const std::string& name, const std::string& text, Quantity 
 }
 
 double take_number(const std::string& name, const std::string& text, const Range& range) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, value);
-  if (fault != std::errc{} || rest != end || !std::isfinite(value)) {
-    throw bad_usage(fmt::format("{}: '{}' is not a number", name, shown(text)));
-  }
-  if (!within(value, range)) {
+  const std::optional<double> value = parse_number(text);
+  if (!value) throw bad_usage(fmt::format("{}: '{}' is not a number", name, shown(text)));
+  if (!within(*value, range)) {
     throw bad_usage(fmt::format("{}: '{}' is out of range, give a number {}", name, shown(text),
                                 range_words(range, [](double v) { return fmt::format("{}", v); })));
   }
-  return value;
+  return *value;
 }
 
 template <typename T>

@@ -1,4 +1,5 @@
-// Shared by viewer/ and shaders/view_*: the data that the viewer's pipelines fetch, and their common push constants.
+// Shared by viewer/ and shaders/viewer/view_*: the data that the viewer's pipelines fetch, and their common push
+// constants.
 #ifndef PALPA_SHADERS_VIEW_SCENE_H
 #define PALPA_SHADERS_VIEW_SCENE_H
 #include "shaders/shared/shared.h"

@@ -1,4 +1,4 @@
-// Shared by viewer/ and shaders/view_sheet*: triangles that lie flat on a whole picture, and the glyphs on them.
+// Shared by viewer/ and shaders/viewer/view_sheet*: triangles that lie flat on a whole picture, and the glyphs on them.
 #ifndef PALPA_SHADERS_VIEW_SHEET_H
 #define PALPA_SHADERS_VIEW_SHEET_H
 #include "shaders/shared/shared.h"

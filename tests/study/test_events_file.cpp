@@ -31,9 +31,9 @@ TEST(EventsFile, IsReadRowByRow) {
   const EventsFile file = parse_events(events_text("single-focus", 18), "log");
   EXPECT_TRUE(file.faults.empty());
   ASSERT_EQ(file.rows.size(), 43u);
-  EXPECT_EQ(file.rows[0].kind, EventKind::familiarise);
+  EXPECT_EQ(file.rows[0].kind, LogKind::familiarise);
   EXPECT_EQ(file.rows[0].answer, "");
-  EXPECT_EQ(file.rows[2].kind, EventKind::practice);
+  EXPECT_EQ(file.rows[2].kind, LogKind::practice);
   const EventRow& trial = file.rows[3];
   EXPECT_EQ(trial.line, 5u);
   EXPECT_EQ(trial.onset_s, 100);

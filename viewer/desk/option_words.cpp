@@ -1,8 +1,9 @@
 #include "viewer/desk/option_words.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <system_error>
+
+#include "base/units.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -99,10 +100,7 @@ std::string shown_default(const setup::OptionInfo& info) {
 
 std::string with_unit(const std::string& text, const OptionWords& words) {
   if (words.unit.empty()) return text;
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  return read.ec == std::errc() && read.ptr == end ? text + words.unit : text;
+  return parse_number(text) ? text + words.unit : text;
 }
 
 }  // namespace palpa::viewer

@@ -11,7 +11,9 @@
 #include <initializer_list>
 #include <utility>
 
+#include "array/layout.hpp"
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
 #include "setup/values.hpp"
@@ -70,13 +72,6 @@ std::vector<Layer> layers_in(const char* option, std::string_view text) {
   return layers;
 }
 
-std::optional<double> number_in(std::string_view text) {
-  double value = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (read.ec != std::errc() || read.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// The layers that are normally visible, or those that are not.
 std::string names_of_layers(bool visible) {
   std::string names;
@@ -95,7 +90,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_felt_options(app, o.felt);
   const setup::Group array(app, "Array");
   array.text("--layout", o.layout, "NAME|FILE",
-             "array to draw: autd3, paper, openmpd, openmpd-pair, sonicsurface or a TOML [no array]");
+             fmt::format("array to draw: {} or a TOML [no array]", array::known_layouts()));
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
@@ -373,7 +368,7 @@ ViewState first_state(const ViewerOptions& o, const Layers& layers) {
     state.layers[layer].visible = false;
   for (const std::string_view item : items_of(o.opacities)) {
     const std::size_t equals = std::min(item.find('='), item.size());
-    const std::optional<double> opacity = number_in(item.substr(std::min(equals + 1, item.size())));
+    const std::optional<double> opacity = parse_number(item.substr(std::min(equals + 1, item.size())));
     if (!opacity || !(*opacity >= 0 && *opacity <= 1))
       throw bad_usage(fmt::format("--opacity: '{}' is not layer=0..1, such as solids=0.5", item));
     state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);

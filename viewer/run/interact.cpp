@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "base/words.hpp"
 
 namespace palpa::viewer {
@@ -51,11 +51,10 @@ class Line {
   std::string all() { return std::string(std::exchange(rest_, {})); }
   double number(const char* what, double low, double high) {
     const std::string_view text = word();
-    double value = 0;
-    const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc() || rest != text.data() + text.size() || !(value >= low && value <= high))
+    const std::optional<double> value = parse_number(text);
+    if (!value || *value < low || *value > high)
       throw wrong(fmt::format("'{}' is not a {}: give a number from {} to {}", printable(text, 40), what, low, high));
-    return value;
+    return *value;
   }
   std::uint32_t whole(const char* what, std::uint32_t low, std::uint32_t high) {
     const double value = number(what, low, high);

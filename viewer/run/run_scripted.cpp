@@ -25,9 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Draws with the current size at the current time.
-class Stage {
+class Easel {
  public:
-  Stage(const ViewerOptions& options, const gpu::Device& device)
+  Easel(const ViewerOptions& options, const gpu::Device& device)
       : device_(&device),
         ratio_(options.pixel_ratio.value_or(1)),
         fineness_(fineness_without_window(options)),
@@ -67,12 +67,12 @@ class Stage {
 };
 
 /// Draws a live run's frames as they come, until the end of the run if there are fewer than `frames`.
-void draw_frames(App& app, Stage& stage, std::uint32_t frames, const std::function<double()>& now) {
-  while (stage.drew().ms.count() < frames && !app.quitting()) {
+void draw_frames(App& app, Easel& easel, std::uint32_t frames, const std::function<double()>& now) {
+  while (easel.drew().ms.count() < frames && !app.quitting()) {
     const LiveState state = app.desk().live_state;
-    app.advance(now(), stage.size());
+    app.advance(now(), easel.size());
     if (app.showed_frame()) {
-      stage.draw(app, now());
+      easel.draw(app, now());
     } else if (state == LiveState::failed || state == LiveState::ended) {
       return;
     } else {
@@ -103,25 +103,25 @@ class Shots {
   std::vector<std::pair<std::string, Pixels>> waiting_;
 };
 
-void play(App& app, Stage& stage, Script script, const std::function<double()>& now) {
+void play(App& app, Easel& easel, Script script, const std::function<double()>& now) {
   const auto is_behind = [&] { return app.beginning() || app.awaits_frame(); };
   bool behind = is_behind();  // the last picture is behind what was asked for
   Shots shots;
   while (script.busy() && !app.quitting()) {
     script.play(now(), [&](const Interaction& step) {
-      if (step.kind == Interaction::Kind::event) app.handle(step.event, stage.size());
-      if (step.kind == Interaction::Kind::resize) stage.resize({step.width, step.height});
-      if (step.kind == Interaction::Kind::shot) shots.take(step.file, stage.pixels());
+      if (step.kind == Interaction::Kind::event) app.handle(step.event, easel.size());
+      if (step.kind == Interaction::Kind::resize) easel.resize({step.width, step.height});
+      if (step.kind == Interaction::Kind::shot) shots.take(step.file, easel.pixels());
     });
     behind = is_behind();
-    app.advance(now(), stage.size());
+    app.advance(now(), easel.size());
     shots.write(app);  // it is known now whether anything is loaded
-    stage.draw(app, now());
+    easel.draw(app, now());
     script.drew();
   }
   // A run that is still loading may still fail. The last picture shows that run, and what was dropped.
   const auto wait = [&] {
-    app.advance(now(), stage.size());
+    app.advance(now(), easel.size());
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   };
   for (; app.beginning() && !app.quitting(); behind = true)
@@ -134,8 +134,8 @@ void play(App& app, Stage& stage, Script script, const std::function<double()>& 
   for (; app.awaits_frame() && !app.quitting() && now() < until_s; behind = true)
     wait();
   if (!behind || app.quitting()) return;
-  app.advance(now(), stage.size());
-  stage.draw(app, now());
+  app.advance(now(), easel.size());
+  easel.draw(app, now());
 }
 
 }  // namespace
@@ -161,15 +161,15 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   threads.expect();
   const gpu::Device device(setup::device_options(options.common));
   threads.have_begun();
-  Stage stage(options, device);
+  Easel easel(options, device);
   const SilentEnd silent_end(stopper.flag());
   if (options.interact.empty()) {
-    draw_frames(app, stage, options.frames.value_or(1), now);
+    draw_frames(app, easel, options.frames.value_or(1), now);
   } else {
-    play(app, stage, std::move(script), now);
+    play(app, easel, std::move(script), now);
   }
   stopper.end(app);
-  report_picture(options, outputs, stage.pixels(), stage.drew());
+  report_picture(options, outputs, easel.pixels(), easel.drew());
   report_run(options, outputs, app.stats());
 }
 

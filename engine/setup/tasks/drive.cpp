@@ -10,6 +10,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
 #include "array/drive_pass.hpp"
+#include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -188,7 +189,7 @@ void check(const DriveTask& task) {
     if (task.slot || !task.rig.empty())
       throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
     if (task.layout.empty())
-      throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+      throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
     if (task.foci.empty()) {
       throw bad_usage(
           "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE");

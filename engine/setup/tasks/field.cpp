@@ -10,6 +10,7 @@
 #include "acoustics/field/field_pass.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/as_built.hpp"
+#include "array/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
@@ -67,7 +68,7 @@ void sum(const array::Layout& layout, std::span<const array::TransducerDrive> dr
 
 void check(const FieldTask& task, bool picture) {
   if (task.layout.empty())
-    throw bad_usage("--layout is missing: give autd3, paper, openmpd, openmpd-pair, sonicsurface or a layout TOML");
+    throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
   if (task.drive_file.empty() == task.foci.empty()) {
     throw bad_usage(task.foci.empty() ? "nothing sounds: give --drive FILE.csv, or --focus x,y,z such as 0,0,150mm"
                                       : "--drive and --focus exclude each other: give one of them");

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
 #include "study/files/trial.hpp"
@@ -55,26 +56,26 @@ std::string read_row(const std::vector<std::string_view>& cells, const Places& p
   const auto cell = [&](Column column) { return cells[places[column]]; };
   const auto time = [&](Column column, std::optional<double>& target) {
     if (cell(column) == not_available) return true;
-    target = number_in(cell(column));
+    target = parse_number(cell(column));
     return target && *target >= 0;
   };
   const auto not_a_time = [&](Column column) {
     return fmt::format("{} '{}' is not a time in seconds, such as 1.25", column_names[column], shown(cell(column)));
   };
-  const std::optional<double> begin = number_in(cell(onset));
+  const std::optional<double> begin = parse_number(cell(onset));
   if (!begin) return not_a_time(onset);
   row.onset_s = *begin;
   if (!time(duration, row.duration_s)) return not_a_time(duration);
   if (!time(response_time, row.response_s)) return not_a_time(response_time);
 
-  const std::optional<EventKind> kind = value_of(event_words, cell(trial_type));
+  const std::optional<LogKind> kind = value_of(event_words, cell(trial_type));
   if (!kind) return fmt::format("trial_type '{}' is not {}", shown(cell(trial_type)), one_of(event_words));
   row.kind = *kind;
   const std::optional<EventStatus> state = value_of(status_words, cell(status));
   if (!state) return fmt::format("status '{}' is not {}", shown(cell(status)), one_of(status_words));
   row.status = *state;
 
-  const bool counts = row.kind == EventKind::trial && row.status == EventStatus::answered;
+  const bool counts = row.kind == LogKind::trial && row.status == EventStatus::answered;
   for (const auto& [column, target] : {std::pair(method, &row.method), {shape, &row.shape}, {answer, &row.answer}}) {
     const bool missing = cell(column).empty() || cell(column) == not_available;
     if (counts && missing) return fmt::format("an answered trial has no {}", column_names[column]);
@@ -82,7 +83,7 @@ std::string read_row(const std::vector<std::string_view>& cells, const Places& p
       return fmt::format("{} '{}' is longer than {} letters", column_names[column], shown(cell(column)), most_name);
     if (!missing) *target = cell(column);
   }
-  if (row.kind == EventKind::trial && row.status == EventStatus::done)
+  if (row.kind == LogKind::trial && row.status == EventStatus::done)
     return "a trial has the status done, but only answered or void fit";
   return {};
 }

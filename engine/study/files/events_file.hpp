@@ -14,11 +14,11 @@
 
 namespace palpa::study {
 
-enum class EventKind { familiarise, free, practice, trial };
-inline constexpr Word<EventKind> event_words[] = {{"familiarise", EventKind::familiarise},
-                                                  {"free", EventKind::free},
-                                                  {"practice", EventKind::practice},
-                                                  {"trial", EventKind::trial}};
+enum class LogKind { familiarise, free, practice, trial };
+inline constexpr Word<LogKind> event_words[] = {{"familiarise", LogKind::familiarise},
+                                                  {"free", LogKind::free},
+                                                  {"practice", LogKind::practice},
+                                                  {"trial", LogKind::trial}};
 
 enum class EventStatus {
   answered,  ///< a trial with its answer
@@ -32,7 +32,7 @@ struct EventRow {
   std::size_t line = 0;  ///< in the file, from 1
   double onset_s = 0;
   std::optional<double> duration_s{};
-  EventKind kind = EventKind::trial;
+  LogKind kind = LogKind::trial;
   EventStatus status = EventStatus::answered;
   std::string method{}, shape{}, answer{};  ///< empty where the file has n/a
   std::optional<double> response_s{};

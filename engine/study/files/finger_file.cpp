@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
 #include "study/files/tsv.hpp"
@@ -77,7 +78,7 @@ FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialT
       }
       const std::string_view cell = cells[sidecar.depth_column];
       if (cell == not_available) continue;
-      const std::optional<double> depth = number_in(cell);
+      const std::optional<double> depth = parse_number(cell);
       constexpr double most_m = 10;
       if (!depth || std::abs(*depth) > most_m) {
         throw bad_input(name, fmt::format("line {}: '{}' is not a depth in metres, such as 0.0031", index + 1,

@@ -86,7 +86,7 @@ std::vector<Folder> participants_in(const std::string& place, std::vector<std::s
 }
 
 bool counts(const EventRow& row) {
-  return row.kind == EventKind::trial && row.status == EventStatus::answered;
+  return row.kind == LogKind::trial && row.status == EventStatus::answered;
 }
 
 void read_courses(const fs::path& events, Session& session, std::vector<std::string>& left_out) {
@@ -224,7 +224,7 @@ Participant assemble(Folder& folder, const Study& study) {
   for (const Session& session : folder.sessions) {
     std::size_t course = 0;
     for (const EventRow& row : session.events.rows) {
-      if (row.kind == EventKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
+      if (row.kind == LogKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
       if (!counts(row)) continue;
       const std::size_t own_course = course++;
       const auto method = place_in(study.methods, row.method);

@@ -1,7 +1,5 @@
 #include "study/files/tsv.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <system_error>
 
 namespace palpa::study {
@@ -30,13 +28,6 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
     if (end == std::string_view::npos) return cells;
     line.remove_prefix(end + 1);
   }
-}
-
-std::optional<double> number_in(std::string_view cell) {
-  double value = 0;
-  const auto [rest, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (fault != std::errc{} || rest != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
 }
 
 }  // namespace palpa::study

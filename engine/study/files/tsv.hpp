@@ -29,8 +29,6 @@ class Lines {
 /// The cells between separators, as they are.
 std::vector<std::string_view> cells_of(std::string_view line, char separator);
 
-/// A finite number that takes the whole cell.
-std::optional<double> number_in(std::string_view cell);
 /// BIDS' word for a value that does not exist.
 inline constexpr std::string_view not_available = "n/a";
 

@@ -101,8 +101,8 @@ std::vector<double> fitted(const Confusion& table) {
     groups.push_back(column);
     groups.push_back({i * m + i});
   }
-  constexpr int most_turns = 20'000;
-  for (int turn = 0; turn < most_turns && change > 1e-13; ++turn) {
+  constexpr int most_iterations = 20'000;
+  for (int i = 0; i < most_iterations && change > 1e-13; ++i) {
     change = 0;
     for (const std::vector<std::size_t>& group : groups)
       scale(group);

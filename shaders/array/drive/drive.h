@@ -1,4 +1,5 @@
-// Shared by engine/array/drive_pass.cpp and shaders/drive_*.comp. The solvers' shaders (solve.h) use its structs, too.
+// Shared by engine/array/drive_pass.cpp and shaders/array/drive/drive_*.comp. The solvers' shaders
+// (solve.h) use its structs, too.
 #ifndef PALPA_SHADERS_DRIVE_H
 #define PALPA_SHADERS_DRIVE_H
 #include "shaders/shared/shared.h"

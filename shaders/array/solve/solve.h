@@ -1,4 +1,4 @@
-// Shared by engine/array/solver_pass.cpp and shaders/solve_*.comp.
+// Shared by engine/array/solver_pass.cpp and shaders/array/solve/solve_*.comp.
 #ifndef PALPA_SHADERS_SOLVE_H
 #define PALPA_SHADERS_SOLVE_H
 #include "shaders/array/drive/drive.h"

@@ -1,4 +1,4 @@
-// Shared by engine/touch/bridge/bridge_pass.cpp and shaders/bridge_*.comp.
+// Shared by engine/touch/bridge/bridge_pass.cpp and shaders/touch/bridge/bridge_*.comp.
 #ifndef PALPA_SHADERS_BRIDGE_H
 #define PALPA_SHADERS_BRIDGE_H
 #include "shaders/shared/shared.h"

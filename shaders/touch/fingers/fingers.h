@@ -1,4 +1,4 @@
-// Shared by engine/touch/fingers/fingers_pass.cpp and shaders/fingers_*.comp.
+// Shared by engine/touch/fingers/fingers_pass.cpp and shaders/touch/fingers/fingers_*.comp.
 #ifndef PALPA_SHADERS_FINGERS_H
 #define PALPA_SHADERS_FINGERS_H
 #include "shaders/shared/shared.h"

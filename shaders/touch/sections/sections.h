@@ -1,4 +1,4 @@
-// Shared by engine/touch/sections/sections_pass.cpp and shaders/sections_*.comp.
+// Shared by engine/touch/sections/sections_pass.cpp and shaders/touch/sections/sections_*.comp.
 #ifndef PALPA_SHADERS_SECTIONS_H
 #define PALPA_SHADERS_SECTIONS_H
 #include "shaders/shared/shared.h"

@@ -1,4 +1,4 @@
-// Shared by engine/touch/split/split_pass.cpp and shaders/split_*.comp.
+// Shared by engine/touch/split/split_pass.cpp and shaders/touch/split/split_*.comp.
 #ifndef PALPA_SHADERS_SPLIT_H
 #define PALPA_SHADERS_SPLIT_H
 #include "shaders/shared/shared.h"
