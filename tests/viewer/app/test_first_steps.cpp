@@ -241,11 +241,19 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   click("Run");
   ASSERT_TRUE(touch()) << "and go on touching";
 
-  click("record");
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().recorded > 5; })) << "3: record";
+  // The new method may begin another run only now, which ends a recording of the run before.
+  fs::path recording;
+  ASSERT_TRUE(goes_round_until([&] {
+    if (app_->desk().recording.empty()) {
+      click("record");
+      go_round(2);
+    }
+    recording = app_->desk().recording;
+    return !recording.empty() && app_->desk().recorded > 5;
+  })) << "3: record";
   click("record");
   ASSERT_TRUE(goes_round_until([&] { return app_->desk().recording.empty(); }));
-  drop(folder_ / "recording-1");
+  drop(recording);
   ASSERT_TRUE(goes_round_until([&] { return app_->desk().playback.has_value(); }));
   click("recording play");
   ASSERT_TRUE(goes_round_until([&] { return !app_->desk().playback->playing; })) << "pause";
