@@ -16,9 +16,9 @@ namespace palpa::study {
 
 enum class LogKind { familiarise, free, practice, trial };
 inline constexpr Word<LogKind> event_words[] = {{"familiarise", LogKind::familiarise},
-                                                  {"free", LogKind::free},
-                                                  {"practice", LogKind::practice},
-                                                  {"trial", LogKind::trial}};
+                                                {"free", LogKind::free},
+                                                {"practice", LogKind::practice},
+                                                {"trial", LogKind::trial}};
 
 enum class EventStatus {
   answered,  ///< a trial with its answer
