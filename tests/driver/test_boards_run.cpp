@@ -15,6 +15,7 @@
 #include "cli/support/process.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/sonicsurface/pty.hpp"
+#include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -130,10 +131,14 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
     const Result refused = palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "cross-section"}));
     expect_failure(refused, 2, "a frame takes 11.3 ms");
   };
-  // Only the link names the array, and no option names a method.
+  // Only the link names the array, and no option names a method: the small rig without its array.
+  const auto rig = scratch_folder("sonicsurface-run") / "rig.toml";
+  const std::string small_rig = read_text(source_file("tests/cli/support/small_rig.toml"));
+  std::ofstream(rig) << small_rig.substr(0, small_rig.find("[array]"));
   const auto as_the_link_says = [&] {
-    const Result chosen = palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "30", "--hold",
-                                 "500ms", "--link", of_the_link_alone.link()});
+    const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--source",
+                                              "synthetic", "--rig", rig.string(), "--noise-free", "--frames", "30",
+                                              "--hold", "500ms", "--link", of_the_link_alone.link()});
     EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
     EXPECT_NE(chosen.err.find("takes 11.3 ms for each focus"), std::string::npos) << chosen.err;
     EXPECT_NE(chosen.err.find("palpa plays --method single-focus"), std::string::npos) << chosen.err;
