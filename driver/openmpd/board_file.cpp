@@ -31,7 +31,7 @@ class Tokens {
     return at_ == text_.size();
   }
   std::string_view next(std::string_view wanted) {
-    if (ended()) throw fault(fmt::format("the file ends where {} should be", wanted));
+    if (ended()) throw fault(fmt::format("expected {}; the file ends there", wanted));
     const std::size_t first = at_;
     while (at_ < text_.size() && !parts(text_[at_]))
       ++at_;
@@ -44,14 +44,13 @@ class Tokens {
     if (code != std::errc{} || end != token.data() + token.size() || !(value >= low && value <= high)) {
       // Until it is recognised as a board file, it may be any file, and nothing of it must be shown.
       const std::string there = recognised_ ? fmt::format("\"{}\"", printable(token, 40)) : "something else";
-      throw fault(fmt::format("{} where {} should be, a number from {} to {}", there, wanted, low, high));
+      throw fault(fmt::format("expected {}, a number from {} to {}; found {}", wanted, low, high, there));
     }
     return value;
   }
   int whole(std::string_view wanted, int low, int high) {
     const double value = number(wanted, low, high);
-    if (value != std::floor(value))
-      throw fault(fmt::format("something else where {} should be, a whole number", wanted));
+    if (value != std::floor(value)) throw fault(fmt::format("expected {}, a whole number", wanted));
     return static_cast<int>(value);
   }
   /// Call when what has been read can only be the beginning of a board file.

@@ -30,8 +30,8 @@ Vec3 read_position(TomlTable& table) {
   const std::vector<double> position = table.numbers("position_m", 3);
   for (const double metres : position) {
     if (std::abs(metres) > most_metres) {
-      throw table.fault("position_m", fmt::format("position_m has {} m; it must be at most {} m from the origin",
-                                                  metres, most_metres));
+      throw table.fault("position_m",
+                        fmt::format("position_m has a coordinate of {} m; the limit is {} m", metres, most_metres));
     }
   }
   return {position[0], position[1], position[2]};

@@ -121,9 +121,10 @@ std::vector<char> shells_to_turn(const std::string& file, const std::string& nam
     turned[s] = shells.list[shell.outermost].volume < 0 ? 1 : 0;
     const bool outwards = (shell.volume > 0) != (turned[s] != 0), should = shell.depth % 2 == 0;
     if (outwards == should) continue;
-    throw bad_input(file, fmt::format("mesh {} has a shell inside another that faces the same way, at {} m (triangle "
-                                      "{}): turn it if it is a cavity, or give it its own node if it is a second body",
-                                      name, text::point(mesh.positions[mesh.triangles[shell.first][0]]), shell.first));
+    throw bad_input(file,
+                    fmt::format("mesh {} has a shell inside another that faces the same way, at {} m (triangle "
+                                "{}): flip its faces if it is a cavity, or give it its own node if it is a second body",
+                                name, text::point(mesh.positions[mesh.triangles[shell.first][0]]), shell.first));
   }
   return turned;
 }

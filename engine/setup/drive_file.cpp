@@ -92,8 +92,8 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
     }
     if (row[0] != static_cast<double>(rows)) {
       throw bad_input(
-          name, fmt::format("line {}: transducer {} where {} should be: rows must be in layout order, from 0", number,
-                            row[0], rows));
+          name, fmt::format("line {}: expected transducer {}, found {}: rows must be in layout order, from 0", number,
+                            rows, row[0]));
     }
     if (rows < transducers) {
       if (const std::string fault = foreign(row, layout.transducers[rows]); !fault.empty()) {

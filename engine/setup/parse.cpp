@@ -68,7 +68,7 @@ std::string unexpected(CLI::App& app, int argc, const char* const* argv) {
     return fmt::format("{} has no option '{}'{}", name_of(app, command), shown(word),
                        guess(word.substr(0, word.find('=')), options_of(command)));
   if (comes_before_subcommand(command, word, argc, argv))
-    return fmt::format("'{}' comes before the subcommand: give it after", shown(word));
+    return fmt::format("'{}' comes before the subcommand: give it after the subcommand", shown(word));
   return fmt::format("'{}' is not read here: the argument before it ends the options", shown(word));
 }
 

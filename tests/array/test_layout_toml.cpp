@@ -111,7 +111,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0]\naxis = [0, 0, 1]\n"),
             "line 2: position_m must be 3 finite numbers in brackets");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, 11]\naxis = [0, 0, 1]\n"),
-            "line 2: position_m has 11 m; it must be at most 10 m from the origin");
+            "line 2: position_m has a coordinate of 11 m; the limit is 10 m");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, \"1\"]\naxis = [0, 0, 1]\n"),
             "line 2: position_m must be 3 finite numbers in brackets");
   EXPECT_EQ(fault_of("[[transducer]]\nposition_m = [0, 0, inf]\naxis = [0, 0, 1]\n"),

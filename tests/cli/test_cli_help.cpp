@@ -77,7 +77,8 @@ TEST(Help, AMistypedWordIsUnderstood) {
   refused({"study"}, "a subcommand is required; see palpa study --help");
   refused({"study", "--seed", "1"}, "palpa study has no option '--seed'; see palpa study --help");
   refused({"study", "power", "--trails", "3"}, "palpa study power has no option '--trails': did you mean --trials?");
-  refused({"--quiet", "study", "power"}, "'--quiet' comes before the subcommand: give it after; see palpa study power");
+  refused({"--quiet", "study", "power"},
+          "'--quiet' comes before the subcommand: give it after the subcommand; see palpa study power");
 }
 
 TEST(Help, AGroupListsItsSubcommands) {

@@ -52,8 +52,8 @@ TEST(Usage, EveryKindOfBadLineIsToldInOneWording) {
   refused({"--feel"}, "palpa has no option '--feel'" + help);
   refused({"-"}, "unknown subcommand '-'" + help);
   refused({""}, "unknown subcommand ''" + help);
-  refused({"--quiet", "drive"}, "'--quiet' comes before the subcommand: give it after" + drive_help);
-  refused({"--json", "-", "drive"}, "'--json' comes before the subcommand: give it after" + drive_help);
+  refused({"--quiet", "drive"}, "'--quiet' comes before the subcommand: give it after the subcommand" + drive_help);
+  refused({"--json", "-", "drive"}, "'--json' comes before the subcommand: give it after the subcommand" + drive_help);
   refused({"drive", "--layout"}, "--layout: the value is missing, give NAME|FILE" + drive_help);
   refused({"drive", "--layout="}, "--layout: the value is missing, give NAME|FILE" + drive_help);
   refused({"drive", "--solver"}, "--solver: the value is missing, give WORD" + drive_help);

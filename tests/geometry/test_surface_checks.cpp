@@ -305,7 +305,7 @@ TEST(Limits, StepsToASurfacesGridAreCounted) {
   EXPECT_CONTAINS(
       test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0}); },
                      Exit::failed),
-      "turn it so that its long faces run along an axis");
+      "turn the mesh so that its long faces run along an axis");
   // A mesh as modellers make them.
   EXPECT_FALSE(
       make_surface(test::torus(0.05, 0.02, 40), {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0})

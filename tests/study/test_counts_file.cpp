@@ -37,7 +37,7 @@ TEST(CountsFile, AFaultIsOneLineWithItsPlace) {
       {"x,a,b\na,1\nb,0,1\n", "line 2: 1 counts where line 1 has 2 answers"},
       {"x,a,b\na,1,2,3\nb,0,1\n", "line 2: 3 counts where line 1 has 2 answers"},
       {"x,a,b\na,1,2\ncone,0,1\n", "line 3: the shape 'cone' is not among the answers a, b"},
-      {"x,a,b\na,1,2\na,0,1\n", "line 3: a second line of 'a'"},
+      {"x,a,b\na,1,2\na,0,1\n", "line 3: shape 'a' already has a line"},
       {"x,a,b\na,1,2\n", "has no line of the shape 'b'"},
       {"x,a,b\na,0,0\nb,0,0\n", "all counts are 0"},
       {"x,a,a\na,1,2\n", "line 1: name 2 is there twice"},

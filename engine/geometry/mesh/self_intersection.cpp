@@ -223,7 +223,7 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
     if (looked_at > most) {
       throw failure(
           fmt::format("more than {} pairs of its {} triangles have boxes that overlap, too many to look for "
-                      "crossings; turn it so that its long faces run along an axis, divide them, or make "
+                      "crossings; turn the mesh so that its long faces run along an axis, divide them, or make "
                       "several meshes of it",
                       most, order.size()));
     }

@@ -161,7 +161,7 @@ class Builder {
   [[noreturn]] static void refuse(std::uint64_t most_steps, std::size_t cells) {
     throw failure(fmt::format(
         "the boxes of its triangles overlap too much: finding the nearest triangles takes more than the {} steps that "
-        "palpa spends on a grid of {} cells; turn it so that its long faces run along an axis, or divide them",
+        "palpa spends on a grid of {} cells; turn the mesh so that its long faces run along an axis, or divide them",
         most_steps, cells));
   }
 

@@ -92,7 +92,8 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
     }
     const auto row = static_cast<std::size_t>(found - table.shapes.begin());
     if (there[row])
-      throw bad_input(name, fmt::format("line {}: a second line of '{}'", lines.number(), printable(shape, 40)));
+      throw bad_input(name,
+                      fmt::format("line {}: shape '{}' already has a line", lines.number(), printable(shape, 40)));
     there[row] = true;
     for (std::size_t j = 0; j < table.size(); ++j)
       table.at(row, j) = count_in(plain(cells[j + 1]), name, lines.number());

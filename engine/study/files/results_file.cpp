@@ -39,11 +39,11 @@ Confusion table_in(const json& method, const std::vector<std::string>& shapes, c
   Confusion table(shapes);
   const auto counts = method.find("counts");
   if (counts == method.end() || !counts->is_array() || counts->size() != shapes.size())
-    refuse(file, fmt::format("\"counts\" has not {} rows", shapes.size()));
+    refuse(file, fmt::format("\"counts\" does not have {} rows", shapes.size()));
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const json& row = (*counts)[i];
     if (!row.is_array() || row.size() != shapes.size())
-      refuse(file, fmt::format("row {} of \"counts\" has not {} counts", i + 1, shapes.size()));
+      refuse(file, fmt::format("row {} of \"counts\" does not have {} counts", i + 1, shapes.size()));
     for (std::size_t j = 0; j < shapes.size(); ++j) {
       if (!row[j].is_number_unsigned() || row[j].get<std::uint64_t>() > most_count)
         refuse(file, fmt::format("row {} of \"counts\" has something that is not a count", i + 1));

@@ -179,11 +179,11 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
     EXPECT_NE(line.find(part), std::string::npos) << line;
   };
   EXPECT_EQ(fault_of(good), "");
-  expect(fault_of(good.substr(0, good.size() / 2)), "ends where");
+  expect(fault_of(good.substr(0, good.size() / 2)), "the file ends there");
   expect(fault_of(good + "1.0"), "continues after the 256 amplitude factors");
   // Files that are no board's are not shown.
-  expect(fault_of("S1\n128\n128\n"), "line 2: something else where the number of transducers should be");
-  expect(fault_of("S1\n256\n64\n"), "line 3: something else where the number of phase steps should be");
+  expect(fault_of("S1\n128\n128\n"), "line 2: expected the number of transducers");
+  expect(fault_of("S1\n256\n64\n"), "line 3: expected the number of phase steps");
   expect(fault_of(board_file_text("S1", {}, 0.001)), "line 4: transducer 0 is at");
   expect(fault_of(board_file_text("S1", {}, 0, 1)), "wired to pin");
   std::string word = good;
