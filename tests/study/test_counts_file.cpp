@@ -45,8 +45,8 @@ TEST(CountsFile, AFaultIsOneLineWithItsPlace) {
       {"x,a\na,1\n", "line 1: has 1 shapes, 2 to 64 are needed"},
       {"", "line 1: has 0 shapes"},
       {"50 30 9 11\n", "line 1: has 0 shapes"}};
-  for (const auto& [text, told] : faults)
-    EXPECT_REFUSED(parse_counts(text, "a.csv"), told);
+  for (const auto& fault : faults)
+    EXPECT_REFUSED(parse_counts(fault.first, "a.csv"), fault.second);
 }
 
 TEST(CountsFile, ALastLineWithoutEndIsReported) {

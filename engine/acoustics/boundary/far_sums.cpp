@@ -30,9 +30,13 @@ template <class L>
   for (std::size_t first = 0; first < count; first += block) {
     const std::size_t here = count - first < block ? count - first : block;
     for (std::size_t i = 0; i < here; i += width) {
-      const auto number = [&](std::size_t which) { return load_lanes<L>(samples.numbers(which) + first + i); };
-      const Float turns = -(number(0) * direction[0] + number(1) * direction[1] + number(2) * direction[2]);
-      const Float towards = number(3) * direction[0] + number(4) * direction[1] + number(5) * direction[2];
+      // Without a lambda that returns them: GCC 14 warns about the ABI of a wide return value, even if it is inlined.
+      const std::size_t at = first + i;
+      const Float x = load_lanes<L>(samples.numbers(0) + at), u = load_lanes<L>(samples.numbers(3) + at),
+                  y = load_lanes<L>(samples.numbers(1) + at), v = load_lanes<L>(samples.numbers(4) + at),
+                  z = load_lanes<L>(samples.numbers(2) + at), w = load_lanes<L>(samples.numbers(5) + at);
+      const Float turns = -(x * direction[0] + y * direction[1] + z * direction[2]);
+      const Float towards = u * direction[0] + v * direction[1] + w * direction[2];
       Float sine, cosine;
       sine_cosine<L>(turns, sine, cosine);
       store_lanes<L>(towards * cosine, re + i);
