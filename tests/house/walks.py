@@ -25,6 +25,11 @@ def text_of(path):
         return file.read()
 
 
+def code_of(path):
+    """A source without its comments: a function that only a comment names is not called."""
+    return re.sub(r"//[^\n]*|/\*.*?\*/", "", text_of(path), flags=re.DOTALL)
+
+
 def defines(text, function):
     """Whether a body or an initialiser list follows the function's parameters somewhere; C++ calls end in a semicolon."""
     for match in re.finditer(rf"\b{re.escape(function)}\s*\(", text):
@@ -68,12 +73,11 @@ def main():
                     faults.append(f"{place}: there is no one source {columns[1]}")
                     break
             sources.add(source)
-            text = text_of(source)
-            if not defines(text, function):
+            if not defines(code_of(source), function):
                 faults.append(f"{place}: {source} does not define {function}")
             while callers and callers[-1][0] >= indentation:
                 callers.pop()
-            if called and callers and not re.search(rf"\b{re.escape(function)}\b", text_of(callers[-1][1])):
+            if called and callers and not re.search(rf"\b{re.escape(function)}\b", code_of(callers[-1][1])):
                 faults.append(f"{place}: {callers[-1][1]} does not name {function}")
             callers.append((indentation, source))
         else:
