@@ -29,6 +29,13 @@ class SetRandom {
     }
   }
 
+  /// A vector in any direction. Its direction is drawn first: compilers differ in which factor of a product they compute
+  /// first, and the sets must be those of the optima with each of them.
+  Vec3 vector(double shortest, double longest) {
+    const Vec3 along = direction();
+    return between(shortest, longest) * along;
+  }
+
  private:
   std::mt19937 random_;
 };
@@ -66,13 +73,13 @@ inline std::vector<SlotFocus> loud_set(std::uint32_t number, std::size_t fewest,
       break;
     }
     case 2: {
-      const Vec3 way = random.between(3e-3, 30e-3) * random.direction();
+      const Vec3 way = random.vector(3e-3, 30e-3);
       for (std::size_t i = 0; i < count; ++i)
         foci.push_back({centre + (static_cast<double>(i) / static_cast<double>(count - 1) - 0.5) * way});
       break;
     }
     default: {
-      const Vec3 way = random.between(10e-3, 20e-3) * random.direction();
+      const Vec3 way = random.vector(10e-3, 20e-3);
       add_ring(random, count / 2, random.between(1.5e-3, 8e-3), centre - way, foci);
       add_ring(random, count - count / 2, random.between(1.5e-3, 8e-3), centre + way, foci);
       break;

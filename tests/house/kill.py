@@ -365,7 +365,7 @@ def main():
     chosen = parser.parse_args()
     os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
     # A shell that starts this in the background makes it ignore these signals. Loops would inherit that and play on.
-    for number in (signal.SIGINT, signal.SIGQUIT):
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
     begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107
                                                                                   # bytes

@@ -95,10 +95,10 @@ TEST(Reports, OtherJsonIsRefused) {
   refused(R"({"kind": "palpa study analyse", "shapes": ["a", "a"], "methods": []})", "a name twice");
   refused(begin + "3}", "\"methods\" is not a list");
   refused(begin + "[3]}", "without a \"name\"");
-  refused(begin + R"([{"name": "m", "counts": [[1, 2]]}]})", "\"counts\" has not 2 rows");
+  refused(begin + R"([{"name": "m", "counts": [[1, 2]]}]})", "\"counts\" does not have 2 rows");
   refused(begin + R"([{"name": "m", "counts": [[1, 2], [3, -4]]}]})",
           "row 2 of \"counts\" has something that is not a count");
-  refused(begin + R"([{"name": "m", "counts": [[1, 2], [3]]}]})", "row 2 of \"counts\" has not 2 counts");
+  refused(begin + R"([{"name": "m", "counts": [[1, 2], [3]]}]})", "row 2 of \"counts\" does not have 2 counts");
 }
 
 TEST(Reports, OfTables) {
