@@ -29,8 +29,8 @@ class SetRandom {
     }
   }
 
-  /// A vector in any direction. Its direction is drawn first: compilers differ in which factor of a product they compute
-  /// first, and the sets must be those of the optima with each of them.
+  /// A vector in any direction. Its direction is drawn first: compilers differ in which factor of a product they
+  /// compute first, and the sets must be those of the optima with each of them.
   Vec3 vector(double shortest, double longest) {
     const Vec3 along = direction();
     return between(shortest, longest) * along;
