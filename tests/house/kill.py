@@ -25,6 +25,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 
 from judged import faults_of_messages, name_of_end, name_of_signal
@@ -111,7 +112,7 @@ class Case:
             self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
         self.gap = draw.choice([0, 0.01, 0.3])
         self.clock, self.faults, self.open, self.events = Clock(), [], [], []
-        self.emulator = self.loop = self.trace = None
+        self.emulator = self.loop = self.trace = self.reader = None
         self.mark = f"PALPA_KILL_CASE={os.getpid()}-{folder}".encode()
         self.environment = dict(os.environ, PALPA_KILL_CASE=f"{os.getpid()}-{folder}", XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off")
         folder.mkdir()
@@ -124,7 +125,8 @@ class Case:
         if self.board == "pipe":
             os.mkfifo(self.folder / "drives")
             if self.random.random() < 0.8:  # otherwise nobody opens it, which is an error
-                self.open.append(os.open(self.folder / "drives", os.O_RDONLY | os.O_NONBLOCK))
+                self.reader = os.open(self.folder / "drives", os.O_RDONLY | os.O_NONBLOCK)
+                self.open.append(self.reader)
             return f"record:{self.folder}/drives"
         more = ["--port", "0"] if self.board == "autd3" else []
         with open(self.folder / "emulator.err", "wb") as err:
@@ -202,6 +204,12 @@ class Case:
     def silent(self):
         return not self.sounds()
 
+    def has_begun(self):
+        """Whether something has sounded, or, through a pipe that is not read, something has come."""
+        if self.reader is not None:
+            return struct.unpack("i", fcntl.ioctl(self.reader, termios.FIONREAD, bytes(4)))[0] > 0
+        return self.sounds()
+
     def moment(self):
         return "its start" if self.early else "the first sound"
 
@@ -234,8 +242,8 @@ class Case:
 
     def run(self):
         self.start_loop(self.start_board())
-        if not self.early and self.board != "pipe":
-            self.clock.until(lambda: self.ended() or self.sounds(), 4)
+        if not self.early:
+            self.clock.until(lambda: self.ended() or self.has_begun(), 4)
         begin = time.monotonic()
         while time.monotonic() - begin < self.delay and not self.ended():
             self.clock.sleep(0.003)
