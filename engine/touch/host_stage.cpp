@@ -8,6 +8,8 @@
 #include "touch/depths.hpp"
 #include "touch/fingers/fingers_twin.hpp"
 #include "touch/foci/foci_twin.hpp"
+#include "touch/known/admit_twin.hpp"
+#include "touch/known/keep_twin.hpp"
 #include "touch/sections/sections_twin.hpp"
 #include "touch/split/split_twin.hpp"
 
@@ -23,6 +25,7 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
   check_parameters(setting.parameters, solids_);
   if (setting.follow) tracks_.emplace();
   if (setting.glides()) homes_.emplace();
+  if (setting.knows(!cameras.empty())) known_ = std::make_unique<shader::KnownTable>();
 }
 
 std::uint32_t HostStage::most_pixel_stride() const {
@@ -51,19 +54,32 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   const Parameters parameters = at_stride(setting_.parameters, stride_);
   find_contacts(points, solids_, parameters, out);
   done("contacts");
-  find_fingers(parameters, solids_, out);
+  find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   if (setting_.looks_again(sight != nullptr)) {
-    split_fingers(*sight, parameters, out);
+    const bool has_before = known_ && elapsed_us <= setting_.memory_us();
+    const Known known{{elapsed_us, known_ ? setting_.hysteresis_rules : 0U},
+                      has_before ? known_.get() : nullptr,
+                      static_cast<float>(parameters.finger_width_m)};
+    split_fingers(*sight, parameters, known, out);
     done("split");
-    bridge_fingers(*sight, parameters, out);
+    bridge_fingers(*sight, parameters, known, out);
     done("bridge");
+    if (known_) {
+      admit_fingers(*sight, parameters, known, *known_, out);
+      done("admit");
+    }
   }
   find_sections(out);
   done("sections");
   if (tracks_) {
-    follow_fingers(*tracks_, time_s, setting_, out);
+    follow_fingers(*tracks_, elapsed_us, setting_, out);
     done("follow");
+  }
+  if (known_) {
+    keep_fingers(*sight, parameters, *tracks_, out, *known_);
+    done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);
   done("foci");

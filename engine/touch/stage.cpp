@@ -32,6 +32,7 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
   passes.prepare(solids_, tables_, setting);
   if (setting.follow) tracks_.emplace(device);
   if (setting.glides()) homes_.emplace(device);
+  if (setting.looks_again(!cameras.empty())) known_.emplace(device);
   const std::vector<shader::BridgeCamera> seeing = bridge_cameras(cameras, tables_);
   const std::vector<shader::Border> borders = sector_borders();
   const gpu::Recorder recorder(device, "stage");
@@ -104,8 +105,24 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .fingers = m.fingers_.ref(),
                            .deep_total = m.deep_total_.ref(),
                            .deep = m.deep_.ref()},
-                          m.fingers_scratch_, m.room_, parameters, times);
+                          m.fingers_scratch_, m.room_, setting_.searched(parameters, cameras), times);
   gpu::compute_to_compute(commands);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : shader::follow_restart;
+  const bool knows = setting_.knows(cameras);
+  const KnownFrame frame{knows && elapsed_us <= setting_.memory_us() ? elapsed_us : shader::known_restart,
+                         knows ? setting_.hysteresis_rules : 0U};
+  const auto known_bindings = [&] {
+    return KnownBindings{.depth = m.depth_.ref(),
+                         .rays = rays_.ref(),
+                         .cameras = bridge_cameras_.ref(),
+                         .total = m.total_.ref(),
+                         .contacts = m.contacts_.ref(),
+                         .parents = m.parents_.ref(),
+                         .header = m.header_.ref(),
+                         .fingers = m.fingers_.ref(),
+                         .known = known_->ref(),
+                         .tracks = tracks_->ref()};
+  };
   if (setting_.looks_again(cameras)) {
     passes_.split_->record(commands,
                            {.depth = m.depth_.ref(),
@@ -116,8 +133,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                             .parents = m.parents_.ref(),
                             .clusters = m.clusters_.ref(),
                             .header = m.header_.ref(),
-                            .fingers = m.fingers_.ref()},
-                           m.split_scratch_, m.room_, parameters);
+                            .fingers = m.fingers_.ref(),
+                            .known = known_->ref()},
+                           m.split_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("split");
     passes_.bridge_->record(commands,
@@ -129,10 +147,16 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                              .parents = m.parents_.ref(),
                              .clusters = m.clusters_.ref(),
                              .header = m.header_.ref(),
-                             .fingers = m.fingers_.ref()},
-                            m.bridge_scratch_, m.room_, parameters);
+                             .fingers = m.fingers_.ref(),
+                             .known = known_->ref()},
+                            m.bridge_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("bridge");
+    if (knows) {
+      passes_.known_->admit(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
+      gpu::compute_to_compute(commands);
+      mark("admit");
+    }
   }
   passes_.sections_.record(commands,
                            {.total = m.total_.ref(),
@@ -146,9 +170,13 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   if (tracks_) {
     passes_.follow_->record(commands,
                             {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
-                            tracks_->clock.elapsed_us(time_s), setting_);
+                            elapsed_us, setting_);
     mark("follow");
     gpu::compute_to_compute(commands);
+    if (knows) {
+      passes_.known_->keep(commands, known_bindings(), m.room_, parameters);
+      mark("keep");
+    }
   }
   passes_.foci_.record(commands,
                        {.grouped = m.grouped_texels_.ref(),

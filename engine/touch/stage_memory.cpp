@@ -61,6 +61,7 @@ void StageMemory::make(const Room& room) {
     if (stage_->setting_.looks_again(cameras)) {
       split_scratch_ = gpu::Scratch(device, SplitPass::scratch(), "split");
       bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
+      if (stage_->setting_.knows(cameras)) known_scratch_ = gpu::Scratch(device, KnownPass::scratch(), "known");
     }
   } else {
     points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
