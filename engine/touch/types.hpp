@@ -39,8 +39,8 @@ enum class Smoothing {
 };
 inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
 
-/// For fingers that are followed through depth frames: whether a decision about a finger holds from frame to frame until
-/// the evidence against it is strong.
+/// For fingers that are followed through depth frames: whether a decision about a finger holds from frame to frame
+/// until the evidence against it is strong.
 enum class Hysteresis { on, off };
 inline constexpr Word<Hysteresis> hysteresis_words[] = {{"on", Hysteresis::on}, {"off", Hysteresis::off}};
 

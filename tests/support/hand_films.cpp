@@ -34,9 +34,7 @@ const geometry::Mesh& hand_mesh(const std::string& pose) {
 
 Transform turned(const Vec3& axis, double degrees) {
   const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-  const auto turn = [&](const Vec3& v) {
-    return v * c + glm::cross(axis, v) * s + axis * glm::dot(axis, v) * (1 - c);
-  };
+  const auto turn = [&](const Vec3& v) { return v * c + glm::cross(axis, v) * s + axis * glm::dot(axis, v) * (1 - c); };
   return Transform(Vec4(turn({1, 0, 0}), 0), Vec4(turn({0, 1, 0}), 0), Vec4(turn({0, 0, 1}), 0), Vec4(0, 0, 0, 1));
 }
 
@@ -56,7 +54,8 @@ void add_half_noise(const sensing::Camera& camera, std::uint64_t key, std::vecto
   std::vector<float> white(w * h), rows(w * h);
   for (float& value : white) {  // the sum of four draws is nearly normal
     const std::uint64_t draw = random();
-    const auto sum = static_cast<double>((draw & 0xffff) + (draw >> 16 & 0xffff) + (draw >> 32 & 0xffff) + (draw >> 48));
+    const auto sum =
+        static_cast<double>((draw & 0xffff) + (draw >> 16 & 0xffff) + (draw >> 32 & 0xffff) + (draw >> 48));
     value = static_cast<float>((sum / 65536 - 2) * std::sqrt(3.0));
   }
   for (std::size_t v = 0; v < h; ++v) {
@@ -138,8 +137,8 @@ HandFilm::Truth HandFilm::nearest(const Vec3& place, std::size_t frame) const {
 HandFilm make_film(const HandScene& scene, const FilmSetting& setting) {
   HandFilm film{.scene = scene, .cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras};
   film.cameras.resize(static_cast<std::size_t>(setting.cameras));
-  sensing::SyntheticRig rig(film.cameras, {},
-                            setting.noise == FilmNoise::full ? sensing::Noise::d415 : sensing::Noise::none, setting.seed);
+  sensing::SyntheticRig rig(
+      film.cameras, {}, setting.noise == FilmNoise::full ? sensing::Noise::d415 : sensing::Noise::none, setting.seed);
   sensing::FrameSet still;
   for (std::size_t k = 0; k < setting.frames; ++k) {
     const double time_s = static_cast<double>(k) / setting.rate_hz;

@@ -223,9 +223,11 @@ void walks(int count) {
         walk(apart, way / (2 * speed), 1 + 2 * (k % 2), static_cast<std::uint64_t>(k + 1), setting, sum);
       }
       std::ranges::sort(sum.told_apart_s);
-      std::printf("  %-20s %-10s %d films: %d swaps, %d new ids, two fingers in %.0f %% of the frames, told apart %.0f ms at most\n", kind,
-                  how, count, sum.swaps, sum.lost, 100.0 * sum.right / sum.frames,
-                  sum.told_apart_s.empty() ? -1 : 1e3 * sum.told_apart_s.back());
+      std::printf(
+          "  %-20s %-10s %d films: %d swaps, %d new ids, two fingers in %.0f %% of the frames, told apart %.0f ms at "
+          "most\n",
+          kind, how, count, sum.swaps, sum.lost, 100.0 * sum.right / sum.frames,
+          sum.told_apart_s.empty() ? -1 : 1e3 * sum.told_apart_s.back());
       std::fflush(stdout);
     }
   }
@@ -241,7 +243,8 @@ void withdrawals(int count) {
       std::vector<double> late, beside;
       for (int k = 0; k < count; ++k) {
         const double press = std::array{1e-3, 2e-3, 4e-3}[k % 3];
-        const palpa::test::HandScene scene = fingers_scene(1 + k % 2, thick, press, std::array{0.0, 30.0, 60.0}[k / 2 % 3]);
+        const palpa::test::HandScene scene =
+            fingers_scene(1 + k % 2, thick, press, std::array{0.0, 30.0, 60.0}[k / 2 % 3]);
         const auto motion = [&](std::size_t, double t) { return Vec3(0, speed * std::max(0.0, t - 0.1), 0); };
         const double leaves_s = 0.1 + press / speed;
         const HandFilm film = make_film(scene, {.cameras = 1 + k % 3,
@@ -264,10 +267,12 @@ void withdrawals(int count) {
       }
       std::ranges::sort(late);
       std::ranges::sort(beside);
-      std::printf("  withdrawal at %3.0f mm/s, %-4s %d films: the last frame with a finger is %.0f ms late at most, %.0f ms in the "
-                  "median; foci beside the skin: %.2f mm (99 %%)\n",
-                  speed * 1e3, how, count, late.back() * 1e3, late[late.size() / 2] * 1e3,
-                  1e3 * beside[static_cast<std::size_t>(0.99 * (beside.size() - 1))]);
+      std::printf(
+          "  withdrawal at %3.0f mm/s, %-4s %d films: the last frame with a finger is %.0f ms late at most, %.0f ms in "
+          "the "
+          "median; foci beside the skin: %.2f mm (99 %%)\n",
+          speed * 1e3, how, count, late.back() * 1e3, late[late.size() / 2] * 1e3,
+          1e3 * beside[static_cast<std::size_t>(0.99 * (beside.size() - 1))]);
       std::fflush(stdout);
     }
   }

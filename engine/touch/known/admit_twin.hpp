@@ -9,8 +9,8 @@
 
 namespace palpa::touch {
 
-/// C++ twin of the first part of KnownPass: removes the fingers of `out` that are none, and writes the frame's islands
-/// to `table`, to which `known` also refers unless there are no known fingers.
+/// C++ twin of the first part of KnownPass: removes the clusters of `out` that are no fingers, and writes the frame's
+/// islands to `table`, to which `known` also refers unless there are no known fingers.
 void admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
                    Touch& out);
 

@@ -8,8 +8,8 @@
 
 namespace palpa::touch {
 
-/// C++ twin of the second part of KnownPass: the fingers of `touch` become the known fingers. `tracks` are those of this
-/// frame, the fingers' first. The islands of the table stay.
+/// C++ twin of the second part of KnownPass: the fingers of `touch` become the known fingers. `tracks` are those of
+/// this frame, the fingers' first. The islands of the table stay.
 void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const Touch& touch,
                   shader::KnownTable& table);
 

@@ -111,8 +111,9 @@ class Parts {
       for (std::size_t b = a + 1; b < count_; ++b) {
         const bool same = shader::one_inside(insides_[a], insides_[b], width_);
         // Samples of two known fingers are evidence for two.
-        if (!same && (strangers_[a] & only(b)) == 0 && !shader::face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position,
-                                              samples_[b].normal))
+        if (!same && (strangers_[a] & only(b)) == 0 &&
+            !shader::face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position,
+                                     samples_[b].normal))
           continue;
         for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
           known_[one] |= only(other);
@@ -259,7 +260,7 @@ class Parts {
   /// same_: both have the same inside.
   Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
   Sets kin_{}, strangers_{};  ///< of the same known finger, of another known finger
-  Sets members_{};  ///< members of the group that begins with that sample
+  Sets members_{};            ///< members of the group that begins with that sample
 };
 
 bool is_firm(const Sight& sight, std::uint32_t point) {
@@ -321,7 +322,8 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     Finger& finger = out.fingers[f];
     const std::vector<SkinSample> samples = sample_skin(sight, out, finger);
     const std::vector<std::uint32_t> labels = known_labels(known, finger.solid, samples);
-    if (!is_supported(sight, out, finger, known.has(shader::known_few) && known_majority(labels) != shader::known_none)) {
+    if (!is_supported(sight, out, finger,
+                      known.has(shader::known_few) && known_majority(labels) != shader::known_none)) {
       changed = true;
       continue;
     }

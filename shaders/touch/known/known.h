@@ -11,10 +11,10 @@ PALPA_CONST known_none = 0xffffffffu;
 PALPA_CONST known_restart = 0xffffffffu;
 
 // The rules that are on, as bits.
-PALPA_CONST known_few = 1u;        // a known finger needs half as many contacts, and half as many firm ones
-PALPA_CONST known_islands = 2u;    // a small island beside a known finger waits
-PALPA_CONST known_apart = 4u;      // known fingers stay apart
-PALPA_CONST known_together = 8u;   // a known finger stays one
+PALPA_CONST known_few = 1u;       // a known finger needs half as many contacts, and half as many firm ones
+PALPA_CONST known_islands = 2u;   // a small island beside a known finger waits
+PALPA_CONST known_apart = 4u;     // known fingers stay apart
+PALPA_CONST known_together = 8u;  // a known finger stays one
 
 // A finger of the frame before.
 struct KnownFinger {
@@ -56,8 +56,8 @@ PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 64);
 
 // What a finger of this frame has to do with those of the frame before.
 struct Claim {
-  uint known;     // the finger that most of its samples belong to, and at least half of them; or known_none
-  uint near;      // the known finger of its solid that is nearest, within a finger width; or known_none
+  uint known;  // the finger that most of its samples belong to, and at least half of them; or known_none
+  uint near;   // the known finger of its solid that is nearest, within a finger width; or known_none
   uint contacts;
   uint unused0;
 };

@@ -58,7 +58,7 @@ struct SplitState {
   uint samples;
   uint parts_low;  // for split_several, a bit per part's number
   uint parts_high;
-  uint root;  // of its contacts, as FingersPass leaves it
+  uint root;       // of its contacts, as FingersPass leaves it
   uint known_low;  // the parts that are fingers of the frame before
   uint known_high;
   uint unused0;

@@ -74,7 +74,7 @@ struct GuardedFingers {
   /// BridgeBindings, and SplitBindings as well.
   template <typename Bindings>
   Bindings bindings() const {
-    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),  contacts.ref(),
+    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),   contacts.ref(),
             parents.ref(), clusters.ref(), header.ref(),  fingers.ref(), known.ref()};
   }
 
