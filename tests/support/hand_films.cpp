@@ -93,12 +93,12 @@ HandScene fingers_scene(int count, double thickness_m, double press_m, double ti
   return scene;
 }
 
-HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m) {
+HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m, double turn_deg) {
   const geometry::Mesh& mesh = hand_mesh(pose);
   const assets::HandBones bones = assets::pose_bones(*assets::named_hand_pose(pose));
   HandScene scene{.name = pose, .plate_m = plate_m, .digits = 6};
-  HandScene::Skin skin{&mesh, pressed(mesh, turned({0, 1, 0}, 180) * turned({1, 0, 0}, -tilt_deg), press_m), {}};
-  // The tip is at x = 0; half of the hand is farther away.
+  HandScene::Skin skin{
+      &mesh, pressed(mesh, turned({0, 1, 0}, 180 + turn_deg) * turned({1, 0, 0}, -tilt_deg), press_m), {}};
   for (const Vec3& p : mesh.positions) {
     std::uint32_t best = 5;  // the palm
     double nearest = 1e9;

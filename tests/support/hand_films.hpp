@@ -36,8 +36,10 @@ struct HandScene {
 /// `count` fingers side by side, `thickness_m` thick, that touch each other. They press `press_m` deep and lean by
 /// `tilt_deg` from the vertical; at 90 degrees, they lie flat.
 HandScene fingers_scene(int count, double thickness_m, double press_m, double tilt_deg, double plate_m = 35e-3);
-/// A hand in a pose of assets::named_hand_pose. It leans by `tilt_deg` from the vertical towards its palm.
-HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m = 35e-3);
+/// A hand in a pose of assets::named_hand_pose. It leans by `tilt_deg` from the vertical towards its palm, and comes
+/// from +z, turned by `turn_deg` about the vertical.
+HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m = 35e-3,
+                     double turn_deg = 0);
 
 /// How far each shape of skin is from where it stands, at a time.
 using SkinMotion = std::function<Vec3(std::size_t skin, double time_s)>;

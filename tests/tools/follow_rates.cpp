@@ -1,6 +1,6 @@
 // Prints how fingers flicker: hands that do not move, with each rule of hysteresis on and off. It is not a test; run it
 // by hand. Arguments: frames per film (default 45), films of fingers that move (default 18), anything: only with
-// all rules and with none.
+// all rules and with none. Or: scan FRAMES, for many hands.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -309,10 +309,58 @@ void run(std::size_t frames, bool brief) {
   }
 }
 
+/// Many hands for a few frames each: prints those that flicker without hysteresis.
+void scan(std::size_t frames) {
+  std::vector<Flicker> sums(2);
+  int films = 0, flicker = 0;
+  for (const char* pose : {"relaxed", "spread", "fist"}) {
+    for (const double turn : {0.0, 120.0, 240.0}) {
+      for (const double tilt : {15.0, 40.0, 60.0, 80.0}) {
+        for (const double press : {2e-3, 6e-3, 15e-3}) {
+          const palpa::test::HandScene scene = hand_scene(pose, press, tilt, press < 3e-3 ? 1e-3 : 35e-3, turn);
+          const std::string name = std::string(pose) + " " + std::to_string(int(turn)) + " " +
+                                   std::to_string(int(tilt)) + " " + std::to_string(int(press * 1e3)) + " mm";
+          const Still still = rendered(name, scene, 1 + 2 * (films % 2), palpa::test::FilmNoise::half, frames);
+          ++films;
+          StageSetting setting{.follow = true};
+          const Flicker off = flicker_of(still, setting);
+          setting.hysteresis = Hysteresis::on;
+          const Flicker on = flicker_of(still, setting);
+          for (const auto& [sum, one] : {std::pair(0, off), std::pair(1, on)}) {
+            sums[sum].changes += one.changes;
+            sums[sum].events += one.events;
+            sums[sum].right += one.right;
+            sums[sum].steps.insert(sums[sum].steps.end(), one.steps.begin(), one.steps.end());
+          }
+          if (off.changes == 0 && on.changes == 0) continue;
+          ++flicker;
+          setting.hysteresis = Hysteresis::off;
+          print(still, "off", setting);
+          setting.hysteresis = Hysteresis::on;
+          print(still, "on", setting);
+        }
+      }
+    }
+  }
+  for (const int k : {0, 1}) {
+    std::ranges::sort(sums[k].steps);
+    std::printf(
+        "%s: %d hands, %d flicker; %d changes, %d events, the true count in %.1f %% of the frames, foci %.2f mm (99 "
+        "%%)\n",
+        k == 0 ? "off" : "on", films, flicker, sums[k].changes, sums[k].events,
+        100.0 * sums[k].right / (static_cast<double>(films) * static_cast<double>(frames)),
+        1e3 * sums[k].steps[static_cast<std::size_t>(0.99 * static_cast<double>(sums[k].steps.size() - 1))]);
+  }
+}
+
 }  // namespace
 }  // namespace palpa::touch::test
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "scan") {
+    palpa::touch::test::scan(argc > 2 ? std::stoul(argv[2]) : 12);
+    return 0;
+  }
   palpa::touch::test::run(argc > 1 ? std::stoul(argv[1]) : 45, argc > 3);
   palpa::touch::test::walks(argc > 2 ? std::stoi(argv[2]) : 18);
   palpa::touch::test::withdrawals(argc > 2 ? std::stoi(argv[2]) : 18);
