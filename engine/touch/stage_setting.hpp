@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "base/math.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -42,6 +43,15 @@ struct StageSetting {
     Parameters p = given;
     if (knows(cameras) && (hysteresis_rules & 1U) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
     return p;
+  }
+
+  /// The box in which skin is looked for: that of the solids, and a little more if contacts reach beyond the shell.
+  Box watched(Box box, bool cameras) const {
+    constexpr double more_m = 0.6e-3;
+    if (!knows(cameras) || (hysteresis_rules & 16U) == 0 || box.empty()) return box;
+    box.low -= more_m;
+    box.high += more_m;
+    return box;
   }
 
   // On the device only: the maximum numbers of one frame. If a frame has more, read() reports an error. 0: the stage

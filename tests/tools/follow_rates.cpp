@@ -134,8 +134,8 @@ void print(const Still& still, const char* how, const StageSetting& setting) {
   std::fflush(stdout);
 }
 
-constexpr std::uint32_t every_rule =
-    shader::known_few | shader::known_islands | shader::known_apart | shader::known_together;
+constexpr std::uint32_t every_rule = shader::known_few | shader::known_islands | shader::known_apart |
+                                     shader::known_together | shader::known_edges;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},
@@ -143,6 +143,7 @@ constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"no islands", every_rule & ~shader::known_islands},
     {"not apart", every_rule & ~shader::known_apart},
     {"not one", every_rule & ~shader::known_together},
+    {"no edges", every_rule & ~shader::known_edges},
 };
 
 /// Two upright fingers that move, and which of them each id of a frame has: the one whose axis is nearer.
@@ -283,6 +284,9 @@ void run(std::size_t frames, bool brief) {
   std::vector<Still> all = recorded();
   const std::vector<std::pair<const char*, palpa::test::HandScene>> scenes{
       {"one finger, 3 mm", fingers_scene(1, 18e-3, 3e-3, 0)},
+      {"one finger, 0 mm", fingers_scene(1, 18e-3, 0, 0)},
+      {"one finger, 0.2 mm", fingers_scene(1, 18e-3, 0.2e-3, 0)},
+      {"two fingers of 16 mm, 0.3 mm", fingers_scene(2, 16e-3, 0.3e-3, 60)},
       {"two fingers of 14 mm, 2 mm", fingers_scene(2, 14e-3, 2e-3, 0)},
       {"two fingers of 18 mm, 3 mm", fingers_scene(2, 18e-3, 3e-3, 30)},
       {"three fingers of 16 mm, 10 mm", fingers_scene(3, 16e-3, 10e-3, 30)},

@@ -51,8 +51,8 @@ class KnownPass {
              const Parameters& parameters, const KnownFrame& frame) const;
   /// One dispatch, after FollowPass. Frames are submitted to one queue in the order of these calls. Barriers: as for
   /// admit().
-  void keep(VkCommandBuffer commands, const KnownBindings& bindings, const Room& room,
-            const Parameters& parameters) const;
+  void keep(VkCommandBuffer commands, const KnownBindings& bindings, const Room& room, const Parameters& parameters,
+            const KnownFrame& frame) const;
 
  private:
   enum ScratchIndex : std::size_t { claims, scratch_count };

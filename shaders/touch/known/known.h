@@ -14,6 +14,7 @@ PALPA_CONST known_restart = 0xffffffffu;
 PALPA_CONST known_few = 1u;       // a known finger needs half as many contacts, and half as many firm ones
 PALPA_CONST known_islands = 2u;   // a small island beside a known finger waits
 PALPA_CONST known_apart = 4u;     // known fingers stay apart
+PALPA_CONST known_edges = 16u;     // contacts of a known finger that is about to end reach beyond the shell's edges
 PALPA_CONST known_together = 8u;  // a known finger stays one
 
 // A finger of the frame before.
@@ -23,9 +24,12 @@ struct KnownFinger {
   uint samples;
   uint unused0;
   vec4 velocity;  // of its track
+  vec4 centre;    // of its samples; w: the square of its reach around them, 0 if it does not reach beyond the edges
+  vec4 inward;    // unit: the mean of its skin's outward normals, which point into the solid
 };
-PALPA_CHECK_SIZE(KnownFinger, 32);
+PALPA_CHECK_SIZE(KnownFinger, 64);
 PALPA_CHECK_OFFSET(KnownFinger, velocity, 16);
+PALPA_CHECK_OFFSET(KnownFinger, inward, 48);
 
 // A small cluster beside a known finger that is not a finger yet.
 struct Island {
@@ -44,15 +48,15 @@ PALPA_CHECK_OFFSET(Island, age_us, 16);
 struct KnownTable {
   uint count;
   uint islands;
-  uint unused0;
-  uint unused1;
+  uint reaching;  // known fingers that reach beyond the shell's edges
+  uint reached;   // the same for the frame before: only then contacts may be beyond
   KnownFinger fingers[known_fingers];
   Island island[known_fingers];
   vec4 insides[known_fingers * known_samples];  // per finger and sample: the point inside the finger, see split_math.h
 };
-PALPA_CHECK_SIZE(KnownTable, 16 + 64 * 32 + 64 * 32 + 64 * 64 * 16);
+PALPA_CHECK_SIZE(KnownTable, 16 + 64 * 64 + 64 * 32 + 64 * 64 * 16);
 PALPA_CHECK_OFFSET(KnownTable, fingers, 16);
-PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 64);
+PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 96);
 
 // What a finger of this frame has to do with those of the frame before.
 struct Claim {

@@ -64,6 +64,8 @@ void main() {
   header.clusters -= header.fingers - kept;
   header.fingers = kept;
   known.count = kept;  // known_keep fills them in
+  known.reached = restart ? 0u : known.reaching;
+  known.reaching = 0u;
   known.islands = islands_now;
   for (uint k = 0u; k < islands_now; ++k) known.island[k] = islands[k];
 }
