@@ -65,7 +65,7 @@ TEST(KnownFingers, AreTheSameOnTheDeviceAndOnTheHost) {
 }
 
 TEST(KnownFingers, StayApartWhereOneFrameAloneCannotTell) {
-  const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.frames = 27});
+  const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.cameras = 1, .frames = 27});
   EXPECT_GE(changes_in(ids_in(film, holding(Hysteresis::off)), 9), 3) << "the film does not flicker";
   const auto ids = ids_in(film, holding());
   EXPECT_EQ(changes_in(ids, 9), 0);
