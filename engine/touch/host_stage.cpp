@@ -56,6 +56,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   done("contacts");
   find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
+  ClaimList claims{};
   const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   if (setting_.looks_again(sight != nullptr)) {
     const bool has_before = known_ && elapsed_us <= setting_.memory_us();
@@ -67,7 +68,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     bridge_fingers(*sight, parameters, known, out);
     done("bridge");
     if (known_) {
-      admit_fingers(*sight, parameters, known, *known_, out);
+      claims = admit_fingers(*sight, parameters, known, *known_, out);
       done("admit");
     }
   }
@@ -78,7 +79,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     done("follow");
   }
   if (known_) {
-    keep_fingers(*sight, parameters, *tracks_, out, *known_);
+    keep_fingers(*sight, parameters, *tracks_, claims, out, *known_);
     done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);

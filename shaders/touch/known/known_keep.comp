@@ -19,6 +19,7 @@ layout(std430, set = 0, binding = 5) readonly buffer Rays { vec2 rays[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Cameras { BridgeCamera cameras[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Tracks { TrackTable tracks; };
 layout(std430, set = 0, binding = 8) writeonly buffer Known { KnownTable known; };
+layout(std430, set = 0, binding = 9) readonly buffer Claims { Claim claims[]; };
 layout(push_constant) uniform Push { KnownPush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"
@@ -33,6 +34,7 @@ void main() {
   }
   if (thread == 0u) {
     known.fingers[finger] =
-        KnownFinger(fingers[finger].solid, fingers[finger].contacts, count_taken, 0u, tracks.tracks[finger].velocity);
+        KnownFinger(fingers[finger].solid, fingers[finger].contacts, count_taken, claims[finger].parting_us,
+                    tracks.tracks[finger].velocity, claims[finger].meeting_us, 0u, 0u, 0u);
   }
 }
