@@ -58,6 +58,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   done("contacts");
   find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
+  ClaimList claims{};
   if (setting_.looks_again(sight != nullptr)) {
     const Known known{{elapsed_us, known_ ? setting_.hysteresis_rules : 0U},
                       has_before ? known_.get() : nullptr,
@@ -67,7 +68,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     bridge_fingers(*sight, parameters, known, out);
     done("bridge");
     if (known_) {
-      admit_fingers(*sight, parameters, known, *known_, out);
+      claims = admit_fingers(*sight, parameters, known, *known_, out);
       done("admit");
     }
   }
@@ -78,7 +79,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     done("follow");
   }
   if (known_) {
-    keep_fingers(*sight, parameters, *tracks_, setting_.hysteresis_rules, out, *known_);
+    keep_fingers(*sight, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
     done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);

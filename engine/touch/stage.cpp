@@ -175,7 +175,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     mark("follow");
     gpu::compute_to_compute(commands);
     if (knows) {
-      passes_.known_->keep(commands, known_bindings(), m.room_, parameters, frame);
+      passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
       mark("keep");
     }
   }

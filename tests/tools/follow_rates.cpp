@@ -134,8 +134,8 @@ void print(const Still& still, const char* how, const StageSetting& setting) {
   std::fflush(stdout);
 }
 
-constexpr std::uint32_t every_rule = shader::known_few | shader::known_islands | shader::known_apart |
-                                     shader::known_together | shader::known_edges;
+constexpr std::uint32_t every_rule =
+    shader::known_few | shader::known_islands | shader::known_apart | shader::known_together | shader::known_edges;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},

@@ -23,7 +23,7 @@ struct BridgeBindings {
   gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
-  gpu::BufferRef known;     ///< in: shader::KnownTable, not read if there is no frame before
+  gpu::BufferRef known;     ///< in, out (doubts): shader::KnownTable, not used if there is no frame before
 };
 
 /// Pipelines only; four dispatches: sample, pairs, join, relabel. With fewer than two fingers, no dispatch runs a

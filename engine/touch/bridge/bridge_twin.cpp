@@ -182,10 +182,16 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
   const auto width = static_cast<float>(parameters.finger_width_m);
   for (std::uint32_t a = 0; a < count; ++a) {
     for (std::uint32_t b = a + 1; b < count; ++b) {
-      const bool were_one = patches[a].known != shader::known_none && patches[a].known == patches[b].known;
-      joining.pair(a, b) = out.fingers[a].solid == out.fingers[b].solid
-                               ? compare(sight, patches[a], patches[b], width, were_one)
-                               : BridgePair{shader::bridge_two, 0};
+      // Patches of a known finger stay one more easily, until it has looked like several fingers before.
+      const bool same = patches[a].known != shader::known_none && patches[a].known == patches[b].known;
+      const bool were_one = same && !known.may_part(patches[a].known);
+      BridgePair& pair = joining.pair(a, b);
+      pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
+                                                          : BridgePair{shader::bridge_two, 0};
+      if (!same || pair.kind == shader::bridge_one) continue;
+      known.doubt(patches[a].known, shader::doubt_one);
+      if (were_one && !patches[a].samples.empty() && !patches[b].samples.empty())
+        pair = {shader::bridge_one, PALPA_BRIDGE_HELD};
     }
   }
   joining.join();

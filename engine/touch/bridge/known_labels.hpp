@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/known/known_math.h"
 #include "touch/bridge/sight.hpp"
 
 namespace palpa::touch {
@@ -20,9 +20,12 @@ struct KnownFrame {
 
 /// The fingers of the frame before, as a frame's twins see them.
 struct Known : KnownFrame {
-  const shader::KnownTable* table = nullptr;  ///< null: there are none
-  float finger_width = 0;                     ///< metres
+  shader::KnownTable* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
+  float finger_width = 0;               ///< metres
 
+  bool may_part(std::uint32_t finger) const { return shader::may_part(table->fingers[finger], elapsed_us); }
+  bool may_meet(std::uint32_t finger) const { return shader::may_meet(table->fingers[finger], elapsed_us); }
+  void doubt(std::uint32_t finger, std::uint32_t what) const { table->doubts[finger] |= what; }
   bool has(std::uint32_t rule) const { return table != nullptr && (rules & rule) != 0; }
 };
 

@@ -100,8 +100,8 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
                           const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times,
                           std::uint32_t elapsed_us) const {
   const auto count = static_cast<std::uint32_t>(solids.records.size());
-  shader::ContactsPush push{{}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts,
-                            elapsed_us, 0, 0, 0};
+  shader::ContactsPush push{
+      {}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts, elapsed_us, 0, 0, 0};
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);

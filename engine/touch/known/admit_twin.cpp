@@ -25,8 +25,14 @@ struct Claims {
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
       const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
-      of[f] = {known_majority(known_labels(known, finger.solid, samples)), known_nearby(known, finger.solid, samples),
-               finger.contact_count, 0};
+      of[f] = {known_majority(known_labels(known, finger.solid, samples)),
+               known_nearby(known, finger.solid, samples),
+               finger.contact_count,
+               shader::known_never,
+               0,
+               0,
+               0,
+               0};
       const std::uint32_t k = of[f].known;
       if (k != none && (heir[k] == none || of[f].contacts > of[heir[k]].contacts)) heir[k] = f;
     }
@@ -41,9 +47,10 @@ struct Claims {
 
 }  // namespace
 
-void admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
-                   Touch& out) {
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
+                        Touch& out) {
   const Claims claims(sight, known, out);
+  ClaimList stay{};
   std::array<Island, max_fingers> islands{};
   std::uint32_t islands_now = 0, kept = 0;
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
@@ -63,12 +70,19 @@ void admit_fingers(const Sight& sight, const Parameters& parameters, const Known
     }
     if (!stays) continue;
     if (kept != f) std::swap(out.fingers[kept], finger);
+    stay[kept] = claims.of[f];
+    if (const std::uint32_t k = claims.of[f].known; k != none) {
+      stay[kept].parting_us = next_parting_us(table.fingers[k], table.doubts[k], known.elapsed_us);
+      stay[kept].meeting_us = next_meeting_us(table.fingers[k], table.doubts[k], known.elapsed_us);
+    }
     ++kept;
   }
   out.cluster_count -= out.finger_count - kept;
   out.finger_count = kept;
   table.islands = islands_now;
   std::copy_n(islands.begin(), islands_now, table.island);
+  std::ranges::fill(table.doubts, 0U);
+  return stay;
 }
 
 }  // namespace palpa::touch

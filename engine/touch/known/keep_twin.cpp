@@ -31,8 +31,8 @@ void set_reach(const std::vector<SkinSample>& samples, shader::KnownFinger& fing
 
 }  // namespace
 
-void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, std::uint32_t rules,
-                  const Touch& touch, shader::KnownTable& table) {
+void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
+                  std::uint32_t rules, const Touch& touch, shader::KnownTable& table) {
   const auto width = static_cast<float>(parameters.finger_width_m);
   table.count = touch.finger_count;
   table.reaching = 0;
@@ -42,7 +42,17 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
     const auto in_shell = static_cast<std::uint32_t>(
         std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return !touch.contacts[i].beyond; }));
     shader::KnownFinger& kept = table.fingers[f];
-    kept = {finger.solid, in_shell, static_cast<std::uint32_t>(samples.size()), 0, tracks.tracks[f].velocity, {}, {}};
+    kept = {finger.solid,
+            in_shell,
+            static_cast<std::uint32_t>(samples.size()),
+            claims[f].parting_us,
+            tracks.tracks[f].velocity,
+            claims[f].meeting_us,
+            0,
+            0,
+            0,
+            {},
+            {}};
     if ((rules & shader::known_edges) != 0 && shader::starves(in_shell, parameters.min_points) && !samples.empty())
       set_reach(samples, kept);
     table.reaching += kept.centre.w > 0 ? 1 : 0;

@@ -59,9 +59,12 @@ void KnownPass::admit(VkCommandBuffer commands, const KnownBindings& b, const gp
   admit_.dispatch(commands, spirv::known_admit_buffers(buffers), push, 1);
 }
 
-void KnownPass::keep(VkCommandBuffer commands, const KnownBindings& b, const Room& room, const Parameters& parameters,
-                     const KnownFrame& frame) const {
-  keep_.dispatch_indirect(commands, spirv::known_keep_buffers(b), push_of(b, room, parameters, frame), per_finger(b));
+void KnownPass::keep(VkCommandBuffer commands, const KnownBindings& b, const gpu::Scratch& s, const Room& room,
+                     const Parameters& parameters, const KnownFrame& frame) const {
+  ClaimBuffers buffers{b};
+  buffers.claims = s[claims];
+  keep_.dispatch_indirect(commands, spirv::known_keep_buffers(buffers), push_of(b, room, parameters, frame),
+                          per_finger(b));
 }
 
 }  // namespace palpa::touch

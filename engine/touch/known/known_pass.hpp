@@ -49,10 +49,10 @@ class KnownPass {
   /// inner barrier itself; the caller adds compute_to_compute afterwards.
   void admit(VkCommandBuffer commands, const KnownBindings& bindings, const gpu::Scratch& scratch, const Room& room,
              const Parameters& parameters, const KnownFrame& frame) const;
-  /// One dispatch, after FollowPass. Frames are submitted to one queue in the order of these calls. Barriers: as for
-  /// admit().
-  void keep(VkCommandBuffer commands, const KnownBindings& bindings, const Room& room, const Parameters& parameters,
-            const KnownFrame& frame) const;
+  /// One dispatch, after FollowPass, with the scratch of admit(). Frames are submitted to one queue in the order of
+  /// these calls. Barriers: as for admit().
+  void keep(VkCommandBuffer commands, const KnownBindings& bindings, const gpu::Scratch& scratch, const Room& room,
+            const Parameters& parameters, const KnownFrame& frame) const;
 
  private:
   enum ScratchIndex : std::size_t { claims, scratch_count };

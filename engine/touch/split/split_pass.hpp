@@ -28,7 +28,7 @@ struct SplitBindings {
   gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it, plus split_clusters more above room.contacts
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]: first, solid and contacts
-  gpu::BufferRef known;     ///< in: shader::KnownTable, not read if there is no frame before
+  gpu::BufferRef known;     ///< in, out (doubts): shader::KnownTable, not used if there is no frame before
 };
 
 /// Pipelines only; five dispatches: sample, look, parts, assign, list. If every finger stays as it is, the last four

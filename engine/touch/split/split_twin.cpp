@@ -47,8 +47,8 @@ class Parts {
  public:
   /// `labels`: the samples' known fingers.
   Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width,
-        const std::vector<std::uint32_t>& labels)
-      : samples_(samples), labels_(labels), count_(samples.size()), width_(finger_width) {
+        const std::vector<std::uint32_t>& labels, const Known& known)
+      : samples_(samples), labels_(labels), fingers_(known), count_(samples.size()), width_(finger_width) {
     for (std::size_t c = 0; c < sight.cameras.size(); ++c)
       look(sight, c);
     known_ = looked_;
@@ -67,6 +67,7 @@ class Parts {
     for (std::uint32_t round = 0; round < shader::split_votes; ++round)
       vote();
     settle();
+    hold();
     return_home();
   }
 
@@ -220,25 +221,67 @@ class Parts {
     }
   }
 
+  /// The means of the groups' insides.
+  std::array<Float3, most> means_inside() const {
+    std::array<Float3, most> means{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      Float3 sum{0, 0, 0};
+      for (std::size_t s = 0; s < count_; ++s) {
+        if ((members_[h] & only(s)) != 0) sum = plus(sum, minus(insides_[s], insides_[0]));
+      }
+      means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
+    }
+    return means;
+  }
+
+  /// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a
+  /// known finger that may not part are joined.
+  void hold() {
+    const std::array<Float3, most> means = means_inside();
+    std::array<std::uint32_t, most> label{};
+    std::array<std::uint32_t, shader::known_fingers> parts{};
+    std::array<std::size_t, shader::known_fingers> part{};
+    for (std::size_t h = most; h-- > 0;) {
+      label[h] = members_[h] != 0 ? label_of(h) : shader::known_none;
+      if (label[h] == shader::known_none) continue;
+      ++parts[label[h]];
+      part[label[h]] = h;
+    }
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (label[a] == shader::known_none || label[b] == shader::known_none || label[a] == label[b]) continue;
+        if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
+        fingers_.doubt(label[a], shader::doubt_apart);
+        fingers_.doubt(label[b], shader::doubt_apart);
+      }
+    }
+    Sets chosen{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      std::size_t to = h;
+      if (label[h] != shader::known_none && parts[label[h]] > 1) {
+        fingers_.doubt(label[h], shader::doubt_one);
+        if (!fingers_.may_part(label[h])) to = part[label[h]];
+      }
+      chosen[to] |= members_[h];
+    }
+    name_by_first(chosen);
+  }
+
   /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
   void settle() {
     for (;;) {
-      std::array<Float3, most> means{};
-      for (std::size_t h = 0; h < count_; ++h) {
-        if (members_[h] == 0) continue;
-        Float3 sum{0, 0, 0};
-        for (std::size_t s = 0; s < count_; ++s) {
-          if ((members_[h] & only(s)) != 0) sum = plus(sum, minus(insides_[s], insides_[0]));
-        }
-        means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
-      }
+      const std::array<Float3, most> means = means_inside();
       std::optional<float> nearest;
       std::size_t keeps = 0, goes = 0;
       for (std::size_t a = 0; a < count_; ++a) {
         for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
           if (members_[b] == 0) continue;
           const float square = square_apart(means[a], means[b]);
-          if (are_fingers(link_between(a, b, looked_, valley_), square, width_, were_apart(a, b))) continue;
+          const bool apart = were_apart(a, b);
+          if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
+          if (apart && !(fingers_.may_meet(label_of(a)) && fingers_.may_meet(label_of(b)))) continue;
           if (nearest && square >= *nearest) continue;
           nearest = square;
           keeps = a;
@@ -252,6 +295,7 @@ class Parts {
 
   const std::vector<SkinSample>& samples_;
   const std::vector<std::uint32_t>& labels_;
+  const Known& fingers_;  ///< of the frame before
   std::size_t count_;
   float width_;
   std::array<Float3, most> insides_{};
@@ -333,7 +377,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
       continue;
     }
     const Parts parts(sight, samples, width,
-                      apart ? labels : std::vector<std::uint32_t>(samples.size(), shader::known_none));
+                      apart ? labels : std::vector<std::uint32_t>(samples.size(), shader::known_none), known);
     if (!parts.several()) {
       list.push_back(finger);
       continue;

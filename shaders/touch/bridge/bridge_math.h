@@ -210,6 +210,8 @@ PALPA_FN bool too_wide(float low, float high, float line_square, float finger_wi
 #define PALPA_BRIDGE_STILL_ONE 1.2f
 #define PALPA_BRIDGE_STILL_AWAY 0.3f
 #define PALPA_BRIDGE_STILL_TOWARDS 0.5f
+// In place of the sum of cosines, for patches that are one only because they were one: less certain than any other.
+#define PALPA_BRIDGE_HELD 3.0f
 
 PALPA_FN BridgePair facing_verdict(Evidence e, bool were_one) {
   BridgePair pair;

@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = 1) buffer Fingers { FingerRecord fingers[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Contacts { ContactRecord contacts[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Claims { Claim claims[]; };
+layout(std430, set = 0, binding = 3) buffer Claims { Claim claims[]; };
 layout(std430, set = 0, binding = 4) buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { KnownPush push; };
 
@@ -59,6 +59,13 @@ void main() {
     fingers[kept].first = first;
     fingers[kept].solid = solid;
     fingers[kept].contacts = size;
+    const uint k = claims[f].known;
+    claims[kept].parting_us = known_never;
+    claims[kept].meeting_us = 0u;
+    if (k != known_none) {
+      claims[kept].parting_us = next_parting_us(known.fingers[k], known.doubts[k], push.elapsed_us);
+      claims[kept].meeting_us = next_meeting_us(known.fingers[k], known.doubts[k], push.elapsed_us);
+    }
     ++kept;
   }
   header.clusters -= header.fingers - kept;
@@ -67,5 +74,6 @@ void main() {
   known.reached = restart ? 0u : known.reaching;
   known.reaching = 0u;
   known.islands = islands_now;
+  for (uint k = 0u; k < known_fingers; ++k) known.doubts[k] = 0u;
   for (uint k = 0u; k < islands_now; ++k) known.island[k] = islands[k];
 }

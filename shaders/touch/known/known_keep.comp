@@ -19,6 +19,7 @@ layout(std430, set = 0, binding = 5) readonly buffer Rays { vec2 rays[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Cameras { BridgeCamera cameras[]; };
 layout(std430, set = 0, binding = 7) readonly buffer Tracks { TrackTable tracks; };
 layout(std430, set = 0, binding = 8) buffer Known { KnownTable known; };
+layout(std430, set = 0, binding = 9) readonly buffer Claims { Claim claims[]; };
 layout(push_constant) uniform Push { KnownPush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"
@@ -45,8 +46,9 @@ void main() {
   if (thread == 0u) {
     const uint inside_shell = fingers[finger].contacts - beyond;
     fingers[finger].beyond = beyond;
-    KnownFinger kept = KnownFinger(fingers[finger].solid, inside_shell, count_taken, 0u, tracks.tracks[finger].velocity,
-                                   vec4(0.0), vec4(0.0));
+    KnownFinger kept = KnownFinger(fingers[finger].solid, inside_shell, count_taken, claims[finger].parting_us,
+                                   tracks.tracks[finger].velocity, claims[finger].meeting_us, 0u, 0u, 0u, vec4(0.0),
+                                   vec4(0.0));
     if ((push.rules & known_edges) != 0u && starves(inside_shell, push.min_points) && count_taken > 0u) {
       Float3 place = Float3(0.0, 0.0, 0.0), normal = place;
       for (uint s = 0u; s < count_taken; ++s) {

@@ -64,6 +64,25 @@ PALPA_FN uint older(uint age_us, uint elapsed_us) {
   return age_us > 0xffffffffu - elapsed_us ? 0xffffffffu : age_us + elapsed_us;
 }
 
+// A known finger parts if it looks like several fingers in two frames that are no farther apart than the first time. It
+// is one with another finger once it has looked like that, in every frame, for the second time.
+PALPA_CONST parting_us_most = 100000u;
+PALPA_CONST meeting_us_least = 50000u;
+
+PALPA_FN bool may_part(KnownFinger finger, uint elapsed_us) {
+  return older(finger.parting_us, elapsed_us) <= parting_us_most;
+}
+PALPA_FN bool may_meet(KnownFinger finger, uint elapsed_us) {
+  return older(finger.meeting_us, elapsed_us) >= meeting_us_least;
+}
+
+PALPA_FN uint next_parting_us(KnownFinger finger, uint doubts, uint elapsed_us) {
+  return (doubts & doubt_one) != 0u ? 0u : older(finger.parting_us, elapsed_us);
+}
+PALPA_FN uint next_meeting_us(KnownFinger finger, uint doubts, uint elapsed_us) {
+  return (doubts & doubt_apart) != 0u ? older(finger.meeting_us, elapsed_us) : 0u;
+}
+
 PALPA_FN bool same_island(Island a, Island b) {
   PALPA_EXACT float x = a.x - b.x;
   PALPA_EXACT float y = a.y - b.y;

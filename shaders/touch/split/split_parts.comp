@@ -3,7 +3,7 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/known/known_math.h"
 
 // One finger per group, only if it is too wide: finds the samples of each of its parts. A thread per sample; a part is
 // named by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535
@@ -15,6 +15,7 @@ layout(std430, set = 0, binding = 1) readonly buffer Samples { BridgeSample samp
 layout(std430, set = 0, binding = 2) buffer States { SplitState states[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Labels { uint labels[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 5) coherent buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 const uint most = bridge_samples;
@@ -195,6 +196,50 @@ void vote(uint count) {
   regroup(chosen, count);
 }
 
+bool were_apart(uint a, uint b) {
+  return group_label[a] != known_none && group_label[b] != known_none && group_label[a] != group_label[b];
+}
+
+// Whether two groups of known fingers may be one. Call it only for groups that were apart.
+bool may_be_one(uint a, uint b) {
+  return may_meet(known.fingers[group_label[a]], push.elapsed_us) && may_meet(known.fingers[group_label[b]], push.elapsed_us);
+}
+
+// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a known
+// finger that may not part are joined. settle() has left the parts' means and links.
+void hold(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  label_parts[thread] = 0u;
+  label_part[thread] = most;
+  barrier();
+  const bool leads = thread < count && head[thread] == thread;
+  if (leads) {
+    group_label[thread] = label_of(thread);
+    if (group_label[thread] != known_none) {
+      atomicAdd(label_parts[group_label[thread]], 1u);
+      atomicMin(label_part[group_label[thread]], thread);
+    }
+  }
+  barrier();
+  if (leads) {
+    for (uint b = thread + 1u; b < count; ++b) {
+      if (head[b] != b || !were_apart(thread, b)) continue;
+      if (are_fingers(link_between(thread, b), square_apart(means[thread], means[b]), push.finger_width, true)) continue;
+      atomicOr(known.doubts[group_label[thread]], doubt_apart);
+      atomicOr(known.doubts[group_label[b]], doubt_apart);
+    }
+  }
+  if (label_parts[thread] > 1u) atomicOr(known.doubts[thread], doubt_one);
+  uint chosen = head[thread];
+  if (thread < count) {
+    const uint label = group_label[chosen];
+    if (label != known_none && label_parts[label] > 1u && !may_part(known.fingers[label], push.elapsed_us)) {
+      chosen = label_part[label];
+    }
+  }
+  regroup(chosen, count);
+}
+
 // Each sample of a known finger goes to the part of most of that finger's samples, if there is only one.
 void return_home(uint count) {
   const uint thread = gl_LocalInvocationIndex;
@@ -251,8 +296,9 @@ void settle(uint count) {
       for (uint b = thread + 1u; b < count; ++b) {
         if (head[b] != b) continue;
         const float square = square_apart(means[thread], means[b]);
-        const bool apart = group_label[thread] != known_none && group_label[b] != known_none && group_label[thread] != group_label[b];
+        const bool apart = were_apart(thread, b);
         if (are_fingers(link_between(thread, b), square, push.finger_width, apart)) continue;
+        if (apart && !may_be_one(thread, b)) continue;
         if (found != fingers_nothing && square >= found_square) continue;
         found = b;
         found_square = square;
@@ -317,6 +363,7 @@ void main() {
   grow(count);
   for (uint round = 0u; round < split_votes; ++round) vote(count);
   settle(count);
+  hold(count);
   return_home(count);
 
   if (thread < count) labels[finger * bridge_samples + thread] = head[thread];
