@@ -164,7 +164,9 @@ TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
         changes[hysteresis == Hysteresis::on ? 1 : 0] += k > 0 && touch.finger_count != before ? 1 : 0;
         before = touch.finger_count;
       }
-      if (hysteresis == Hysteresis::on) EXPECT_EQ(before, hand.fingers) << hand.name;
+      if (hysteresis == Hysteresis::on) {
+        EXPECT_EQ(before, hand.fingers) << hand.name;
+      }
     }
     EXPECT_GE(changes[0], 9) << hand.name;
     EXPECT_LE(changes[1], 1) << hand.name;
