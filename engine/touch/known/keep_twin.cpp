@@ -44,7 +44,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
     shader::KnownFinger& kept = table.fingers[f];
     kept = {finger.solid,
             in_shell,
-            static_cast<std::uint32_t>(samples.size()),
+            std::max(static_cast<std::uint32_t>(samples.size()), 1U),
             claims[f].parting_us,
             tracks.tracks[f].velocity,
             claims[f].meeting_us,
@@ -56,6 +56,10 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
     if ((rules & shader::known_edges) != 0 && shader::starves(in_shell, parameters.min_points) && !samples.empty())
       set_reach(samples, kept);
     table.reaching += kept.centre.w > 0 ? 1 : 0;
+    if (samples.empty()) {  // its place instead
+      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
+      table.insides[f * shader::known_samples] = {first.x, first.y, first.z, 0};
+    }
     for (std::size_t s = 0; s < samples.size(); ++s) {
       const Float3 inside = shader::inside_of(samples[s].position, samples[s].normal, width);
       table.insides[f * shader::known_samples + s] = {inside.x, inside.y, inside.z, 0};

@@ -43,10 +43,14 @@ void main() {
     const Float3 inside = inside_of(positions[thread], normals[thread], push.finger_width);
     known.insides[finger * known_samples + thread] = vec4(inside.x, inside.y, inside.z, 0.0);
   }
+  if (thread == 0u && count_taken == 0u) {  // its place instead
+    const uint first = fingers[finger].first;
+    known.insides[finger * known_samples] = vec4(contacts[first].x, contacts[first].y, contacts[first].z, 0.0);
+  }
   if (thread == 0u) {
     const uint inside_shell = fingers[finger].contacts - beyond;
     fingers[finger].beyond = beyond;
-    KnownFinger kept = KnownFinger(fingers[finger].solid, inside_shell, count_taken, claims[finger].parting_us,
+    KnownFinger kept = KnownFinger(fingers[finger].solid, inside_shell, max(count_taken, 1u), claims[finger].parting_us,
                                    tracks.tracks[finger].velocity, claims[finger].meeting_us, 0u, 0u, 0u, vec4(0.0),
                                    vec4(0.0));
     if ((push.rules & known_edges) != 0u && starves(inside_shell, push.min_points) && count_taken > 0u) {

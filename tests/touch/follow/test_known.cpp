@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <vector>
 
+#include "geometry/gltf/gltf.hpp"
+#include "sensing/recording.hpp"
 #include "shaders/touch/known/known_math.h"
 #include "support/hand_films.hpp"
+#include "support/shared_data.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -159,6 +164,35 @@ TEST(KnownFingers, ReachBeyondTheShellBeforeTheyEnd) {
     }
     for (std::uint32_t f = 0; f < touch.finger_count; ++f)
       EXPECT_EQ(touch.fingers[f].contact_count, touch.fingers[f].contacts.size());
+TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
+  PALPA_SHARED_OR_SKIP(folder, "flicker");
+  struct Hand {
+    const char* name;
+    std::filesystem::path scene;
+    std::size_t fingers;  ///< at the end
+  };
+  for (const Hand& hand :
+       {Hand{"one-finger-through-semi-sphere", palpa::test::source_file("assets/semi-sphere.glb"), 1},
+        Hand{"two-fingers-touching", folder / "plate.glb", 2}}) {
+    const sensing::Recording recording = sensing::load_recording(folder / hand.name);
+    std::array<int, 2> changes{};
+    for (const Hysteresis hysteresis : {Hysteresis::off, Hysteresis::on}) {
+      HostStage stage(geometry::make_solids(geometry::load_gltf(hand.scene)), recording.cameras, holding(hysteresis));
+      Touch touch;
+      sensing::FrameSet set;
+      std::uint32_t before = 0;
+      for (std::size_t k = 0; k < recording.entries.size(); ++k) {
+        read_entry(recording, k, set);
+        stage.touch(set.frames, touch, recording.entries[k].time_s);
+        changes[hysteresis == Hysteresis::on ? 1 : 0] += k > 0 && touch.finger_count != before ? 1 : 0;
+        before = touch.finger_count;
+      }
+      if (hysteresis == Hysteresis::on) {
+        EXPECT_EQ(before, hand.fingers) << hand.name;
+      }
+    }
+    EXPECT_GE(changes[0], 9) << hand.name;
+    EXPECT_LE(changes[1], 1) << hand.name;
   }
 }
 
