@@ -14,8 +14,8 @@ PALPA_CONST known_restart = 0xffffffffu;
 PALPA_CONST known_few = 1u;       // a known finger needs half as many contacts, and half as many firm ones
 PALPA_CONST known_islands = 2u;   // a small island beside a known finger waits
 PALPA_CONST known_apart = 4u;     // known fingers stay apart
-PALPA_CONST known_edges = 16u;    // contacts of a known finger that is about to end reach beyond the shell's edges
 PALPA_CONST known_together = 8u;  // a known finger stays one
+PALPA_CONST known_edges = 16u;    // contacts of a known finger that is about to end reach beyond the shell's edges
 
 // A finger of the frame before.
 struct KnownFinger {

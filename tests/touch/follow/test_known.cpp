@@ -164,6 +164,9 @@ TEST(KnownFingers, ReachBeyondTheShellBeforeTheyEnd) {
     }
     for (std::uint32_t f = 0; f < touch.finger_count; ++f)
       EXPECT_EQ(touch.fingers[f].contact_count, touch.fingers[f].contacts.size());
+  }
+}
+
 TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
   PALPA_SHARED_OR_SKIP(folder, "flicker");
   struct Hand {
