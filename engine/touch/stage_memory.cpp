@@ -166,7 +166,7 @@ void read(const StageMemory& memory, Touch& out) {
     out.fingers[f].contacts.reserve(out.fingers[f].contact_count);
   const auto contacts = memory.contacts_.as<shader::ContactRecord>().first(header.contacts);
   // Without those beyond the shell's edges: only hysteresis sets `beyond`.
-  const bool may_reach = setting.knows(memory.stage_->tables_.pixels != 0);
+  const bool may_reach = setting.knows(!memory.stage_->cameras().empty());
   out.contacts.reserve(contacts.size());
   for (const shader::ContactRecord& record : contacts) {
     if (may_reach && record.beyond != 0) continue;
