@@ -48,6 +48,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
           .smoothing = o.smoothing,
+          .hysteresis = o.chosen_hysteresis(),
           .hold_s = o.hold_s,
           .lengthens_hold = o.hold_auto,
           .safety = o.safety};
@@ -109,11 +110,18 @@ void add_following_options(CLI::App& app, FrameOptions& o) {
                   "principal axes");
   steadily.choice("--smoothing", o.smoothing, touch::smoothing_words,
                   "filter that keeps foci from jumping from frame to frame");
+  steadily.choice("--hysteresis", o.hysteresis, touch::hysteresis_words,
+                  "whether a finger of the last frame stays one until the evidence against it is strong [on, but off "
+                  "with --axes covariance --smoothing none]");
 }
 
 void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
+  if (o.hysteresis && o.touch.parameters.finger_width_m == 0) {
+    throw bad_usage(
+        "--hysteresis goes with a --finger-width above 0: like splitting and joining, it looks at the depth images");
+  }
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
     throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");

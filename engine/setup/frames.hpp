@@ -38,6 +38,13 @@ struct FrameOptions {
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  std::optional<touch::Hysteresis> hysteresis;
+
+  /// Unless it is given, it is off for frames that stand alone as in the paper.
+  touch::Hysteresis chosen_hysteresis() const {
+    const bool alone = axes == touch::Axes::covariance && smoothing == touch::Smoothing::none;
+    return hysteresis.value_or(alone ? touch::Hysteresis::off : touch::Hysteresis::on);
+  }
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

@@ -8,6 +8,8 @@
 #include "touch/depths.hpp"
 #include "touch/fingers/fingers_twin.hpp"
 #include "touch/foci/foci_twin.hpp"
+#include "touch/known/admit_twin.hpp"
+#include "touch/known/keep_twin.hpp"
 #include "touch/sections/sections_twin.hpp"
 #include "touch/split/split_twin.hpp"
 
@@ -23,6 +25,7 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
   check_parameters(setting.parameters, solids_);
   if (setting.follow) tracks_.emplace();
   if (setting.glides()) homes_.emplace();
+  if (setting.knows(!cameras.empty())) known_ = std::make_unique<shader::KnownTable>();
 }
 
 std::uint32_t HostStage::most_pixel_stride() const {
@@ -30,7 +33,7 @@ std::uint32_t HostStage::most_pixel_stride() const {
 }
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
-  const Box box = touchable_box(solids_);
+  const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, crops_);
   set_stride(crops_, stride_);
   sensing::find_skin(tables_, images, box, crops_, points_);
@@ -49,21 +52,35 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     if (mark) mark(part);
   };
   const Parameters parameters = at_stride(setting_.parameters, stride_);
-  find_contacts(points, solids_, parameters, out);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
+  const bool has_before = known_ && elapsed_us <= setting_.memory_us();
+  find_contacts(points, solids_, parameters, {has_before ? known_.get() : nullptr, elapsed_us}, out);
   done("contacts");
-  find_fingers(parameters, solids_, out);
+  find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
+  ClaimList claims{};
   if (setting_.looks_again(sight != nullptr)) {
-    split_fingers(*sight, parameters, out);
+    const Known known{{elapsed_us, known_ ? setting_.hysteresis_rules : 0U},
+                      has_before ? known_.get() : nullptr,
+                      static_cast<float>(parameters.finger_width_m)};
+    split_fingers(*sight, parameters, known, out);
     done("split");
-    bridge_fingers(*sight, parameters, out);
+    bridge_fingers(*sight, parameters, known, out);
     done("bridge");
+    if (known_) {
+      claims = admit_fingers(*sight, parameters, known, *known_, out);
+      done("admit");
+    }
   }
   find_sections(out);
   done("sections");
   if (tracks_) {
-    follow_fingers(*tracks_, time_s, setting_, out);
+    follow_fingers(*tracks_, elapsed_us, setting_, out);
     done("follow");
+  }
+  if (known_) {
+    keep_fingers(*sight, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
+    done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);
   done("foci");
@@ -71,6 +88,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     glide_foci(*tracks_, *homes_, out);
     done("glide");
   }
+  if (known_) leave_out_beyond(out);
   find_depths(out);
 }
 

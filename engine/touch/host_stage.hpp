@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
 #include "shaders/touch/bridge/bridge.h"
+#include "shaders/touch/known/known.h"
 #include "touch/bridge/bridge_twin.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/follow/follow_twin.hpp"
@@ -24,7 +26,7 @@ namespace palpa::touch {
 class HostStage {
  public:
   /// Called after each part with its name: "skin", "contacts", "fingers", "split", "bridge", "sections", "follow",
-  /// "foci", "glide".
+  /// "foci", "glide"; and, with hysteresis, "admit" after "bridge" and "keep" after "follow".
   using Mark = std::function<void(const char*)>;
 
   /// Without cameras, every frame is a set of skin points. There is room for any frame, and contacts are always filled
@@ -58,6 +60,7 @@ class HostStage {
   PreparedSolids solids_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
+  std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
   std::uint32_t stride_ = 1;
   std::vector<sensing::Crop> crops_;        // scratch
   std::vector<sensing::SkinPoint> points_;  // scratch

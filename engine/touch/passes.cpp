@@ -14,6 +14,7 @@ void Passes::prepare(const PreparedSolids& solids, const sensing::RayTables& tab
     if (!split_) split_.emplace(device_);
     if (!bridge_) bridge_.emplace(device_);
   }
+  if (setting.knows(!tables.cameras.empty()) && !known_) known_.emplace(device_);
   if (setting.follow && !follow_) follow_.emplace(device_);
   if (setting.glides() && !glide_) glide_.emplace(device_);
 }

@@ -32,6 +32,7 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
   passes.prepare(solids_, tables_, setting);
   if (setting.follow) tracks_.emplace(device);
   if (setting.glides()) homes_.emplace(device);
+  if (setting.looks_again(!cameras.empty())) known_.emplace(device);
   const std::vector<shader::BridgeCamera> seeing = bridge_cameras(cameras, tables_);
   const std::vector<shader::Border> borders = sector_borders();
   const gpu::Recorder recorder(device, "stage");
@@ -48,7 +49,7 @@ std::uint32_t Stage::most_pixel_stride() const {
 
 void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const {
   memory.depth_.record(commands);
-  const Box box = touchable_box(solids_);
+  const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, memory.crops_);
   set_stride(memory.crops_, stride_);
   passes_.skin_.record(commands,
@@ -64,6 +65,10 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
 void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu::Timestamps* times) {
   const bool cameras = tables_.pixels != 0;
   const Parameters parameters = at_stride(setting_.parameters, stride_);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : shader::follow_restart;
+  const bool knows = setting_.knows(cameras);
+  const KnownFrame frame{knows && elapsed_us <= setting_.memory_us() ? elapsed_us : shader::known_restart,
+                         knows ? setting_.hysteresis_rules : 0U};
   const gpu::BufferRef points = cameras ? m.seen_.ref() : m.points_.ref();
   const gpu::BufferRef length = cameras ? m.seen_total_.ref() : m.given_.ref();
   if (cameras) {
@@ -90,8 +95,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                             .surface = solids_memory_.surfaces().surface(),
                             .parts = solids_memory_.surfaces().parts(),
                             .deep_total = m.deep_total_.ref(),
-                            .deep = m.deep_.ref()},
-                           m.contacts_scratch_, m.room_, solids_, parameters, times);
+                            .deep = m.deep_.ref(),
+                            .known = known_ ? known_->ref() : gpu::BufferRef{}},
+                           m.contacts_scratch_, m.room_, solids_, parameters, times, frame.elapsed_us);
   gpu::compute_to_compute(commands);
   passes_.fingers_.record(commands,
                           {.length = length,
@@ -104,8 +110,20 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .fingers = m.fingers_.ref(),
                            .deep_total = m.deep_total_.ref(),
                            .deep = m.deep_.ref()},
-                          m.fingers_scratch_, m.room_, parameters, times);
+                          m.fingers_scratch_, m.room_, setting_.searched(parameters, cameras), times);
   gpu::compute_to_compute(commands);
+  const auto known_bindings = [&] {
+    return KnownBindings{.depth = m.depth_.ref(),
+                         .rays = rays_.ref(),
+                         .cameras = bridge_cameras_.ref(),
+                         .total = m.total_.ref(),
+                         .contacts = m.contacts_.ref(),
+                         .parents = m.parents_.ref(),
+                         .header = m.header_.ref(),
+                         .fingers = m.fingers_.ref(),
+                         .known = known_->ref(),
+                         .tracks = tracks_->ref()};
+  };
   if (setting_.looks_again(cameras)) {
     passes_.split_->record(commands,
                            {.depth = m.depth_.ref(),
@@ -116,8 +134,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                             .parents = m.parents_.ref(),
                             .clusters = m.clusters_.ref(),
                             .header = m.header_.ref(),
-                            .fingers = m.fingers_.ref()},
-                           m.split_scratch_, m.room_, parameters);
+                            .fingers = m.fingers_.ref(),
+                            .known = known_->ref()},
+                           m.split_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("split");
     passes_.bridge_->record(commands,
@@ -129,10 +148,16 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                              .parents = m.parents_.ref(),
                              .clusters = m.clusters_.ref(),
                              .header = m.header_.ref(),
-                             .fingers = m.fingers_.ref()},
-                            m.bridge_scratch_, m.room_, parameters);
+                             .fingers = m.fingers_.ref(),
+                             .known = known_->ref()},
+                            m.bridge_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("bridge");
+    if (knows) {
+      passes_.known_->admit(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
+      gpu::compute_to_compute(commands);
+      mark("admit");
+    }
   }
   passes_.sections_.record(commands,
                            {.total = m.total_.ref(),
@@ -146,9 +171,13 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   if (tracks_) {
     passes_.follow_->record(commands,
                             {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
-                            tracks_->clock.elapsed_us(time_s), setting_);
+                            elapsed_us, setting_);
     mark("follow");
     gpu::compute_to_compute(commands);
+    if (knows) {
+      passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
+      mark("keep");
+    }
   }
   passes_.foci_.record(commands,
                        {.grouped = m.grouped_texels_.ref(),

@@ -23,6 +23,8 @@
 //                 header (how many fingers; points and contacts in all), fingers' first, solid, contacts
 //   SplitPass     split_*: rewrites parents, clusters, header, fingers if a cluster is several fingers, or no finger
 //   BridgePass    bridge_*: the same if several clusters are one finger
+//   KnownPass     known_claim, known_admit: rewrites header and fingers by the fingers of the frame before;
+//                 known_keep, after follow: known
 //   SectionsPass  sections_*: contacts' finger, grouped (contacts by finger); fingers' centre, mean, axes, turn, lean,
 //                 point_like, id (its index); Eq. (2)-(4)
 //   FollowPass    follow: fingers' id, axes, turn; tracks
@@ -83,8 +85,8 @@ class Stage {
   /// Records all passes that turn the frame's input, captured at `time_s`, into foci, and the readback that the setting
   /// requests. If fingers are followed, record frames in the order of their capture and submit them in the order of
   /// recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass, "split",
-  /// "bridge", SectionsPass, "follow", "foci" and "glide", as far as they run. Barriers: the previous submit that used
-  /// `memory` must have completed. Allocates nothing.
+  /// "bridge", "admit", SectionsPass, "follow", "keep", "foci" and "glide", as far as they run. Barriers: the previous
+  /// submit that used `memory` must have completed. Allocates nothing.
   void record(VkCommandBuffer commands, StageMemory& memory, double time_s = 0, gpu::Timestamps* times = nullptr);
 
  private:
@@ -101,6 +103,7 @@ class Stage {
   SolidsMemory solids_memory_;
   std::optional<TracksMemory> tracks_;
   std::optional<HomesMemory> homes_;
+  std::optional<KnownMemory> known_;  // if depth frames decide which clusters are fingers
   std::uint32_t stride_ = 1;
 };
 
@@ -134,7 +137,8 @@ class StageMemory {
   gpu::Upload solids_;             // their poses
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, parents_, clusters_, grouped_;
-  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, split_scratch_, bridge_scratch_, sections_scratch_;
+  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, split_scratch_, bridge_scratch_, known_scratch_,
+      sections_scratch_;
   gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
   gpu::TexelView contact_texels_, solid_texels_, grouped_texels_;
 };

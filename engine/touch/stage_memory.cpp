@@ -61,6 +61,7 @@ void StageMemory::make(const Room& room) {
     if (stage_->setting_.looks_again(cameras)) {
       split_scratch_ = gpu::Scratch(device, SplitPass::scratch(), "split");
       bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
+      if (stage_->setting_.knows(cameras)) known_scratch_ = gpu::Scratch(device, KnownPass::scratch(), "known");
     }
   } else {
     points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
@@ -150,7 +151,7 @@ void read(const StageMemory& memory, Touch& out) {
     finger.section.turn = {record.turn.x, record.turn.y};
     finger.section.lean = vec(record.lean);
     finger.placed = record.placed != 0;
-    finger.contact_count = record.contacts;
+    finger.contact_count = record.contacts - record.beyond;
     finger.contacts.clear();
     finger.foci.resize(record.foci);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
@@ -164,11 +165,14 @@ void read(const StageMemory& memory, Touch& out) {
   for (std::uint32_t f = 0; f < header.fingers; ++f)
     out.fingers[f].contacts.reserve(out.fingers[f].contact_count);
   const auto contacts = memory.contacts_.as<shader::ContactRecord>().first(header.contacts);
-  out.contacts.resize(contacts.size());
-  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    const shader::ContactRecord& record = contacts[i];
-    out.contacts[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
-    if (record.finger < header.fingers) out.fingers[record.finger].contacts.push_back(i);
+  // Without those beyond the shell's edges: only hysteresis sets `beyond`.
+  const bool may_reach = setting.knows(!memory.stage_->cameras().empty());
+  out.contacts.reserve(contacts.size());
+  for (const shader::ContactRecord& record : contacts) {
+    if (may_reach && record.beyond != 0) continue;
+    if (record.finger < header.fingers)
+      out.fingers[record.finger].contacts.push_back(static_cast<std::uint32_t>(out.contacts.size()));
+    out.contacts.push_back({record.point, record.solid, record.depth, {record.x, record.y, record.z}});
   }
   find_depths(out);
 }

@@ -39,6 +39,11 @@ enum class Smoothing {
 };
 inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
 
+/// For fingers that are followed through depth frames: whether a decision about a finger holds from frame to frame
+/// until the evidence against it is strong.
+enum class Hysteresis { on, off };
+inline constexpr Word<Hysteresis> hysteresis_words[] = {{"on", Hysteresis::on}, {"off", Hysteresis::off}};
+
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
@@ -69,6 +74,9 @@ struct Contact {
   std::uint32_t solid = 0;  ///< index into the scene's solids
   float depth_m = 0;        ///< Eq. (1), in (0, delta)
   glm::vec3 position{};     ///< metres, world
+  /// Only inside a stage, which leaves such contacts out of its result: up to 0.5 mm beyond an edge of the shell, for a
+  /// finger that is about to end.
+  bool beyond = false;
 };
 
 /// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. In a single frame, they are the principal

@@ -65,6 +65,7 @@ constexpr Entry entries[] = {
     {"--frequency", "tone", "kHz"},
     {"--axes", "axes"},
     {"--smoothing", "smoothing"},
+    {"--hysteresis", "hysteresis"},
     {"--gpu", "GPU"},
     {"--backend", "computes on"},
     {"--seed", "random seed"},

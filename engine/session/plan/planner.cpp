@@ -26,6 +26,7 @@ touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler
                             .follow = setting.follow,
                             .axes = setting.axes,
                             .smoothing = setting.smoothing,
+                            .hysteresis = setting.hysteresis,
                             .memory_s = setting.hold_s};
   const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
   stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;

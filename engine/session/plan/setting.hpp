@@ -35,6 +35,8 @@ struct SessionSetting {
   bool follow = true;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  /// With depth frames: a finger stays one until the evidence against it is strong. Needs `follow`.
+  touch::Hysteresis hysteresis = touch::Hysteresis::on;
   /// How long a frame is valid after its capture if no other comes. Then comes silence, and fingers are released.
   double hold_s = 0.1;
   /// run() may lengthen the hold to longest_auto_hold_s if frames are late although work is shed

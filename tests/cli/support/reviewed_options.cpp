@@ -120,7 +120,7 @@ ReviewedLine of_run() {
               "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
               "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
               "--temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
-              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --foci --link "
+              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --foci --link "
               "--every-frame --record --stats"};
 }
 
@@ -155,8 +155,10 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                                    of_sound,
                                    {{{"--event-move", "1mm"}, "--event-move goes with --events"},
                                     {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
-                                    {{"--spot", "4mm"}, "--spot goes with --tune"}}}),
-       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune",
+                                    {{"--spot", "4mm"}, "--spot goes with --tune"},
+                                    {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"}}}),
+       // Only fingers that flicker show hysteresis: see test_touch_known.
+       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis",
        .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
                                    "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
        .effective = joined<EffectiveOption>({touched,
