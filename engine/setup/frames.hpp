@@ -38,6 +38,11 @@ struct FrameOptions {
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  std::optional<session::Predict> predict;  ///< default: automatic
+  std::optional<double> predict_latency_s;
+
+  /// Throws bad_usage if a prediction is asked for that frames cannot have: those of `who` have no measured latency.
+  void refuse_unmeasured_prediction(const char* who) const;
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

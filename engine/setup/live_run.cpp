@@ -77,6 +77,7 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
 
 void check(const LiveOptions& o) {
   check(static_cast<const FrameOptions&>(o));
+  if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 

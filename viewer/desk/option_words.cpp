@@ -65,6 +65,8 @@ constexpr Entry entries[] = {
     {"--frequency", "tone", "kHz"},
     {"--axes", "axes"},
     {"--smoothing", "smoothing"},
+    {"--predict", "foci ahead of fingers"},
+    {"--predict-latency", "latency to predict", "ms"},
     {"--gpu", "GPU"},
     {"--backend", "computes on"},
     {"--seed", "random seed"},

@@ -12,6 +12,7 @@
 #include "sensing/camera.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
+#include "session/predict/prediction.hpp"
 #include "session/watch/events.hpp"
 #include "touch/types.hpp"
 
@@ -35,6 +36,9 @@ struct SessionSetting {
   bool follow = true;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  /// Whether foci are moved to where their fingers will be when they sound. Without a fixed latency, only run()
+  /// predicts, and only if frames do not wait.
+  PredictOptions predict;
   /// How long a frame is valid after its capture if no other comes. Then comes silence, and fingers are released.
   double hold_s = 0.1;
   /// run() may lengthen the hold to longest_auto_hold_s if frames are late although work is shed

@@ -38,7 +38,8 @@ void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids
                   {"--spacing", touch.parameters.spacing != usual.touch.parameters.spacing},
                   {"--method", touch.method.method != usual.touch.method.method},
                   {"--axes", task.axes != usual.axes},
-                  {"--smoothing", task.smoothing != usual.smoothing}},
+                  {"--smoothing", task.smoothing != usual.smoothing},
+                  {"--predict-latency", task.predict_latency_s.has_value()}},
                  "goes with --foci, --drives or --pressure: events do not depend on foci");
   }
   if (!drives && !foci) {
@@ -122,6 +123,7 @@ class ExportRun::Links final : public session::Link {
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links) {
   if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: exported frames are never late");
   check(task);
+  task.refuse_unmeasured_prediction("exported frames");
   if (task.foci.empty() && task.events.empty() && task.drives.empty() && !own_links)
     throw bad_usage("nothing to export: give --foci, --events or --drives");
   if (!task.foci.empty()) session::check_foci_file(task.foci);
