@@ -11,7 +11,7 @@ namespace palpa::session {
 namespace {
 
 /// Noise of a finger's place from frame to frame, with a D415's images.
-constexpr double place_noise_m = 0.15e-3;
+constexpr double place_noise_m = 0.1e-3;
 constexpr double most_growth = 2.5;
 /// The skin around the contacts whose steps are followed.
 constexpr double skin_reach_m = 12e-3;

@@ -17,6 +17,10 @@ namespace {
 
 /// If wide clusters are not examined, fingers have no stated width.
 constexpr double usual_width_m = 25e-3;
+/// A finger with more pixels around it is examined at every 2nd or 3rd pixel of every 2nd or 3rd row. Only the
+/// differences between two places count, and both have the same points.
+constexpr std::size_t enough_pixels = 3000;
+constexpr std::uint32_t most_stride = 3;
 
 shader::Float3 float3(const glm::vec3& v) {
   return {v.x, v.y, v.z};
@@ -66,11 +70,19 @@ SecondSearch::SecondSearch(const CameraView& view, const touch::PreparedSolids& 
     touch->fingers.resize(1);
 }
 
-void SecondSearch::take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way) {
+/// Takes the skin that moves with the finger. Returns the stride of its pixels.
+std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames,
+                                        const Vec3& way) {
   const Box contacts = contact_box(seen.fingers[f]);
   const Box box{contacts.low - reach_m_, contacts.high + reach_m_};
   sensing::plan_crops(view_.cameras, view_.tables, box, crops_);
-  touch::set_stride(crops_, stride_);
+  std::size_t pixels = 0;
+  for (const sensing::Crop& crop : crops_)
+    pixels += std::size_t{crop.blocks()} * sensing::block_pixels;
+  std::uint32_t stride = stride_;
+  while (stride < most_stride && pixels > enough_pixels * stride * stride)
+    ++stride;
+  touch::set_stride(crops_, stride);
   sensing::find_skin(view_.tables, frames.images(), box, crops_, points_);
   others_.clear();
   for (std::uint32_t other = 0; other < seen.finger_count; ++other) {
@@ -86,6 +98,7 @@ void SecondSearch::take_points(const touch::Touch& seen, std::uint32_t f, const 
   moved_ = points_;
   for (sensing::SkinPoint& point : moved_)
     point.position += glm::vec3(way);
+  return stride;
 }
 
 bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
@@ -109,8 +122,7 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
 bool SecondSearch::move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
                         touch::Touch& out) {
   const touch::Finger& finger = seen.fingers[f];
-  const touch::Parameters parameters = touch::at_stride(parameters_, stride_);
-  take_points(seen, f, frames, way);
+  const touch::Parameters parameters = touch::at_stride(parameters_, take_points(seen, f, frames, way));
   // If the skin was not kept, nothing is known of it.
   if (!find(finger, points_, parameters, before_)) {
     add_moved(seen, f, way, out);

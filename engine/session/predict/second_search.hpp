@@ -32,7 +32,7 @@ class SecondSearch {
   bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
 
  private:
-  void take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
+  std::uint32_t take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
   bool find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
             const touch::Parameters& parameters, touch::Touch& out) const;
 
