@@ -125,6 +125,10 @@ void FrameOptions::refuse_unmeasured_prediction(const char* who) const {
                   who));
 }
 
+void FrameOptions::leave_out_unmeasured_prediction() {
+  if (!predict_latency_s) predict = session::Predict::off;
+}
+
 void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);

@@ -41,8 +41,10 @@ struct FrameOptions {
   std::optional<session::Predict> predict;  ///< default: automatic
   std::optional<double> predict_latency_s;
 
-  /// Throws bad_usage if a prediction is asked for that frames cannot have: those of `who` have no measured latency.
+  /// For frames without a latency that could be measured. The first throws bad_usage if a prediction without a latency
+  /// is asked for; `who` names the frames. The second turns such a prediction off, which is the default.
   void refuse_unmeasured_prediction(const char* who) const;
+  void leave_out_unmeasured_prediction();
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

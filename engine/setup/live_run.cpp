@@ -40,6 +40,7 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   session::check_board_files(options.link, links, options.board_files);
   take_layout_of_link(options.rig, options.link, links);
   take_method_of_link(options, links);
+  if (options.every_frame) options.leave_out_unmeasured_prediction();
   return options;
 }
 

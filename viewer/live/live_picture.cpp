@@ -52,11 +52,11 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
   }
   show_schedule(picture, schedule, placements);
   for (std::uint32_t f = 0; f < schedule.voice_count && f < picture.fingers.size(); ++f) {
-    std::vector<glm::vec3>& seen = picture.fingers[f].seen;
-    seen.clear();
+    std::vector<glm::vec3>& places = picture.fingers[f].seen;
+    places.clear();
     if (schedule.voices[f].velocity == Vec3(0)) continue;
     for (std::size_t n = 0; n < placements[f].foci.size(); ++n) {
-      if (placements[f].has(n)) seen.push_back(placements[f].foci[n].position);
+      if (placements[f].has(n)) places.push_back(placements[f].foci[n].position);
     }
   }
 }

@@ -68,6 +68,11 @@ void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids
                "goes with --drives or --pressure: nothing else that is exported depends on the array's sound");
 }
 
+FrameOptions unmeasured(FrameOptions options) {
+  options.leave_out_unmeasured_prediction();
+  return options;
+}
+
 }  // namespace
 
 /// Several links at once. A fault of one of them does not keep a plan, a drive, above all the silence at the end, from
@@ -147,7 +152,7 @@ std::string to_json(const ExportResult& result) {
 
 ExportRun::ExportRun(const ExportTask& task, std::span<const session::SourceKind> sources, std::atomic<bool>& stop,
                      std::span<session::Link* const> links)
-    : frames_(task.frames), stop_(&stop), prepared_(prepare(task, sources, false)) {
+    : frames_(task.frames), stop_(&stop), prepared_(prepare(unmeasured(task), sources, false)) {
   const session::Session& session = *prepared_.session;
   if (links.empty()) refuse_idle(task, session.solids());
   if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_);
