@@ -21,6 +21,10 @@ void check_times(const SessionSetting& setting) {
   const double dwell_s = setting.schedule.voice.dwell_s;
   if (!(dwell_s > 0 && dwell_s <= 10)) throw bad_usage(fmt::format("a dwell of {} s: give 0 to 10 s", dwell_s));
   check_safety(setting.safety);
+  const double latency_s = setting.predict.latency_s.value_or(0);
+  if (!(latency_s >= 0 && latency_s <= most_ahead_s)) {
+    throw bad_usage(fmt::format("a latency of {} s to predict: give 0 to {} s", latency_s, most_ahead_s));
+  }
 }
 
 /// Empty without an array, and if a spot or another field replaces it.
@@ -130,6 +134,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   LoopStats stats;
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
   // result on all machines.
+  s.planner->list_standing(link.plays_plans());
   const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,
@@ -174,6 +179,14 @@ const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, 
     throw bad_usage("a session without cameras takes skin points, not depth frames");
   }
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s,
+                                   std::uint64_t first_slot) {
+  if (state_->setting.cameras.empty()) {
+    throw bad_usage("a session without cameras takes skin points, not depth frames");
+  }
+  return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 std::span<const Event> Session::events() const {

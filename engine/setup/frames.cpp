@@ -49,6 +49,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hysteresis = o.chosen_hysteresis(),
+          .predict = {o.predict.value_or(session::Predict::automatic), o.predict_latency_s},
           .hold_s = o.hold_s,
           .lengthens_hold = o.hold_auto,
           .safety = o.safety};
@@ -113,6 +114,23 @@ void add_following_options(CLI::App& app, FrameOptions& o) {
   steadily.choice("--hysteresis", o.hysteresis, touch::hysteresis_words,
                   "whether a finger of the last frame stays one until the evidence against it is strong [on, but off "
                   "with --axes covariance --smoothing none]");
+  steadily.choice("--predict", o.predict, session::predict_words,
+                  "whether foci sound where their finger will be at that time [auto]");
+  steadily.quantity("--predict-latency", o.predict_latency_s, Quantity::time, {0, session::most_ahead_s},
+                    "time from a frame's capture to its sound for which fingers are predicted; needed if it cannot be "
+                    "measured: in palpa export, and with --every-frame [measured]");
+}
+
+void FrameOptions::refuse_unmeasured_prediction(const char* who) const {
+  if (!predict || predict_latency_s) return;
+  throw bad_usage(
+      fmt::format("--predict: {} have no latency that could be measured, so nothing is predicted; give "
+                  "--predict-latency, for example 20ms",
+                  who));
+}
+
+void FrameOptions::leave_out_unmeasured_prediction() {
+  if (!predict_latency_s) predict = session::Predict::off;
 }
 
 void check(const FrameOptions& o) {
@@ -125,6 +143,8 @@ void check(const FrameOptions& o) {
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
     throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
+  if (o.predict == session::Predict::off && o.predict_latency_s)
+    throw bad_usage("--predict-latency goes with --predict auto: with off, nothing is predicted");
   // `mouse` belongs to the viewer.
   const auto rendered = [&](std::string_view kind) {
     return o.source.starts_with(kind) && (o.source.size() == kind.size() || o.source[kind.size()] == ':');

@@ -45,6 +45,13 @@ struct FrameOptions {
     const bool alone = axes == touch::Axes::covariance && smoothing == touch::Smoothing::none;
     return hysteresis.value_or(alone ? touch::Hysteresis::off : touch::Hysteresis::on);
   }
+  std::optional<session::Predict> predict;  ///< default: automatic
+  std::optional<double> predict_latency_s;
+
+  /// For frames without a latency that could be measured. The first throws bad_usage if a prediction without a latency
+  /// is asked for; `who` names the frames. The second turns such a prediction off, which is the default.
+  void refuse_unmeasured_prediction(const char* who) const;
+  void leave_out_unmeasured_prediction();
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

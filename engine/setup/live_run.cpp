@@ -40,6 +40,7 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   session::check_board_files(options.link, links, options.board_files);
   take_layout_of_link(options.rig, options.link, links);
   take_method_of_link(options, links);
+  if (options.every_frame) options.leave_out_unmeasured_prediction();
   return options;
 }
 
@@ -77,6 +78,7 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
 
 void check(const LiveOptions& o) {
   check(static_cast<const FrameOptions&>(o));
+  if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 

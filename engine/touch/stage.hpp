@@ -72,6 +72,7 @@ class Stage {
 
   const StageSetting& setting() const { return setting_; }
   const std::vector<sensing::Camera>& cameras() const { return cameras_; }
+  const sensing::RayTables& rays() const { return tables_; }
   const PreparedSolids& solids() const { return solids_; }
   /// Takes effect from the next record(); see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }

@@ -23,7 +23,7 @@ BEGIN {
   order("touch", "types stage_setting room contacts fingers bridge split sections follow known foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
-  order("session", "clock newest threads links watch plan loop previews .")
+  order("session", "clock newest threads links watch predict plan loop previews .")
   order("study", "statistics tables files . report")
   order("setup", ". tasks")
   order("cli", ". study")

@@ -66,6 +66,8 @@ constexpr Entry entries[] = {
     {"--axes", "axes"},
     {"--smoothing", "smoothing"},
     {"--hysteresis", "hysteresis"},
+    {"--predict", "foci ahead of fingers"},
+    {"--predict-latency", "latency to predict", "ms"},
     {"--gpu", "GPU"},
     {"--backend", "computes on"},
     {"--seed", "random seed"},

@@ -62,6 +62,9 @@ struct FingerMarks {
   std::string solid;  ///< what it touches
   std::uint32_t contacts = 0;
   std::vector<FocusMark> foci;  ///< in playing order; a line joins them in this order
+  /// If the foci play elsewhere, ahead of the finger: the places where they were seen, in the order of their angle. An
+  /// outline joins them, and a line leads from its middle to that of the foci.
+  std::vector<glm::vec3> seen;
   /// Index into `foci` of the focus that sounds now, highlighted.
   std::optional<std::uint32_t> running;
   bool together = false;               ///< all of them sound now

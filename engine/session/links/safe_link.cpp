@@ -77,6 +77,7 @@ void SafeLink::plan(const PlayedPlan& plan) {
     return;
   }
   kept_.schedule = plan.schedule;
+  kept_.schedule.advance = {};  // the drives that a link gets are of foci that stand
   kept_.cycle = plan.slots.cycle;
   kept_.drives.assign(plan.drives.begin(), plan.drives.end());
   until_slot_ = plan.slots.until;

@@ -1,5 +1,8 @@
 #include "session/plan/planner.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "session/plan/scheduler.hpp"
 
 namespace palpa::session {
@@ -19,6 +22,19 @@ void reserve(touch::Touch& touch) {
     finger.contacts.reserve(contacts_per_finger);
     finger.foci.reserve(touch::max_foci);
   }
+}
+
+PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
+                                   const touch::PreparedSolids& solids) {
+  const array::Voice voice = scheduler.common_voice();
+  const auto steps = static_cast<double>(voice.order.size() / voice.foci_per_slot);
+  const double cycle = std::round(steps * voice.dwell_s / scheduler.slot_s());
+  return {.options = setting.predict,
+          .view = view,
+          .solids = solids,
+          .parameters = setting.touch,
+          .cycle = static_cast<std::uint32_t>(std::clamp(cycle, 1.0, 1e3)),
+          .slot_s = scheduler.slot_s()};
 }
 
 touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {

@@ -12,6 +12,8 @@
 #include "sensing/skin_point.hpp"
 #include "session/links/plan.hpp"
 #include "session/plan/setting.hpp"
+#include "session/predict/predictor.hpp"
+#include "session/predict/slot_clock.hpp"
 #include "session/watch/effort.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -26,6 +28,14 @@ struct SkinFrame {
   double time_s = 0;      ///< capture, on the source's clock
   double captured_s = 0;  ///< the same on the loop's clock
   double arrived_s = 0;   ///< in memory, on the loop's clock
+  /// One of these, or neither, says when the plan's slots will sound: the loop's clock, which must outlive the frame's
+  /// last step, or the number of the first slot that plays the plan.
+  const SlotClock* slots = nullptr;
+  std::optional<std::uint64_t> first_slot{};
+
+  std::optional<FirstSlot> first() const {
+    return slots ? slots->first(captured_s) : first_slot ? std::optional(FirstSlot{*first_slot, {}}) : std::nullopt;
+  }
 };
 
 /// The results of a frame besides its plan. Valid until the planner's next step.
@@ -33,8 +43,9 @@ struct FrameReport {
   std::uint64_t sequence = 0;
   double time_s = 0;  ///< capture, on the source's clock
   const touch::Touch* touch = nullptr;
-  std::span<const gpu::PassTime> passes;  ///< in the order they ran, on the device or as C++ twins
-  double arrived_s = 0, planned_s = 0;    ///< on the loop's clock: frame in memory, drives in memory
+  std::span<const gpu::PassTime> passes;   ///< in the order they ran, on the device or as C++ twins
+  double arrived_s = 0, planned_s = 0;     ///< on the loop's clock: frame in memory, drives in memory
+  std::optional<Prediction> prediction{};  ///< of a frame with fingers, if foci are predicted
 };
 
 class Planner {
@@ -56,6 +67,9 @@ class Planner {
   /// nothing.
   virtual void set_effort(const Effort&) {}
   virtual Effort most_shed() const { return {}; }
+  /// Whether plans also list the drives of a cycle of foci that stand still, for a link that plays them by its own
+  /// clock.
+  virtual void list_standing(bool) {}
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
@@ -73,6 +87,10 @@ std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Schedu
 inline constexpr std::size_t contacts_per_finger = 4096;
 inline constexpr std::uint32_t most_deep = 1U << 18;
 void reserve(touch::Touch& touch);
+
+/// The setting of the predictor of a session whose stage has these cameras and solids.
+PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
+                                   const touch::PreparedSolids& solids);
 
 /// The setting of the stage, on the device or as its twins. Single frames, events and methods that need contacts get
 /// contacts; events also get deep points.

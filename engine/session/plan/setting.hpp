@@ -12,6 +12,7 @@
 #include "sensing/camera.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
+#include "session/predict/prediction.hpp"
 #include "session/watch/events.hpp"
 #include "touch/types.hpp"
 
@@ -37,6 +38,9 @@ struct SessionSetting {
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
   /// With depth frames: a finger stays one until the evidence against it is strong. Needs `follow`.
   touch::Hysteresis hysteresis = touch::Hysteresis::on;
+  /// Whether foci are moved to where their fingers will be when they sound. Without a fixed latency, only run()
+  /// predicts, and only if frames do not wait.
+  PredictOptions predict;
   /// How long a frame is valid after its capture if no other comes. Then comes silence, and fingers are released.
   double hold_s = 0.1;
   /// run() may lengthen the hold to longest_auto_hold_s if frames are late although work is shed

@@ -94,6 +94,12 @@ std::string to_json(const LoopStats& stats) {
     json.member("foci_part", stats.shed->least.foci_part).member("hold_s", stats.shed->hold_s);
     json.member("frames", stats.shed->frames).end_object();
   }
+  if (stats.prediction) {
+    json.key("prediction").begin_object();
+    add_distribution(json, "latency_ms", stats.prediction->latency_s, 1e3);
+    add_distribution(json, "distance_mm", stats.prediction->distance_m, 1e3);
+    json.member("clamped", stats.prediction->clamped).end_object();
+  }
   if (stats.tune) {
     json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
     json.member("fields", stats.tune->fields).end_object();

@@ -64,6 +64,19 @@ struct TuneStats {
   std::uint64_t fields = 0;  ///< how many fingers' fields were computed
 };
 
+/// For a run that predicts where fingers will be.
+struct PredictStats {
+  Samples latency_s;          ///< from a frame's capture to the middle of the first slot that could play it
+  Samples distance_m;         ///< the way of the finger that was moved farthest
+  std::uint64_t clamped = 0;  ///< frames whose first cycle lasts beyond the longest prediction
+
+  void add(double latency, double distance, bool beyond) {
+    latency_s.add(latency);
+    distance_m.add(distance);
+    clamped += beyond ? 1 : 0;
+  }
+};
+
 /// For a run that has shed work.
 struct ShedStats {
   Effort least;              ///< the least effort of any frame
@@ -92,6 +105,7 @@ struct LoopStats {
   std::optional<EventStats> events;
   std::optional<TuneStats> tune;
   std::optional<ShedStats> shed;
+  std::optional<PredictStats> prediction;
   std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
   std::vector<std::string> solids;      ///< the names of their solids
 

@@ -108,20 +108,23 @@ ReviewedLine of_touch() {
 
 ReviewedLine of_run() {
   return {.line = {"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "1"},
-          .idle = joined<IdleOption>({no_gpu,
-                                      parts,
-                                      {{{"--event-move", "1mm"}, "--event-move goes with --events"},
-                                       {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
-                                       {{"--spot", "4mm"}, "--spot goes with --tune"},
-                                       {{"--overwrite"}, "--overwrite goes with --record"},
-                                       {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
+          .idle = joined<IdleOption>(
+              {no_gpu,
+               parts,
+               {{{"--event-move", "1mm"}, "--event-move goes with --events"},
+                {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
+                {{"--spot", "4mm"}, "--spot goes with --tune"},
+                {{"--overwrite"}, "--overwrite goes with --record"},
+                {{"--predict", "off", "--predict-latency", "20ms"}, "--predict-latency goes with --predict auto"},
+                {{"--every-frame", "--predict", "auto"}, "give --predict-latency"},
+                {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
           // A run measures itself, so that no two of them have the same results. These are tried with export.
           .untried =
               "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
               "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
               "--temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
-              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --foci --link "
-              "--every-frame --record --stats"};
+              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
+              "--predict-latency --foci --link --every-frame --record --stats"};
 }
 
 std::vector<ReviewedLine> of_export(const std::string& scratch) {
@@ -145,6 +148,7 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                       {{"--method", "ellipse"}, "--method goes with --foci"},
                       {{"--axes", "covariance"}, "--axes goes with --foci"},
                       {{"--smoothing", "none"}, "--smoothing goes with --foci"},
+                      {{"--predict-latency", "20ms"}, "--predict-latency goes with --foci"},
                       {{"--ceiling", "0.5"}, "--ceiling goes with --foci"},
                       {{"--layout", "openmpd"}, "--layout goes with --drives"},
                       {{"--rig", asset("rigs/paper.toml")}, "--rig goes with --drives"}};
@@ -156,9 +160,12 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                                    {{{"--event-move", "1mm"}, "--event-move goes with --events"},
                                     {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
                                     {{"--spot", "4mm"}, "--spot goes with --tune"},
-                                    {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"}}}),
-       // Only fingers that flicker show hysteresis: see test_touch_known.
-       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis",
+                                    {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"},
+                                    {{"--predict", "auto"}, "give --predict-latency"}}}),
+       // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
+       // nothing of it is predicted.
+       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
+                  "--predict-latency",
        .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
                                    "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
        .effective = joined<EffectiveOption>({touched,

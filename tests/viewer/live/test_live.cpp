@@ -24,6 +24,7 @@
 #include "viewer/live/live_session.hpp"
 #include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
+#include "viewer/picture/world_marks.hpp"
 #include "viewer/run/drawing_threads.hpp"
 
 namespace palpa::viewer {
@@ -234,6 +235,44 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   session::SlotScratch scratch;
   show_live_slot(picture, scene, snapshot, 0, scratch);
   EXPECT_FALSE(picture.driven);
+}
+
+/// Of two fingers, the first is expected to have left when its foci would sound.
+TEST(Live, FociAheadOfAFingerAreShownWithThePlaceWhereTheyWereSeen) {
+  LiveScene scene;
+  Snapshot snapshot;
+  snapshot.touch.finger_count = 2;
+  snapshot.touch.fingers.resize(2);
+  for (std::uint32_t f = 0; f < 2; ++f) {
+    touch::Finger& finger = snapshot.touch.fingers[f];
+    finger.id = 7 + f;
+    finger.placed = true;
+    finger.foci.resize(3);
+    for (int n = 0; n < 3; ++n)
+      finger.foci[n] = {.position = glm::vec3(n, n * n, f), .points = 1};
+  }
+  array::Voice& voice = snapshot.plan.schedule.add_voice();
+  voice.id = 8;
+  voice.velocity = {0.2, 0, 0};
+  voice.order = {0, 1, 2};
+  for (int n = 0; n < 3; ++n)
+    voice.foci.emplace_back(n + 0.5, n * n, 1);
+  Picture picture;
+  show_live(picture, scene, snapshot, {}, false);
+  ASSERT_EQ(picture.fingers.size(), 2U);
+  EXPECT_TRUE(picture.fingers[0].foci.empty()) << "it is silent";
+  ASSERT_EQ(picture.fingers[1].foci.size(), 3U);
+  ASSERT_EQ(picture.fingers[1].seen.size(), 3U);
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_EQ(picture.fingers[1].foci[n].position, glm::vec3(n + 0.5F, n * n, 1));
+    EXPECT_EQ(picture.fingers[1].seen[n], glm::vec3(n, n * n, 1));
+  }
+  ViewState state;
+  WorldMarks with, without;
+  build_marks(picture, state, {}, with);
+  picture.fingers[1].seen.clear();
+  build_marks(picture, state, {}, without);
+  EXPECT_EQ(with.lines.size(), without.lines.size() + 4) << "an outline, and the way";
 }
 
 /// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does the display.
