@@ -164,8 +164,9 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                                     {{"--predict", "auto"}, "give --predict-latency"}}}),
        // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
        // nothing of it is predicted.
-       .untried = "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
-                  "--predict-latency",
+       .untried =
+           "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
+           "--predict-latency",
        .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
                                    "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
        .effective = joined<EffectiveOption>({touched,
