@@ -101,7 +101,8 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSol
       }
     }
     if (found.depth == 0) continue;
-    (found.shell ? out.contacts : out.deep).push_back({skin.index, found.solid, found.depth, skin.position, beyond});
+    (found.shell ? out.contacts : out.deep)
+        .push_back({skin.index, found.solid, found.depth, skin.position, beyond ? 1U : 0U});
   }
 }
 

@@ -40,7 +40,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
     const Finger& finger = touch.fingers[f];
     const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
     const auto in_shell = static_cast<std::uint32_t>(
-        std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return !touch.contacts[i].beyond; }));
+        std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
     shader::KnownFinger& kept = table.fingers[f];
     kept = {finger.solid,
             in_shell,
@@ -72,7 +72,7 @@ void leave_out_beyond(Touch& touch) {
   std::vector<std::uint32_t> place(touch.contacts.size(), none);
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
-    if (touch.contacts[i].beyond) continue;
+    if (touch.contacts[i].beyond != 0) continue;
     place[i] = kept;
     touch.contacts[kept++] = touch.contacts[i];
   }

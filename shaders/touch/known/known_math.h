@@ -25,14 +25,15 @@ PALPA_FN Float3 moved_back(Float3 place, vec4 velocity, float elapsed_s) {
   return r;
 }
 
-// A known finger with fewer contacts than this times the least number is about to end. Skin around its samples up to
+// A known finger with fewer contacts in the shell than this times the least number is about to end. One without any has
+// ended. Skin around its samples up to
 // this distance, and beyond the shell's edges up to the next one, may be its contacts.
 PALPA_CONST known_starving = 8u;
 #define PALPA_KNOWN_AROUND 3e-3f
 #define PALPA_KNOWN_EDGE 0.5e-3f
 
 PALPA_FN bool starves(uint contacts, uint min_points) {
-  return contacts < known_starving * (min_points > 1u ? min_points : 1u);
+  return contacts > 0u && contacts < known_starving * (min_points > 1u ? min_points : 1u);
 }
 
 PALPA_FN float squared_reach(float farthest) {
@@ -99,7 +100,7 @@ PALPA_FN uint least_contacts(uint min_points, bool known) {
 
 // Whether `contacts` are few beside a known finger's.
 PALPA_FN bool small_beside(uint contacts, uint known_contacts) {
-  return contacts < known_contacts / 4u;
+  return contacts < known_contacts / 2u;
 }
 
 PALPA_SHADER_END
