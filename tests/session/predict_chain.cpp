@@ -193,12 +193,13 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
 }
 
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of) {
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots) {
   Rendering rendering(film);
   session::Session session = session_for(film, rendering.cameras(), late_s, false);
   std::vector<array::Schedule> schedules;
   for (std::uint64_t k = 0; k < rendering.frames(); ++k) {
-    session.touch(rendering.frame(k), time_of(k), 7 * k);
+    const auto images = rendering.frame(k);
+    knows_slots ? session.touch(images, time_of(k), 7 * k) : session.touch(images, time_of(k));
     schedules.push_back(session.schedule());
   }
   return schedules;

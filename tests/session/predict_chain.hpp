@@ -51,8 +51,8 @@ struct ChainErrors {
 ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, double begin_s = 0.06);
 
 /// The schedules that a session makes of a film's frames, predicted `late_s` ahead, if frame k claims to have been
-/// captured at time_of(k).
+/// captured at time_of(k). Without `knows_slots`, the session does not know which slot plays a frame first.
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of);
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots = true);
 
 }  // namespace palpa::test
