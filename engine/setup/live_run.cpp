@@ -192,7 +192,14 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";
-  return text + session::to_text(stats.output.hand_over) + "\n" + shed + pressures_summary(stats.fingers, stats.solids);
+  std::string ahead;
+  if (stats.prediction && stats.prediction->distance_m.quantile(1) > 0) {
+    ahead =
+        fmt::format("foci played up to {:.1f} mm ahead of their fingers, for a latency of {:.0f} ms (median)\n",
+                    stats.prediction->distance_m.quantile(1) * 1e3, stats.prediction->latency_s.quantile(0.5) * 1e3);
+  }
+  return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
+         pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

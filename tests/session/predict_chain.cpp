@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <span>
@@ -193,15 +194,34 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
 }
 
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of) {
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots) {
   Rendering rendering(film);
   session::Session session = session_for(film, rendering.cameras(), late_s, false);
   std::vector<array::Schedule> schedules;
   for (std::uint64_t k = 0; k < rendering.frames(); ++k) {
-    session.touch(rendering.frame(k), time_of(k), 7 * k);
+    const auto images = rendering.frame(k);
+    knows_slots ? session.touch(images, time_of(k), 7 * k) : session.touch(images, time_of(k));
     schedules.push_back(session.schedule());
   }
   return schedules;
+}
+
+LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::Link& link) {
+  const std::vector<sensing::Camera> cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras;
+  geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
+  session::SessionSetting setting{.solids = solids_of("plate"), .cameras = cameras, .events = std::nullopt};
+  setting.predict.predict = session::Predict::automatic;
+  setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
+  session::Session session(std::move(setting));
+  const auto source = sensing::make_synthetic_source(cameras, {std::move(ply.positions), std::move(ply.triangles)}, {},
+                                                     {.motion = motion, .paced = true, .frames = frames});
+  LiveRun run;
+  std::atomic<bool> stop{false};
+  run.stats =
+      session.run(*source, link, stop, {.planned = [&](const session::FrameReport& report, const session::Plan& plan) {
+        run.begun += plan.schedule.voice_count > report.touch->finger_count ? 1 : 0;
+      }});
+  return run;
 }
 
 }  // namespace palpa::test

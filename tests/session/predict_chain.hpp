@@ -11,6 +11,8 @@
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/synthetic.hpp"
+#include "session/links/link.hpp"
+#include "session/watch/stats.hpp"
 
 namespace palpa::test {
 
@@ -51,8 +53,15 @@ struct ChainErrors {
 ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, double begin_s = 0.06);
 
 /// The schedules that a session makes of a film's frames, predicted `late_s` ahead, if frame k claims to have been
-/// captured at time_of(k).
+/// captured at time_of(k). Without `knows_slots`, the session does not know which slot plays a frame first.
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of);
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots = true);
+
+/// A live run of a session on the processor, with a finger that moves over the plate, in real time.
+struct LiveRun {
+  session::LoopStats stats;
+  std::size_t begun = 0;  ///< plans with more voices than fingers
+};
+LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::Link& link);
 
 }  // namespace palpa::test

@@ -237,7 +237,7 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   EXPECT_FALSE(picture.driven);
 }
 
-/// Of two fingers, the first is expected to have left when its foci would sound.
+/// The first of two fingers is expected to have left when its foci would sound.
 TEST(Live, FociAheadOfAFingerAreShownWithThePlaceWhereTheyWereSeen) {
   LiveScene scene;
   Snapshot snapshot;
