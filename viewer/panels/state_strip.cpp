@@ -86,7 +86,8 @@ void draw_start(Desk& desk, const ImVec2& size) {
                   "Run");
 }
 
-/// Only by dragging: nothing is typed, so keys stay keys. The run begins again when the slider is released.
+/// Only by dragging: nothing is typed, so keys stay keys. The array follows at once; the option is set when the slider
+/// is released.
 void draw_ceiling(Desk& desk, float width) {
   auto shown = static_cast<float>(desk.ceiling.value_or(desk.edit.options().safety.ceiling) * 100);
   ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0, 0, 0, 0.25f});
@@ -107,7 +108,7 @@ void draw_ceiling(Desk& desk, float width) {
   ImGui::PopStyleColor(5);
   tip("The most that a transducer's amplitude may be. The pressure that skin feels follows its square, so 50 % leaves "
       "a "
-      "quarter. When you release the slider, the run begins again with it");
+      "quarter. The array follows at once, while you drag");
 }
 
 }  // namespace
