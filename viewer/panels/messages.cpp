@@ -2,7 +2,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <ranges>
 #include <string>
 
 #include "viewer/panels/panels.hpp"
@@ -41,16 +40,16 @@ void draw_toasts(Desk& desk, double now_s) {
   // The newest is the lowest. Legend, axes, scale and what is being loaded stay in sight.
   float y = static_cast<float>(free.bottom) - em(6.5f);
   int number = 0;
-  for (const Toast& toast : desk.toasts | std::views::reverse) {
+  for (auto toast = desk.toasts.rbegin(); toast != desk.toasts.rend(); ++toast) {
     ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowSize({width_in(free), 0});
-    ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast.level));
+    ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast->level));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, em(0.12f));
     const std::string id = "toast" + std::to_string(number++);
     ImGui::Begin(id.c_str(), nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |
                      ImGuiWindowFlags_NoNav);
-    ImGui::TextWrapped("%s", toast.text.c_str());
+    ImGui::TextWrapped("%s", toast->text.c_str());
     y -= ImGui::GetWindowHeight() + em(0.3f);
     ImGui::End();
     ImGui::PopStyleVar();

@@ -54,7 +54,7 @@ struct Row {
     FilePicker picker{.title = title, .option = info.name, .prefix = prefix, .endings = std::move(endings)};
     const std::string last = value.value_or("").substr(value && value->starts_with(prefix) ? prefix.size() : 0);
     picker.folder = last.find('/') != std::string::npos ? folder_above(last) : ".";
-    picker.folders = words.kind == FieldKind::folder || words.kind == FieldKind::source;
+    picker.folders = words.kind == FieldKind::folder || (words.kind == FieldKind::source && picker.endings.empty());
     picker.is_new =
         words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder || words.kind == FieldKind::link;
     desk.picker = picker;
@@ -113,6 +113,8 @@ void draw_choices(const Row& row) {
       offer(row, "mouse: the pointer holds a fingertip", "mouse");
       offer(row, "synthetic: a fingertip that dips by itself", "synthetic");
       if (ImGui::Selectable("recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
+      if (ImGui::Selectable("bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
+      tip("A recording of RealSense Viewer");
       break;
     case FieldKind::link:
       if (ImGui::Selectable("record: choose a file ...")) row.choose_file("a file for the drives", {}, "record:");

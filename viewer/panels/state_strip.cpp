@@ -93,8 +93,8 @@ void draw_ceiling(Desk& desk, float width) {
   ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0, 0, 0, 0.25f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ImVec4{0, 0, 0, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgActive, ImVec4{0, 0, 0, 0.45f});
-  ImGui::PushStyleColor(ImGuiCol_SliderGrab, ImVec4{1, 1, 1, 0.55f});
-  ImGui::PushStyleColor(ImGuiCol_SliderGrabActive, white);
+  ImGui::PushStyleColor(ImGuiCol_SliderGrab, ImVec4{1, 1, 1, 0.40f});
+  ImGui::PushStyleColor(ImGuiCol_SliderGrabActive, ImVec4{1, 1, 1, 0.55f});
   ImGui::SetNextItemWidth(width);
   const ImGuiSliderFlags flags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
   if (ImGui::SliderFloat("##ceiling", &shown, 0, 100, "ceiling %.0f %%", flags))

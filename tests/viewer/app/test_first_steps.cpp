@@ -329,6 +329,7 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   ASSERT_TRUE(app_->desk().placed.moved);
   click("save as");
   EXPECT_TRUE(goes_round_until([&] { return options().scene == "moved.glb"; })) << "and save it";
+  EXPECT_TRUE(app_->desk().recent.front().ends_with("/moved.glb"));
   ASSERT_TRUE(comes_to(LiveState::running));
   click("close recording");
   ASSERT_TRUE(goes_round_until([&] { return !app_->desk().playback; }));
