@@ -119,6 +119,8 @@ void App::cancel_opening() {
 /// A live run goes on with the recording. A touch becomes a live run.
 void App::play_recording(const std::string& path) {
   LiveEdit edit = desk_.edit;
+  if (desk_.live && !desk_.playback) desk_.before = edit.options().source;
+  desk_.made.clear();
   edit.play_recording(path);
   if (desk_.live) return change_run(std::move(edit));
   go_live(std::move(edit));

@@ -39,9 +39,11 @@ LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bo
     : options_(std::move(options)),
       kinds_(std::move(kinds)),
       stop_(&stop),
+      ceiling_(options_.safety.ceiling),
       wake_(std::move(wake)),
       patience_(patience) {
   options_.watched = true;
+  options_.safety.ceiling_now = &ceiling_;
   ++under_way_;
   try {
     thread_ = start_thread("a live run", [this] { work(); });
@@ -84,7 +86,7 @@ void LiveSession::work() {
     fault = error.what();
     thrown = std::current_exception();
   }
-  link_.open = link_.sounding = false;
+  link_.close();
   gaps_.over();
   close_recorder();  // however the run ended, its recording is complete
   {

@@ -75,6 +75,9 @@ class LiveSession {
   /// slot. Neither a full disk nor a GPU that hangs delays it.
   void all_off() { *stop_ = true; }
 
+  /// The most that a transducer's amplitude may be from the next drive on, 0..1, instead of what the options say.
+  void set_ceiling(double ceiling) { ceiling_ = ceiling; }
+
   /// The number of sessions whose run's thread has not finished yet.
   static int under_way() { return under_way_; }
 
@@ -140,6 +143,7 @@ class LiveSession {
   setup::LiveOptions options_;
   Kinds kinds_;
   std::atomic<bool>* stop_;
+  std::atomic<double> ceiling_;
   std::function<void()> wake_;
   Patience patience_;
   std::atomic<LiveState> state_{LiveState::loading};

@@ -18,6 +18,7 @@
 #include "viewer/picture/backing.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/colour_bars.hpp"
+#include "viewer/picture/counted.hpp"
 #include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {
@@ -140,10 +141,6 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::
                1.1);
     }
   }
-}
-
-std::string counted(std::size_t n, std::string_view one) {
-  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
 /// A line of the legend: a sign, drawn around its middle, and words.
