@@ -1,0 +1,213 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+
+#include "arrays.hpp"
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "base/start_thread.hpp"
+#include "driver/guard/board_link.hpp"
+#include "driver/sources.hpp"
+#include "session/links/gain_link.hpp"
+#include "session_object.hpp"
+#include "setup/tasks/touch.hpp"
+#include "touch_object.hpp"
+
+namespace palpa::python {
+
+std::vector<EventObject> events_of(std::span<const session::Event> events, const std::vector<std::string>& solids) {
+  std::vector<EventObject> made;
+  for (const session::Event& event : events)
+    made.push_back({event, solids[event.solid]});
+  return made;
+}
+
+namespace {
+
+/// A live frame. Its foci are those of its voices.
+std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const session::Plan& plan,
+                                      const std::vector<std::string>& solids, const array::Voice& common) {
+  const touch::Touch& touch = *report.touch;
+  auto made = std::make_shared<TouchObject>();
+  setup::TouchValues& values = made->values;
+  values.touch.contacts = touch.contacts;
+  values.touch.fingers.assign(touch.fingers.begin(), touch.fingers.begin() + touch.finger_count);
+  values.touch.finger_count = touch.finger_count;
+  values.touch.cluster_count = touch.cluster_count;
+  values.schedule = plan.schedule;
+  values.common = common;
+  values.solids = solids;
+  for (const touch::Finger& finger : values.touch.fingers) {
+    session::ScheduledFinger& scheduled = values.fingers.emplace_back();
+    scheduled.placement.foci = finger.foci;
+    scheduled.placement.complete = finger.placed;
+    values.own_schedule.push_back(false);
+  }
+  for (const gpu::PassTime& pass : report.passes)
+    values.times.emplace_back(pass.name, pass.ms);
+  values.total_ms = 1e3 * (report.planned_s - report.arrived_s);
+  made->time_s = report.time_s;
+  return made;
+}
+
+/// Calls a callback with the interpreter's lock. Its exception, or the answer False, ends the run.
+template <typename Make>
+void call_back(Run& run, const py::object& callback, const Make& argument) {
+  const py::gil_scoped_acquire locked;
+  if (run.callback_fault) return;
+  try {
+    const py::object answer = callback(argument());
+    if (answer.is(py::bool_(false))) run.stop = true;
+  } catch (py::error_already_set& error) {
+    run.callback_fault.emplace(error);
+    run.stop = true;
+  }
+}
+
+void change_solids(Run& run, session::Session& session) {
+  const std::lock_guard lock(run.mutex);
+  for (const auto& [solid, pose] : run.poses)
+    session.set_pose(solid, pose);
+  run.poses.clear();
+  if (run.aim) session.set_aim(*std::exchange(run.aim, std::nullopt));
+}
+
+std::vector<session::LinkKind> links_with_gain(const std::atomic<double>& gain) {
+  std::vector<session::LinkKind> links = setup::with_builtin(driver::board_links());
+  for (session::LinkKind& kind : links) {
+    kind.open = [open = kind.open, &gain](const std::string& argument, const session::LinkSetting& setting) {
+      return std::make_unique<session::GainLink>(open(argument, setting), gain);
+    };
+  }
+  return links;
+}
+
+/// The whole of a run, on its own thread.
+void play(SessionObject& o, const setup::LiveOptions& options) {
+  Run& run = o.run;
+  std::optional<EndsWithInterpreter> ends(std::in_place, run.stop);
+  std::exception_ptr fault;
+  try {
+    const std::vector<session::SourceKind> sources = driver::camera_sources();
+    const std::vector<session::LinkKind> links = links_with_gain(run.gain);
+    std::optional<Cancellable> loading(std::in_place, run.stop);
+    setup::LiveRun live(options, sources, links, run.stop);
+    loading.reset();
+    const std::vector<std::string> solids = live.session().solid_names();
+    const array::Voice common = live.session().scheduler().common_voice();
+    session::RunOptions looking;
+    looking.planned = [&](const session::FrameReport& report, const session::Plan& plan) {
+      change_solids(run, live.session());
+      if (run.on_frame) call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common); });
+    };
+    if (run.on_event) {
+      looking.events = [&](std::span<const session::Event> events) {
+        for (EventObject& event : events_of(events, solids))
+          call_back(run, run.on_event, [&] { return std::move(event); });
+      };
+    }
+    run.stats = std::make_shared<StatsObject>(StatsObject{live.run(looking)});
+  } catch (...) {
+    fault = std::current_exception();
+  }
+  {
+    const py::gil_scoped_acquire locked;
+    run.on_frame = py::object();
+    run.on_event = py::object();
+  }
+  ends.reset();
+  const std::lock_guard lock(run.mutex);
+  run.fault = fault;
+  run.over = true;
+  run.changed.notify_all();
+}
+
+py::object callback_of(const char* name, const py::object& given) {
+  if (given.is_none()) return {};
+  if (!PyCallable_Check(given.ptr())) throw bad_usage(fmt::format("{}: give a function", name));
+  return given;
+}
+
+}  // namespace
+
+void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame, const py::object& on_event) {
+  refuse_fork();
+  Run& run = o->run;
+  if (!o->live()) throw bad_usage("source is missing: a session without one works frame by frame, with touch()");
+  if (run.running) throw bad_usage("the session already runs: wait for its end with wait() or stop()");
+  setup::LiveOptions options = o->options;
+  options.frames = frames;
+  run.on_frame = callback_of("on_frame", on_frame);
+  run.on_event = callback_of("on_event", on_event);
+  run.stop = false;
+  run.over = false;
+  run.fault = nullptr;
+  run.callback_fault.reset();
+  run.stats.reset();
+  SessionObject* const session = o.get();  // its destructor waits for the thread
+  run.thread = start_thread("the session", [session, options] { play(*session, options); });
+  run.running = true;
+}
+
+/// Waits for the end, and looks for signals meanwhile: the error of a signal's handler ends the run.
+std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
+  refuse_fork();
+  Run& run = o->run;
+  if (!run.running) throw bad_usage("the session does not run");
+  std::optional<py::error_already_set> interrupted;
+  const auto is_over = [&] {
+    const Unlocked open;
+    std::unique_lock lock(run.mutex);
+    return run.changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return run.over; });
+  };
+  while (!is_over()) {
+    if (interrupted || PyErr_CheckSignals() == 0) continue;
+    interrupted.emplace();
+    run.stop = true;
+  }
+  {
+    const Unlocked open;
+    run.thread.join();
+  }
+  run.running = false;
+  if (interrupted) throw py::error_already_set(std::move(*interrupted));
+  if (run.callback_fault) {
+    py::error_already_set fault(std::move(*run.callback_fault));
+    run.callback_fault.reset();
+    throw fault;
+  }
+  if (run.fault) std::rethrow_exception(std::exchange(run.fault, nullptr));
+  return run.stats;
+}
+
+void set_pose(SessionObject& o, const py::object& solid, const py::object& pose) {
+  const auto index = static_cast<std::uint32_t>(solid_index(*o.scene, solid));
+  const Transform transform = transform_of("pose", pose);
+  if (!o.live()) {
+    const std::lock_guard turn(o.turn);
+    return o.session->set_pose(index, transform);
+  }
+  const std::lock_guard lock(o.run.mutex);
+  std::erase_if(o.run.poses, [&](const auto& other) { return other.first == index; });
+  o.run.poses.emplace_back(index, transform);
+}
+
+void set_aim(SessionObject& o, const py::object& offset) {
+  const Vec3 by = point_of("offset", offset);
+  if (!o.live()) {
+    const std::lock_guard turn(o.turn);
+    return o.session->set_aim(by);
+  }
+  const std::lock_guard lock(o.run.mutex);
+  o.run.aim = by;
+}
+
+void set_gain(SessionObject& o, double gain) {
+  if (!o.live()) throw bad_usage("set_gain is for sessions with a source: it changes the sound of a link");
+  if (!(gain >= 0 && gain <= 1)) throw bad_usage(fmt::format("gain: {} is not within 0 to 1", gain));
+  o.run.gain = gain;
+}
+
+}  // namespace palpa::python

@@ -1,0 +1,183 @@
+"""Sessions, frame by frame and live."""
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import palpa
+from commands import ROOT, run
+
+
+def pressed(skin, depth):
+    """The skin with its lowest point `depth` below y = 0."""
+    return skin + [0, -depth - skin[:, 1].min(), 0]
+
+
+def test_frame_by_frame(cube, finger):
+    session = palpa.Session(cube, backend="cpu", layout="openmpd")
+    kinds = []
+    for n, depth in enumerate([-1e-3, 1e-3, 2e-3, 2e-3, -1e-3]):
+        touch = session.touch(pressed(finger, depth), n / 90)
+        kinds += [event.kind for event in session.events]
+        if depth > 0:
+            assert [one.id for one in touch.fingers] == [0] and touch.time == n / 90
+            assert session.drives.shape[1] == 256 and 0 < np.abs(session.drives).max() <= 1
+        else:
+            assert touch.fingers == []
+    assert kinds[0] == "touch" and "move" in kinds
+    assert kinds[-1] == "release" or [event.kind for event in session.end()] == ["release"]
+
+
+def test_a_solid_moves(cube, finger):
+    session = palpa.Session(cube, backend="cpu")
+    skin = pressed(finger, 1e-3)
+    before = session.touch(skin, 0).contacts.depths.max()
+    lower = np.eye(4)
+    lower[1, 3] = -2e-3
+    session.set_pose("cube", lower)
+    assert len(session.touch(skin, 0.01).contacts) == 0
+    session.set_pose(0, np.eye(4))
+    assert session.touch(skin, 0.02).contacts.depths.max() == pytest.approx(before, abs=1e-6)
+    for pose in (2 * np.eye(4), np.eye(3)):
+        with pytest.raises(palpa.BadUsage):
+            session.set_pose(0, pose)
+    with pytest.raises(KeyError):
+        session.set_pose("sphere", np.eye(4))
+
+
+def test_misuse(cube, finger):
+    session = palpa.Session(cube, backend="cpu")
+    for call in (lambda: session.touch(finger, np.nan), lambda: session.touch(), lambda: session.touch(depth=[]), lambda: session.run(),
+                 lambda: session.wait(), lambda: session.set_gain(1), lambda: palpa.Session(cube, link="null:x", backend="cpu"),
+                 lambda: palpa.Session(cube, record="take", backend="cpu"), lambda: palpa.Session(cube, source="synthetic", depth=True),
+                 lambda: palpa.Session(cube, frames=3)):
+        with pytest.raises(palpa.BadUsage):
+            call()
+    live = palpa.Session(cube, source="nowhere", backend="cpu")
+    with pytest.raises(palpa.BadUsage, match="nowhere"):
+        live.run(frames=1)
+
+
+def live(cube, **options):
+    return palpa.Session(cube, **{"source": "synthetic", "every_frame": True, "backend": "cpu", "layout": "openmpd"} | options)
+
+
+def drives_in(file, transducers=256):
+    """Amplitudes of what --link record:FILE wrote, slot by slot, by its description in docs/files.md."""
+    data = open(file, "rb").read()
+    assert data[:8] == b"palpadrv"
+    return data
+
+
+def test_a_live_run_gives_the_commands_sound(cube, tmp_path):
+    mine, theirs = tmp_path / "mine.bin", tmp_path / "theirs.bin"
+    touches, events = [], []
+    stats = live(cube, link=f"record:{mine}", noise_free=True).run(frames=12, on_frame=touches.append, on_event=events.append)
+    run(["run", "--scene", "assets/cube.glb", "--frames", "12", "--every-frame", "--backend", "cpu", "--layout", "openmpd", "--noise-free",
+         "--link", f"record:{theirs}", "--quiet"])
+    assert stats.frames == 12 == len(touches) and stats.drives > 0 and '"frames"' in stats.json()
+    assert [touch.time for touch in touches] == sorted(touch.time for touch in touches)
+    assert {event.kind for event in events} <= {"touch", "move", "press", "release"}
+    assert struct.unpack_from("<I", drives_in(mine), 8) == (1,) == struct.unpack_from("<I", drives_in(theirs), 8)
+
+
+def test_false_ends_a_run(cube):
+    seen = []
+
+    def on_frame(touch):
+        seen.append(touch)
+        return len(seen) < 3
+
+    assert live(cube).run(on_frame=on_frame).frames >= 3 and 3 <= len(seen) <= 5
+
+
+def test_an_exception_of_a_callback_is_raised_again(cube):
+    session = live(cube)
+
+    def on_frame(touch):
+        raise LookupError("mine")
+
+    with pytest.raises(LookupError, match="mine"):
+        session.run(on_frame=on_frame)
+    assert not session.running
+    assert session.run(frames=2).frames == 2  # it can run again
+
+
+def test_from_other_threads(cube):
+    session = live(cube, every_frame=False)
+    with session:
+        session.start()
+        assert session.running
+        with pytest.raises(palpa.BadUsage):
+            session.start()
+        begin = time.perf_counter()
+        workers = [threading.Thread(target=lambda: [session.set_gain(0.5), session.set_aim([0, 1e-3, 0]), session.set_pose(0, np.eye(4))])
+                   for _ in range(4)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        assert time.perf_counter() - begin < 0.5
+        session.stop()
+        session.wait()
+    assert not session.running
+
+
+def test_two_sessions_at_a_time(cube):
+    one, two = live(cube), live(cube)
+    one.start(frames=5)
+    two.start(frames=5)
+    assert one.wait().frames == two.wait().frames == 5
+
+
+PROGRAM = """
+import palpa, sys
+scene = palpa.Scene("assets/cube.glb")
+session = palpa.Session(scene, source="synthetic", backend="cpu", layout="openmpd")
+def on_frame(touch):
+    if not on_frame.told:
+        print("runs", flush=True)
+        on_frame.told = True
+on_frame.told = False
+"""
+
+
+def test_ctrl_c():
+    code = PROGRAM + """
+try:
+    session.run(on_frame=on_frame)
+except KeyboardInterrupt:
+    print("interrupted", session.running)
+"""
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "runs\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    assert (out, err, process.returncode) == ("interrupted False\n", "", 0)
+
+
+@pytest.mark.parametrize("end", ["", "del session", "sys.exit(0)", "import gc; del session; gc.collect()"])
+def test_the_interpreter_ends_while_a_session_runs(end):
+    code = PROGRAM + "session.start(on_frame=on_frame)\nimport time\nwhile not on_frame.told: time.sleep(0.01)\n" + end
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=30, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "runs\n", "")
+
+
+def test_a_recording_exported(cube, tmp_path):
+    recording = palpa.Recording("assets/depth/take")
+    result = palpa.export(cube, recording, backend="cpu")
+    file = tmp_path / "foci.csv"
+    json = run(["export", "--scene", "assets/cube.glb", "--source", "recording:assets/depth/take", "--foci", str(file), "--backend", "cpu",
+                "--json", "-"])
+    assert result.json() == json
+    table = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    foci = result.foci
+    assert len(table) == len(foci["x"]) > 50
+    for column in ("x", "y", "z"):
+        assert np.allclose(table[column], foci[column], atol=1e-7)
+    assert len(recording) == 12 and recording.times.shape == (12,)
