@@ -64,12 +64,12 @@ std::string joined(const std::string& name, py::handle value) {
 }
 
 /// The values of a keyword; none means that the option is not given.
-bool values_of(const CLI::Option& option, const std::string& name, py::handle value, std::vector<std::string>& texts) {
-  if (option.get_expected_max() == 0) {
+bool values_of(bool flag, bool several, const std::string& name, py::handle value, std::vector<std::string>& texts) {
+  if (flag) {
     if (!py::isinstance<py::bool_>(value)) throw not_a_value(name, "True or False");
     return value.cast<bool>();
   }
-  if (option.get_expected_max() > 1 && is_list(value)) {
+  if (several && is_list(value)) {
     for (const py::handle one : value.cast<py::sequence>())
       texts.push_back(joined(name, one));
     return !texts.empty();
@@ -123,7 +123,8 @@ OptionTable::OptionTable(std::string function, const std::function<void(CLI::App
   for (const CLI::Option* option : app_->get_options()) {
     if (option == app_->get_help_ptr() || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
-    if (!is_hidden(name)) options_.emplace(keyword_of(name), option);
+    const int most = option->get_expected_max();
+    if (!is_hidden(name)) options_.emplace(keyword_of(name), Known{name, most == 0, most > 1});
   }
   for (setup::OptionInfo& info : setup::option_table(*app_)) {
     if (!is_hidden(info.name)) infos_.push_back(std::move(info));
@@ -140,16 +141,16 @@ setup::Given OptionTable::given_by(const py::kwargs& arguments) const {
     const auto found = options_.find(keyword);
     if (found == options_.end()) {
       std::vector<std::string> names;
-      for (const auto& [name, option] : options_)
-        names.push_back(name);
+      for (const auto& [known, option] : options_)
+        names.push_back(known);
       const std::string nearest = setup::nearest_word(keyword, names);
       throw bad_usage(fmt::format("{} has no option '{}'{}", function_, printable(keyword, 60),
                                   nearest.empty() ? "" : fmt::format(": did you mean {}?", nearest)));
     }
     if (value.is_none()) continue;
-    const std::string name = "--" + found->second->get_lnames().front();
+    const auto& [name, flag, several] = found->second;
     std::vector<std::string> texts;
-    if (values_of(*found->second, name, value, texts)) given.emplace(name, std::move(texts));
+    if (values_of(flag, several, name, value, texts)) given.emplace(name, std::move(texts));
   }
   return given;
 }

@@ -16,7 +16,6 @@
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace palpa::python {
@@ -45,8 +44,14 @@ class OptionTable {
  private:
   std::string function_;
   std::unique_ptr<CLI::App> app_;
-  std::vector<setup::OptionInfo> infos_;               ///< those with a keyword
-  std::map<std::string, const CLI::Option*> options_;  ///< by keyword
+  std::vector<setup::OptionInfo> infos_;  ///< those with a keyword
+  /// An option with a keyword.
+  struct Known {
+    std::string name;      ///< "--finger-gap"
+    bool flag = false;     ///< it has no value
+    bool several = false;  ///< it may be given several times
+  };
+  std::map<std::string, Known> options_;  ///< by keyword
 };
 
 /// The options of one function, and their values.

@@ -4,10 +4,13 @@
 With --check, it compares FILE with what it would write.
 """
 import inspect
+import pathlib
 import re
 import sys
 
-import palpa
+# This folder has the package's sources, without the built module.
+sys.path = [path for path in sys.path if pathlib.Path(path).resolve() != pathlib.Path(__file__).resolve().parent]
+import palpa  # noqa: E402  pylint: disable=wrong-import-position
 
 PATH = "Path"
 WORDS = {  # the types in docstrings, and in stubs; the first that fits a part of a text counts

@@ -203,7 +203,7 @@ tree() {
   awk '/^    [a-z]/ && !done { inside = 1 } inside && !/^ / { done = 1; inside = 0 }
        inside { match($0, /^ +/); depth = (RLENGTH - 4) / 2; folder[depth] = $1; path = ""
                 for (i = 0; i <= depth; i++) path = path folder[i]; print path }' docs/architecture.md | sort |
-    diff - <(files 'engine/*' 'viewer/*' 'driver/*' 'shaders/*' 'assets/*' 'examples/*' 'tests/*' | tree_of) && return
+    diff - <(files 'engine/*' 'viewer/*' 'driver/*' 'python/*' 'shaders/*' 'assets/*' 'examples/*' 'tests/*' | tree_of) && return
   echo "   the tree in docs/architecture.md (left) is not that of the folders (right)"
   return 1
 }
