@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "acoustics/field/pressure.hpp"
 #include "array/free_field.hpp"
+#include "array/resolution.hpp"
 #include "array/schedule.hpp"
 #include "arrays.hpp"
 #include "base/error.hpp"
@@ -27,6 +29,7 @@
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/spread.hpp"
+#include "setup/tasks/foci.hpp"
 #include "shapes.hpp"
 
 namespace palpa::python {
@@ -43,11 +46,66 @@ std::shared_ptr<const LayoutObject> layout_of(const char* name, const py::object
 
 namespace {
 
+/// level D(angle) exp(i k d) / max(d, radius), shape (n, M).
+py::array transfer_matrix(const char* name, const array::Layout& layout, const std::vector<Vec3>& places,
+                          const array::DriveOptions& options) {
+  const std::size_t transducers = layout.transducers.size();
+  constexpr std::size_t most_entries = std::size_t{1} << 28;
+  if (places.size() * transducers > most_entries) {
+    throw bad_usage(fmt::format("{}: {} points times {} transducers are more than {} entries; give fewer at a time",
+                                name, places.size(), transducers, most_entries));
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!array::drivable({.position = places[i]}))
+      throw bad_usage(fmt::format("{}: row {} is farther than 100 m from the array", name, i));
+  }
+  py::array_t<std::complex<double>> matrix(
+      {static_cast<py::ssize_t>(places.size()), static_cast<py::ssize_t>(transducers)});
+  std::complex<double>* const to = matrix.mutable_data();
+  unlocked([&] {
+    array::FreeField field;
+    field.set(layout, options.medium, options.directivity);
+    array::Columns columns;
+    std::vector<array::FocusSource> sources;
+    constexpr std::size_t block = 64;
+    for (std::size_t begin = 0; begin < places.size(); begin += block) {
+      const std::size_t count = std::min(block, places.size() - begin);
+      sources.clear();
+      for (std::size_t i = 0; i < count; ++i)
+        sources.push_back({places[begin + i], 1, 1});
+      field.fill(sources, array::Weighting::uniform, columns);
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t t = 0; t < transducers; ++t)
+          to[(begin + i) * transducers + t] = layout.source_level_pa_m * columns.transfer(t * count + i);
+      }
+    }
+  });
+  return sealed(std::move(matrix));
+}
+
+}  // namespace
+
+array::Drive drive_by(const py::object& solver, const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                      const array::DriveOptions& options) {
+  std::vector<Vec3> places;
+  std::vector<double> gains;
+  for (const array::SlotFocus& focus : foci) {
+    places.push_back(focus.position);
+    gains.push_back(double{focus.gain});
+  }
+  if (places.empty()) return array::Drive(layout.transducers.size(), {0, 0});
+  const py::array matrix = transfer_matrix("foci", layout, places, options);
+  return drive_of("solver", solver(matrix, copied(std::span<const double>(gains))), layout);
+}
+
+namespace {
+
 using LayoutPtr = std::shared_ptr<LayoutObject>;
 
 // ---- options --------------------------------------------------------------------------------------------------------
 
 struct SolveArguments {
+  py::object own_solver{};
   setup::DriveOptionsGroup drive;
   setup::SpreadOptions spread;
   setup::CommonOptions common;
@@ -169,10 +227,43 @@ std::shared_ptr<DriveObject> drive_on_finger(const LayoutPtr& self, std::span<co
       DriveObject{cancellable([&] { return setup::make_drive(self->layout, asked, o.drive, *sound->finger); })});
 }
 
+/// The options, except a solver that is a function.
+SolveArguments solve_arguments(Declared<SolveArguments>& options, const py::kwargs& kwargs) {
+  if (!kwargs.contains("solver") || !PyCallable_Check(py::object(kwargs["solver"]).ptr())) return options.read(kwargs);
+  const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
+  PyDict_DelItemString(rest.ptr(), "solver");
+  SolveArguments made = options.read(rest);
+  made.own_solver = kwargs["solver"];
+  return made;
+}
+
+/// By the caller's solver, in free air.
+std::shared_ptr<DriveObject> solve_by(const LayoutPtr& self, std::span<const setup::AskedFocus> asked,
+                                      const SolveArguments& o) {
+  if (!(o.drive == setup::DriveOptionsGroup{.directivity = o.drive.directivity, .medium = o.drive.medium}) ||
+      !o.spread.text.empty())
+    throw bad_usage("with a function as solver, amplitude, transfer, constraint, pressure and spread have no effect");
+  if (asked.empty()) throw bad_usage("no focus is given");
+  const array::DriveOptions options = setup::drive_options(o.drive);
+  array::Schedule schedule = setup::schedule_of(asked, self->layout);
+  auto made = std::make_shared<DriveObject>();
+  setup::DriveResult& result = made->result;
+  array::foci_of_slot(schedule, 0, result.foci);
+  result.layout = self->layout;
+  result.medium = options.medium;
+  result.drive = drive_by(o.own_solver, self->layout, result.foci, options);
+  result.pressure =
+      acoustics::pressure_at_foci(self->layout, result.drive, result.foci, options.medium, options.directivity);
+  result.unresolved = array::unresolved_pairs(self->layout, result.foci, options);
+  return made;
+}
+
 std::shared_ptr<DriveObject> solve(const LayoutPtr& self, const py::object& foci, const py::object& gains,
                                    const py::object& finger, bool force, const SolveArguments& o) {
   refuse_fork();
   const std::vector<setup::AskedFocus> asked = asked_foci(foci, gains);
+  if (o.own_solver && !finger.is_none()) throw bad_usage("a function as solver works in free air: leave finger out");
+  if (o.own_solver) return solve_by(self, asked, o);
   setup::check(o.spread, o.drive.medium);
   const std::string asks = setup::asks_for_finger(o.drive);
   if (!asks.empty() && finger.is_none()) throw bad_usage(asks + ": finger is missing: give the finger's closed mesh");
@@ -209,38 +300,7 @@ py::array transfer(const LayoutPtr& self, const py::object& points, const py::kw
   const setup::DriveOptionsGroup o = transfer_options().read(kwargs);
   const array::DriveOptions options = setup::drive_options(o);
   const std::vector<Vec3> places = points_of("points", points);
-  const std::vector<array::Transducer>& transducers = self->layout.transducers;
-  constexpr std::size_t most_entries = std::size_t{1} << 28;
-  if (places.size() * transducers.size() > most_entries) {
-    throw bad_usage(fmt::format("points: {} points times {} transducers are more than {} entries; give fewer at a time",
-                                places.size(), transducers.size(), most_entries));
-  }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (!array::drivable({.position = places[i]}))
-      throw bad_usage(fmt::format("points: row {} is farther than 100 m from the array", i));
-  }
-  py::array_t<std::complex<double>> matrix(
-      {static_cast<py::ssize_t>(places.size()), static_cast<py::ssize_t>(transducers.size())});
-  std::complex<double>* const to = matrix.mutable_data();
-  unlocked([&] {
-    array::FreeField field;
-    field.set(self->layout, options.medium, options.directivity);
-    array::Columns columns;
-    std::vector<array::FocusSource> sources;
-    constexpr std::size_t block = 64;
-    for (std::size_t begin = 0; begin < places.size(); begin += block) {
-      const std::size_t count = std::min(block, places.size() - begin);
-      sources.clear();
-      for (std::size_t i = 0; i < count; ++i)
-        sources.push_back({places[begin + i], 1, 1});
-      field.fill(sources, array::Weighting::uniform, columns);
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t t = 0; t < transducers.size(); ++t)
-          to[(begin + i) * transducers.size() + t] = self->layout.source_level_pa_m * columns.transfer(t * count + i);
-      }
-    }
-  });
-  return sealed(std::move(matrix));
+  return transfer_matrix("points", self->layout, places, options);
 }
 
 // ---- fields ---------------------------------------------------------------------------------------------------------
@@ -383,7 +443,9 @@ void add_layout_functions(py::module_& m) {
   made.def(
       "solve",
       [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
-         const py::kwargs& kwargs) { return solve(self, foci, gains, finger, force, solve_options().read(kwargs)); },
+         const py::kwargs& kwargs) {
+        return solve(self, foci, gains, finger, force, solve_arguments(solve_options(), kwargs));
+      },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
       py::arg("force") = false, solve_text.c_str());
   const std::string drive_text = drive_options_of().documented(drive_doc);
@@ -391,7 +453,8 @@ void add_layout_functions(py::module_& m) {
       "drive",
       [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
          const py::kwargs& kwargs) {
-        return complex_of(solve(self, foci, gains, finger, force, drive_options_of().read(kwargs))->result.drive);
+        return complex_of(
+            solve(self, foci, gains, finger, force, solve_arguments(drive_options_of(), kwargs))->result.drive);
       },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
       py::arg("force") = false, drive_text.c_str());

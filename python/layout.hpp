@@ -4,8 +4,10 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <span>
 #include <string>
 
+#include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
@@ -40,6 +42,11 @@ struct FingerSoundObject {
 
 /// Adds the classes Drive and Field.
 void add_sounds(py::module_& m);
+
+/// The drive of these foci by a Python function, checked like the content of a file. The function gets the transfer
+/// matrix (n, M) and the gains (n,), and returns a complex vector (M,). Needs the interpreter's lock.
+array::Drive drive_by(const py::object& solver, const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                      const array::DriveOptions& options);
 
 /// A Layout, or a name or file to be loaded.
 std::shared_ptr<const LayoutObject> layout_of(const char* name, const py::object& value);

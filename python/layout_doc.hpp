@@ -19,6 +19,9 @@ finger : Mesh, path, (vertices, faces) or FingerSound, optional
     finger's equations, so that further drives take less time.
 force : bool, optional
     Also take a finger whose faces are too coarse for the wavelength.
+solver : str or callable, optional
+    `solver` may also be a function: it gets the transfer matrix (n, M) of Layout.transfer and the gains (n,), and
+    returns a complex vector (M,) of amplitudes up to 1.
 
 Returns
 -------

@@ -26,9 +26,9 @@ std::vector<EventObject> events_of(std::span<const session::Event> events, const
 
 namespace {
 
-/// A live frame. Its foci are those of its voices.
+/// A live frame. `own`: the foci are a caller's, and stand only in the voices.
 std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const session::Plan& plan,
-                                      const std::vector<std::string>& solids, const array::Voice& common) {
+                                      const std::vector<std::string>& solids, const array::Voice& common, bool own) {
   const touch::Touch& touch = *report.touch;
   auto made = std::make_shared<TouchObject>();
   setup::TouchValues& values = made->values;
@@ -43,6 +43,11 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
     session::ScheduledFinger& scheduled = values.fingers.emplace_back();
     scheduled.placement.foci = finger.foci;
     scheduled.placement.complete = finger.placed;
+    if (own) {
+      scheduled.placement.foci.clear();
+      for (const Vec3& focus : plan.schedule.voices[values.fingers.size() - 1].foci)
+        scheduled.placement.foci.push_back({.position = glm::vec3(focus), .points = 1});
+    }
     values.own_schedule.push_back(false);
   }
   for (const gpu::PassTime& pass : report.passes)
@@ -66,6 +71,26 @@ void call_back(Run& run, const py::object& callback, const Make& argument) {
   }
 }
 
+/// The foci that the caller's function places, checked like the content of a file.
+std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, const touch::Finger& finger) {
+  auto whole = std::make_shared<TouchObject>();
+  whole->values.touch.contacts = touch.contacts;
+  whole->values.touch.fingers = {finger};
+  whole->values.touch.finger_count = 1;
+  whole->values.solids.assign(finger.solid + std::size_t{1}, "");
+  whole->values.fingers.resize(1);
+  whole->values.schedule.add_voice();
+  const std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
+  if (foci.empty() || foci.size() > touch::max_foci)
+    throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
+  for (const Vec3& focus : foci) {
+    if (!array::drivable({.position = focus}))
+      throw bad_usage(
+          fmt::format("method: returned a focus at ({}, {}, {}), farther than 100 m away", focus.x, focus.y, focus.z));
+  }
+  return foci;
+}
+
 void change_solids(Run& run, session::Session& session) {
   const std::lock_guard lock(run.mutex);
   for (const auto& [solid, pose] : run.poses)
@@ -84,6 +109,34 @@ std::vector<session::LinkKind> links_with_gain(const std::atomic<double>& gain) 
   return links;
 }
 
+/// Loads everything. False: the run was stopped before it began.
+bool open(const setup::LiveOptions& options, std::span<const session::SourceKind> sources,
+          std::span<const session::LinkKind> links, std::atomic<bool>& stop, std::optional<setup::LiveRun>& live) {
+  const Cancellable cancellable(stop);
+  try {
+    live.emplace(options, sources, links, stop);
+  } catch (const Error&) {
+    if (!stop) throw;
+    return false;
+  }
+  return true;
+}
+
+/// The run is over: nobody is called back from here on.
+void end_of(Run& run, const std::exception_ptr& fault, std::optional<EndsWithInterpreter>& ends) {
+  {
+    const py::gil_scoped_acquire locked;
+    run.on_frame = py::object();
+    run.on_event = py::object();
+  }
+  ends.reset();
+  const std::lock_guard lock(run.mutex);
+  if (!run.stats) run.stats = std::make_shared<StatsObject>();
+  run.fault = fault;
+  run.over = true;
+  run.changed.notify_all();
+}
+
 /// The whole of a run, on its own thread.
 void play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
@@ -92,15 +145,16 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   try {
     const std::vector<session::SourceKind> sources = driver::camera_sources();
     const std::vector<session::LinkKind> links = links_with_gain(run.gain);
-    std::optional<Cancellable> loading(std::in_place, run.stop);
-    setup::LiveRun live(options, sources, links, run.stop);
-    loading.reset();
+    std::optional<setup::LiveRun> opened;
+    if (!open(options, sources, links, run.stop, opened)) return end_of(run, nullptr, ends);
+    setup::LiveRun& live = *opened;
     const std::vector<std::string> solids = live.session().solid_names();
     const array::Voice common = live.session().scheduler().common_voice();
     session::RunOptions looking;
     looking.planned = [&](const session::FrameReport& report, const session::Plan& plan) {
       change_solids(run, live.session());
-      if (run.on_frame) call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common); });
+      if (run.on_frame)
+        call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.method}); });
     };
     if (run.on_event) {
       looking.events = [&](std::span<const session::Event> events) {
@@ -112,16 +166,7 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   } catch (...) {
     fault = std::current_exception();
   }
-  {
-    const py::gil_scoped_acquire locked;
-    run.on_frame = py::object();
-    run.on_event = py::object();
-  }
-  ends.reset();
-  const std::lock_guard lock(run.mutex);
-  run.fault = fault;
-  run.over = true;
-  run.changed.notify_all();
+  end_of(run, fault, ends);
 }
 
 py::object callback_of(const char* name, const py::object& given) {
@@ -131,6 +176,25 @@ py::object callback_of(const char* name, const py::object& given) {
 }
 
 }  // namespace
+
+session::OwnMethod method_of(SessionObject& o) {
+  return [&o](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
+    out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
+    out.complete = true;
+    out.together = false;
+    const py::gil_scoped_acquire locked;
+    if (o.method_fault) return;
+    try {
+      const std::vector<Vec3> foci = foci_by(o.method, touch, finger);
+      out.foci.clear();
+      for (const Vec3& focus : foci)
+        out.foci.push_back({.position = glm::vec3(focus), .points = 1});
+    } catch (...) {
+      o.method_fault = std::current_exception();
+      o.run.stop = true;
+    }
+  };
+}
 
 void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame, const py::object& on_event) {
   refuse_fork();
@@ -144,6 +208,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   run.stop = false;
   run.over = false;
   run.fault = nullptr;
+  o->method_fault = nullptr;
   run.callback_fault.reset();
   run.stats.reset();
   SessionObject* const session = o.get();  // its destructor waits for the thread
@@ -178,6 +243,7 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
     run.callback_fault.reset();
     throw fault;
   }
+  if (o->method_fault) std::rethrow_exception(std::exchange(o->method_fault, nullptr));
   if (run.fault) std::rethrow_exception(std::exchange(run.fault, nullptr));
   return run.stats;
 }

@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "array/schedule.hpp"
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
+#include "layout.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "running.hpp"
@@ -96,6 +98,15 @@ void add_event(py::module_& m) {
 
 // ---- the session ----------------------------------------------------------------------------------------------------
 
+/// Takes a function from the keyword arguments; nothing if the value is a text.
+py::object take_function(const py::kwargs& arguments, const char* name) {
+  if (!arguments.contains(name)) return {};
+  py::object value = arguments[name];
+  if (!PyCallable_Check(value.ptr())) return {};
+  PyDict_DelItemString(arguments.ptr(), name);
+  return value;
+}
+
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
   const setup::LiveOptions& options = o.options;
   setup::check(options.drive, o.scene->solids);
@@ -115,8 +126,13 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   refuse_fork();
   SessionPtr made(new SessionObject(), EndingSession());
   made->scene = scene;
-  made->options = session_options().read(kwargs).live;
+  const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
+  made->method = take_function(rest, "method");
+  made->solver = take_function(rest, "solver");
+  made->options = session_options().read(rest).live;
   setup::LiveOptions& o = made->options;
+  if (made->method) o.own_method = method_of(*made);
+  if (made->method && o.touch.tune) throw bad_usage("tune goes with palpa's own methods");
   o.scene = scene->source;
   o.gltf_scene = scene->gltf_scene;
   o.solids = scene->options;
@@ -125,6 +141,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   check(o.common);
   if (made->live()) {
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
+    if (made->solver) throw bad_usage("a function as solver is for sessions without a source");
     check(o);
     return made;
   }
@@ -178,13 +195,31 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
       images.push_back({depths_of("depth", image, cameras[i].width, cameras[i].height), time});
     }
   }
-  return unlocked([&] {
+  std::shared_ptr<TouchObject> made = unlocked([&] {
     const std::lock_guard turn(o.turn);
     const touch::Touch& touch =
         images.empty() ? session.touch(std::span<const sensing::SkinPoint>(points), time) : session.touch(images, time);
     o.events = events_of(session.events(), session.solid_names());
     return std::make_shared<TouchObject>(TouchObject{setup::values_of(session, touch), time, std::nullopt});
   });
+  if (o.method_fault) std::rethrow_exception(std::exchange(o.method_fault, nullptr));
+  return made;
+}
+
+/// The drives of each slot by the caller's function.
+py::object drives_by_solver(const SessionObject& o, const session::Session& session) {
+  const array::Layout& layout = session.setting().layout;
+  const std::uint32_t slots = session.plan().cycle.length;
+  py::array_t<std::complex<double>> drives(
+      {static_cast<py::ssize_t>(slots), static_cast<py::ssize_t>(layout.transducers.size())});
+  std::complex<double>* to = drives.mutable_data();
+  std::vector<array::SlotFocus> foci;
+  for (std::uint32_t slot = 0; slot < slots; ++slot) {
+    array::foci_of_slot(session.schedule(), slot, foci);
+    for (const auto [amplitude, phase] : drive_by(o.solver, layout, foci, session.setting().drive))
+      *to++ = std::polar(double{amplitude}, double{phase});
+  }
+  return sealed(std::move(drives));
 }
 
 py::object drives_of(SessionObject& o) {
@@ -193,6 +228,7 @@ py::object drives_of(SessionObject& o) {
   const std::size_t transducers = session.setting().layout.transducers.size();
   const session::Plan& plan = session.plan();
   if (transducers == 0 || !plan.cycle.is_listed()) return py::none();
+  if (o.solver) return drives_by_solver(o, session);
   py::array_t<std::complex<double>> drives(
       {static_cast<py::ssize_t>(plan.cycle.length), static_cast<py::ssize_t>(transducers)});
   std::complex<double>* to = drives.mutable_data();

@@ -66,6 +66,8 @@ struct SessionObject {
   std::unique_ptr<session::Session> session;
   std::vector<EventObject> events;
   std::mutex turn;
+  py::object method, solver;        ///< functions of the caller's instead of palpa's
+  std::exception_ptr method_fault;  ///< what `method` raised in the newest frame
   Run run;
 
   bool live() const { return !options.source.empty(); }
@@ -89,6 +91,10 @@ struct EndingSession {
   }
 };
 using SessionPtr = std::shared_ptr<SessionObject>;
+
+/// A method (session::OwnMethod) that calls SessionObject::method. Its fault is kept, and the foci are then one, at the
+/// centroid. `session` must outlive it.
+session::OwnMethod method_of(SessionObject& session);
 
 /// Starts the live loop on a thread of its own, and returns.
 void start(const SessionPtr& session, std::uint64_t frames, const py::object& on_frame, const py::object& on_event);

@@ -12,7 +12,7 @@ import sys
 sys.path = [path for path in sys.path if pathlib.Path(path).resolve() != pathlib.Path(__file__).resolve().parent]
 import palpa  # noqa: E402  pylint: disable=wrong-import-position
 
-PATH = "Path"
+PATH = "_Path"
 WORDS = {  # the types in docstrings, and in stubs; the first that fits a part of a text counts
     "array_like": "ArrayLike", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]", "(float, float)": "tuple[float, float]",
     "(int, int)": "tuple[int, int]", "path": PATH, "float": "float", "int": "int", "bool": "bool", "str": "str", "callable": "Callable[..., Any]",
@@ -81,7 +81,8 @@ def parameters(doc):
     return found
 
 
-def option_lines(name):
+def option_lines(name, known):
+    """`known`: the parameters of the docstring; an option that may also be a function is among them."""
     lines = []
     for keyword, kind, _, _, words, flag in palpa._engine._options().get(name, []):
         if flag:
@@ -94,6 +95,8 @@ def option_lines(name):
             given = "int | str"
         else:
             given = "Any"
+        if "Callable" in known.get(keyword, ""):
+            given += " | Callable[..., Any]"
         lines.append(f"{keyword}: {given} | None = ...")
     return lines
 
@@ -115,7 +118,7 @@ def function(name, target, indent, owner=None):
         default = " = ..." if " = " in part else ""
         arguments.append(f"{part_name}: {known.get(part_name, given_type(part.partition(':')[2]))}{default}")
     full = f"{owner}.{name}" if owner else name
-    options = option_lines(owner if name == "__init__" else full)
+    options = option_lines(owner if name == "__init__" else full, known)
     if options:
         arguments += ([] if keywords else ["*"]) + options
     elif "**kwargs" in head:
@@ -172,7 +175,7 @@ def class_lines(name, cls):
 def text():
     lines = ['"""Made by python/stubs.py from the module itself."""', "from collections.abc import Callable, Sequence", "from os import PathLike",
              "from typing import Any, Literal, Union", "", "import numpy as np", "from numpy.typing import ArrayLike, NDArray", "",
-             "Path = Union[str, PathLike[str]]", "__version__: str", ""]
+             "_Path = Union[str, PathLike[str]]", "__version__: str", ""]
     public = [name for name in dir(palpa._engine) if not name.startswith("_")]
     classes = [name for name in public if inspect.isclass(getattr(palpa, name))]
     classes.sort(key=lambda name: (not issubclass(getattr(palpa, name), Exception), len(getattr(palpa, name).__mro__) if issubclass(

@@ -222,6 +222,24 @@ void add_finger(py::module_& m) {
       .def_property_readonly("contacts", contacts_of,
                              "ndarray of int64, shape (k,): its rows in the arrays of Touch.contacts.")
       .def_property_readonly(
+          "positions",
+          [](const FingerObject& o) {
+            std::vector<Vec3> positions;
+            for (const std::uint32_t row : o.finger().contacts)
+              positions.emplace_back(o.values().touch.contacts[row].position);
+            return copied(positions);
+          },
+          "ndarray of float64, shape (k, 3): of its contacts, metres, world.")
+      .def_property_readonly(
+          "depths",
+          [](const FingerObject& o) {
+            std::vector<double> depths;
+            for (const std::uint32_t row : o.finger().contacts)
+              depths.push_back(double{o.values().touch.contacts[row].depth_m});
+            return copied(std::span<const double>(depths));
+          },
+          "ndarray of float64, shape (k,): of its contacts, metres below the surface.")
+      .def_property_readonly(
           "centroid", [](const FingerObject& o) { return copied(wide(o.finger().section.centroid)); },
           "ndarray of float64, shape (3,): mean of its contacts, metres, world.")
       .def_property_readonly(

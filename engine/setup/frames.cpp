@@ -41,6 +41,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
                                         std::vector<sensing::Camera> cameras, array::Layout layout) {
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
+  schedule.own_method = o.own_method;
   return {.scene = o.scene,
           .solids = std::move(solids),
           .cameras = std::move(cameras),

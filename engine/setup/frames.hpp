@@ -38,6 +38,7 @@ struct FrameOptions {
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  session::OwnMethod own_method{};  ///< instead of --method
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

@@ -181,11 +181,11 @@ def test_a_mesh_reads_back(tmp_path):
     assert np.array_equal(again.vertices, mesh.vertices) and np.array_equal(again.faces, mesh.faces) and again.volume > 0
 
 
-def test_warnings_are_kept_and_not_printed(openmpd, capfd):
+def test_warnings_are_kept_and_not_printed(cube, capfd):
     palpa.messages()
-    openmpd.solve([0, 0, 0.15], frequency=30e3, backend="cpu")
+    cube.touch([0, 1, 0], dwell=0.1, backend="cpu")
     lines = palpa.messages()
-    assert [level for level, _ in lines] == ["warning"] and "30" in lines[0][1] and palpa.messages() == []
+    assert [level for level, _ in lines] == ["warning"] and "100ms" in lines[0][1] and palpa.messages() == []
     assert capfd.readouterr() == ("", "")
 
 

@@ -26,7 +26,7 @@ def test_frame_by_frame(cube, finger):
         kinds += [event.kind for event in session.events]
         if depth > 0:
             assert [one.id for one in touch.fingers] == [0] and touch.time == n / 90
-            assert session.drives.shape[1] == 256 and 0 < np.abs(session.drives).max() <= 1
+            assert session.drives.shape[1] == 256 and 0 < np.abs(session.drives).max() <= 1 + 1e-12
         else:
             assert touch.fingers == []
     assert kinds[0] == "touch" and "move" in kinds
@@ -63,27 +63,94 @@ def test_misuse(cube, finger):
         live.run(frames=1)
 
 
+def cross(finger):
+    """Four foci around the centroid, along the axes of the cross-section."""
+    arms = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]) @ finger.axes
+    return finger.centroid + 4e-3 * arms
+
+
+def test_a_method_of_ones_own(cube, finger):
+    session = palpa.Session(cube, method=cross, layout="openmpd", backend="cpu")
+    (one,) = session.touch(pressed(finger, 2e-3)).fingers
+    assert np.allclose(one.foci, cross(one), atol=1e-7) and np.allclose(one.played_foci, one.foci)
+    assert one.positions.shape == (len(one.contacts), 3) and np.allclose(one.positions.mean(axis=0), one.centroid, atol=1e-6)
+    assert one.order.tolist() == [0, 1, 2, 3] and session.drives.shape == (4, 256)
+    moved = []
+    live(cube, method=cross).run(frames=8, on_frame=lambda touch: moved.extend(len(finger.foci) for finger in touch.fingers))
+    assert set(moved) == {4}
+
+
+@pytest.mark.parametrize("method, kind, says", [
+    (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "0 foci"), (lambda finger: np.zeros((65, 3)), palpa.BadUsage, "65 foci"),
+    (lambda finger: np.full((2, 3), np.nan), palpa.BadUsage, "not finite"), (lambda finger: [[0, 0, 200.0]], palpa.BadUsage, "100 m"),
+    (lambda finger: "ring", palpa.BadUsage, "method"), (lambda finger: finger.nothing, AttributeError, "nothing"),
+])
+def test_what_a_method_returns_is_checked(cube, finger, method, kind, says):
+    session = palpa.Session(cube, method=method, backend="cpu")
+    for _ in range(2):  # the session goes on
+        with pytest.raises(kind, match=says):
+            session.touch(pressed(finger, 2e-3))
+    with pytest.raises(kind, match=says):
+        live(cube, method=method).run(frames=8)
+
+
+def focusing(transfer, gains):
+    """All transducers in full, in phase at the foci on the whole."""
+    drive = np.conj(transfer.T @ gains)
+    return drive / np.maximum(np.abs(drive), 1e-12)
+
+
+def test_a_solver_of_ones_own(cube, finger, openmpd):
+    foci = [[0, 0, 0.15], [0.02, 0, 0.15]]
+    own = openmpd.solve(foci, [1, 0.5], solver=focusing)
+    assert np.allclose(own.vector, focusing(openmpd.transfer(foci), np.array([1, 0.5])), atol=1e-6)
+    assert np.allclose(own.pressures, np.abs(openmpd.transfer(foci) @ own.vector), rtol=1e-4)
+    session = palpa.Session(cube, solver=focusing, layout="openmpd", backend="cpu")
+    session.touch(pressed(finger, 2e-3))
+    assert session.drives.shape == (10, 256) and np.allclose(np.abs(session.drives), 1, atol=1e-6)
+    for solver, says in ((lambda g, a: np.ones(3), "shape"), (lambda g, a: 2 * np.ones(256), "amplitude 2"), (lambda g, a: np.full(256, np.nan), "nan")):
+        with pytest.raises(palpa.BadUsage, match=says):
+            openmpd.solve(foci, solver=solver)
+    with pytest.raises(ZeroDivisionError):
+        openmpd.drive(foci, solver=lambda g, a: 1 / 0)
+    with pytest.raises(palpa.BadUsage):
+        live(cube, solver=focusing)
+
+
 def live(cube, **options):
     return palpa.Session(cube, **{"source": "synthetic", "every_frame": True, "backend": "cpu", "layout": "openmpd"} | options)
 
 
-def drives_in(file, transducers=256):
-    """Amplitudes of what --link record:FILE wrote, slot by slot, by its description in docs/files.md."""
-    data = open(file, "rb").read()
-    assert data[:8] == b"palpadrv"
-    return data
-
-
-def test_a_live_run_gives_the_commands_sound(cube, tmp_path):
-    mine, theirs = tmp_path / "mine.bin", tmp_path / "theirs.bin"
+def test_live_frames_are_those_of_the_export(cube):
     touches, events = [], []
-    stats = live(cube, link=f"record:{mine}", noise_free=True).run(frames=12, on_frame=touches.append, on_event=events.append)
-    run(["run", "--scene", "assets/cube.glb", "--frames", "12", "--every-frame", "--backend", "cpu", "--layout", "openmpd", "--noise-free",
-         "--link", f"record:{theirs}", "--quiet"])
+    stats = live(cube, noise_free=True).run(frames=12, on_frame=touches.append, on_event=events.append)
     assert stats.frames == 12 == len(touches) and stats.drives > 0 and '"frames"' in stats.json()
-    assert [touch.time for touch in touches] == sorted(touch.time for touch in touches)
-    assert {event.kind for event in events} <= {"touch", "move", "press", "release"}
-    assert struct.unpack_from("<I", drives_in(mine), 8) == (1,) == struct.unpack_from("<I", drives_in(theirs), 8)
+    foci = palpa.export(cube, "synthetic", frames=12, noise_free=True, backend="cpu", layout="openmpd").foci
+    rows = [(touch.time, *focus) for touch in touches for finger in touch.fingers for focus in finger.played_foci]
+    assert len(rows) == len(foci["x"]) > 0
+    times = np.array([row[0] for row in rows])
+    assert np.allclose(times - times[0], foci["time"] - foci["time"][0], atol=1e-9)
+    assert np.allclose([row[1:] for row in rows], np.stack([foci["x"], foci["y"], foci["z"]], axis=1), atol=1e-7)
+    assert {event.kind for event in events} <= {"touch", "move", "press", "release"} and events[0].kind == "touch"
+
+
+def drives_in(file, transducers=256):
+    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md."""
+    data = file.read_bytes()
+    assert data[:8] == b"palpadrv"
+    (version, count) = struct.unpack_from("<II", data, 8)
+    assert (version, count) == (1, transducers)
+    slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
+    return np.frombuffer(data[24:], slot)["drive"][:, :, 0]
+
+
+def test_the_gain_multiplies_amplitudes_and_the_last_drive_is_silent(cube, tmp_path):
+    file = tmp_path / "drives.bin"
+    session = live(cube, link=f"record:{file}", noise_free=True)
+    session.set_gain(0.25)
+    session.run(frames=12)
+    amplitudes = drives_in(file)
+    assert amplitudes.max() == pytest.approx(0.25, rel=1e-6) and amplitudes[-1].max() == 0
 
 
 def test_false_ends_a_run(cube):

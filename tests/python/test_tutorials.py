@@ -1,10 +1,12 @@
 """The tutorials run as they stand."""
 import os
+import pathlib
 import subprocess
 import sys
 
 import pytest
 
+import palpa
 from commands import ROOT
 
 QUICK = {"1_touch_a_mesh", "8_hand_over_drives"}
@@ -22,7 +24,8 @@ def test_it_runs(path, tmp_path):
     for module in needs:
         pytest.importorskip(module)
     done = subprocess.run([sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=900, check=False,
-                          env=os.environ | {"MPLBACKEND": "Agg", "PALPA_ASSETS": str(ROOT / "assets"), "MPLCONFIGDIR": str(tmp_path)})
+                          env=os.environ | {"MPLBACKEND": "Agg", "PALPA_ASSETS": str(ROOT / "assets"), "MPLCONFIGDIR": str(tmp_path),
+                                            "PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
     assert done.returncode == 0 and done.stderr == "", done.stderr
     assert done.stdout
     if "savefig" in path.read_text():
