@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "base/error.hpp"
+#include "running.hpp"
 
 namespace palpa::python {
 namespace {
@@ -70,15 +71,18 @@ std::vector<Vec3> points_of(const std::string& name, py::handle value) {
   if (!one && (given.ndim() != 2 || given.shape(1) != 3)) refuse_shape(name, given, wanted);
   const py::array_t<double> array = real_array(name, given, wanted);
   const double* const from = array.data();
-  std::vector<Vec3> points(static_cast<std::size_t>(array.size() / 3));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
-    const double sum = points[i].x + points[i].y + points[i].z;
-    if (!std::isfinite(sum))
-      throw bad_usage(fmt::format("{}: row {} is not finite: ({}, {}, {})", name, i, from[3 * i], from[3 * i + 1],
-                                  from[3 * i + 2]));
-  }
-  return points;
+  const auto count = static_cast<std::size_t>(array.size() / 3);
+  return unlocked([&] {
+    std::vector<Vec3> points(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      points[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
+      if (!std::isfinite(points[i].x + points[i].y + points[i].z)) {
+        throw bad_usage(fmt::format("{}: row {} is not finite: ({}, {}, {})", name, i, from[3 * i], from[3 * i + 1],
+                                    from[3 * i + 2]));
+      }
+    }
+    return points;
+  });
 }
 
 Vec3 point_of(const std::string& name, py::handle value) {

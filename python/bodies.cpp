@@ -390,7 +390,7 @@ void add_simulation_class(py::module_& m) {
           "json", [](const SimulateObject& o) { return to_json(o.result); },
           "str: what `palpa simulate --json` writes. Only `timing_ms` differs between runs.")
       .def(
-          "csv", [](const SimulateObject& o) { return to_csv(o.result); },
+          "csv", [](const SimulateObject& o) { return unlocked([&] { return to_csv(o.result); }); },
           "str: what `palpa simulate --csv` writes: face,x,y,z,area,langevin,squared.")
       .def(
           "write_vtu",

@@ -12,7 +12,11 @@
 #include "driver/sources.hpp"
 #include "session/links/gain_link.hpp"
 #include "session_object.hpp"
+#include "setup/load.hpp"
+#include "setup/session_setting.hpp"
 #include "setup/tasks/touch.hpp"
+#include "setup/touch_input.hpp"
+#include "setup/warnings.hpp"
 #include "touch_object.hpp"
 
 namespace palpa::python {
@@ -137,36 +141,70 @@ void end_of(Run& run, const std::exception_ptr& fault, std::optional<EndsWithInt
   run.changed.notify_all();
 }
 
+/// Calls the caller's functions for this session.
+session::RunOptions observers_of(SessionObject& o, session::Session& session) {
+  Run& run = o.run;
+  session::RunOptions looking;
+  looking.planned = [&o, &run, &session, solids = session.solid_names(), common = session.scheduler().common_voice()](
+                        const session::FrameReport& report, const session::Plan& plan) {
+    change_solids(run, session);
+    if (run.on_frame)
+      call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.method}); });
+  };
+  if (run.on_event) {
+    looking.events = [&run, solids = session.solid_names()](std::span<const session::Event> events) {
+      for (EventObject& event : events_of(events, solids))
+        call_back(run, run.on_event, [&] { return std::move(event); });
+    };
+  }
+  return looking;
+}
+
+/// A run whose frames are pushed.
+session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std::span<const session::LinkKind> links) {
+  session::check_board_files(options.link, links, options.board_files);
+  setup::take_layout_of_link(options.rig, options.link, links);
+  setup::take_method_of_link(options, links);
+  setup::check(options.drive, o.scene->solids);
+  array::Layout layout = setup::load_posed_rig(options.rig).layout;
+  setup::warn_of_reach(layout, o.scene->solids);
+  session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
+  std::optional<gpu::Device> device;
+  if (options.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(options.common));
+  session::Session session =
+      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  session::LinkSetting link_setting = session.link_setting();
+  link_setting.board_files = options.board_files;
+  const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
+  session::RunOptions looking = observers_of(o, session);
+  looking.frames = options.frames;
+  return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
+}
+
 /// The whole of a run, on its own thread.
 void play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
   std::optional<EndsWithInterpreter> ends(std::in_place, run.stop);
   std::exception_ptr fault;
   try {
-    const std::vector<session::SourceKind> sources = driver::camera_sources();
     const std::vector<session::LinkKind> links = links_with_gain(run.gain);
-    std::optional<setup::LiveRun> opened;
-    if (!open(options, sources, links, run.stop, opened)) return end_of(run, nullptr, ends);
-    setup::LiveRun& live = *opened;
-    const std::vector<std::string> solids = live.session().solid_names();
-    const array::Voice common = live.session().scheduler().common_voice();
-    session::RunOptions looking;
-    looking.planned = [&](const session::FrameReport& report, const session::Plan& plan) {
-      change_solids(run, live.session());
-      if (run.on_frame)
-        call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.method}); });
-    };
-    if (run.on_event) {
-      looking.events = [&](std::span<const session::Event> events) {
-        for (EventObject& event : events_of(events, solids))
-          call_back(run, run.on_event, [&] { return std::move(event); });
-      };
+    if (o.from_points()) {
+      run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
+    } else {
+      const std::vector<session::SourceKind> sources = driver::camera_sources();
+      std::optional<setup::LiveRun> live;
+      if (open(options, sources, links, run.stop, live)) {
+        run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+      }
     }
-    run.stats = std::make_shared<StatsObject>(StatsObject{live.run(looking)});
   } catch (...) {
     fault = std::current_exception();
   }
   end_of(run, fault, ends);
+}
+
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 py::object callback_of(const char* name, const py::object& given) {
@@ -176,6 +214,22 @@ py::object callback_of(const char* name, const py::object& given) {
 }
 
 }  // namespace
+
+void push_points(SessionObject& o, const py::object& points, const py::object& time) {
+  if (!o.from_points()) throw bad_usage("push_points is for sessions with source=\"points\"");
+  Run& run = o.run;
+  if (!run.running || !run.points) throw bad_usage("the session does not run: call start() first");
+  double time_s = steady_s() - run.begin_s;
+  if (!time.is_none()) {
+    const std::vector<double> given = numbers_of("time", time);
+    if (given.size() != 1) throw bad_usage("time: give one number, in seconds");
+    time_s = given[0];
+  }
+  std::vector<glm::vec3> skin;
+  for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
+    skin.push_back(point.position);
+  run.points->push(std::move(skin), time_s);
+}
 
 session::OwnMethod method_of(SessionObject& o) {
   return [&o](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
@@ -205,6 +259,8 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   options.frames = frames;
   run.on_frame = callback_of("on_frame", on_frame);
   run.on_event = callback_of("on_event", on_event);
+  run.points = o->from_points() ? std::make_shared<session::PushedPoints>() : nullptr;
+  run.begin_s = steady_s();
   run.stop = false;
   run.over = false;
   run.fault = nullptr;

@@ -98,6 +98,18 @@ void add_event(py::module_& m) {
 
 // ---- the session ----------------------------------------------------------------------------------------------------
 
+/// Options that have no effect on frames of points.
+void refuse_camera_options(const setup::LiveOptions& o) {
+  setup::refuse_finger_width(o.touch, "depth images");
+  const std::pair<const char*, bool> given[]{{"every_frame", o.every_frame},
+                                             {"record", !o.record.empty()},
+                                             {"events", !o.events.empty()},
+                                             {"hold='auto'", o.hold_auto}};
+  for (const auto& [name, is_given] : given) {
+    if (is_given) throw bad_usage(fmt::format("{} goes with a source of depth frames, not with points", name));
+  }
+}
+
 /// Takes a function from the keyword arguments; nothing if the value is a text.
 py::object take_function(const py::kwargs& arguments, const char* name) {
   if (!arguments.contains(name)) return {};
@@ -143,6 +155,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
     if (made->solver) throw bad_usage("a function as solver is for sessions without a source");
     check(o);
+    if (made->from_points()) refuse_camera_options(o);
     return made;
   }
   refuse_live_options(o);
@@ -293,6 +306,16 @@ Touch)")
       .def_property_readonly("drives", &drives_of,
                              "ndarray of complex128, shape (slots, M), or None: the drives of the newest frame's "
                              "schedule, slot by slot, if the session has a layout. They repeat.")
+      .def(
+          "push_points", &push_points, py::arg("points"), py::arg("time") = py::none(),
+          R"(Give a run with source="points" its next frame. Any thread may call it; it does not wait. The newest frame wins.
+
+Parameters
+----------
+points : array_like, shape (n, 3)
+    Points of the skin, in metres, world.
+time : float, optional
+    Of their capture, seconds. The default is the time since the run began.)")
       .def("set_pose", &set_pose, py::arg("solid"), py::arg("pose"),
            R"(Move a solid for the frames that follow. Any thread may call it during a run; it does not wait.
 

@@ -6,7 +6,7 @@ namespace palpa::python {
 inline constexpr const char* session_doc =
     R"(A scene and its fingers over time: frame by frame, or live from cameras to a link.
 
-Without `source`, give the frames yourself with touch(). With `source`, run() or start() take frames from it and play
+Without `source`, give the frames yourself with touch(). With source="points", push_points() gives frames to a run. With `source`, run() or start() take frames from it and play
 the drives to `link`, each part on its own thread. The last thing that the link gets is always silence: at the end, after
 an exception in a callback, after Ctrl-C, and when the interpreter ends. Fingers keep their ids from frame to frame.
 

@@ -18,6 +18,7 @@
 
 #include "gpu/device.hpp"
 #include "running.hpp"
+#include "session/points_run.hpp"
 #include "session/session.hpp"
 #include "session/watch/events.hpp"
 #include "session/watch/stats.hpp"
@@ -55,6 +56,8 @@ struct Run {
   std::shared_ptr<StatsObject> stats;
   py::object on_frame, on_event;  ///< only during a run
   std::thread thread;
+  std::shared_ptr<session::PushedPoints> points;  ///< of a session from points, while it runs
+  double begin_s = 0;                             ///< of the run, on the steady clock
 };
 
 /// `palpa.Session`.
@@ -71,6 +74,7 @@ struct SessionObject {
   Run run;
 
   bool live() const { return !options.source.empty(); }
+  bool from_points() const { return options.source == "points"; }
   ~SessionObject() {
     if (!run.thread.joinable()) return;
     run.stop = true;
@@ -105,5 +109,7 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& session);
 void set_pose(SessionObject& session, const py::object& solid, const py::object& pose);
 void set_aim(SessionObject& session, const py::object& offset);
 void set_gain(SessionObject& session, double gain);
+/// Gives a run from points its next frame. `time` may be None.
+void push_points(SessionObject& session, const py::object& points, const py::object& time);
 
 }  // namespace palpa::python

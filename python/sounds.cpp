@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "layout.hpp"
+#include "running.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/spread.hpp"
 
@@ -119,9 +120,13 @@ void add_drive_class(py::module_& m) {
           "spread", [](const DriveObject& o) { return spread_of(o); },
           "dict or None: percentiles (5, 50, 95) of random arrays, if spread was given.")
       .def(
-          "json", [](const DriveObject& o) { return to_json(o.result); }, "str: what `palpa drive --json` writes.")
+          "json", [](const DriveObject& o) { return unlocked([&] { return to_json(o.result); }); },
+          "str: what `palpa drive --json` writes.")
       .def(
-          "csv", [](const DriveObject& o) { return setup::drive_csv(o.result.layout, o.result.drive); },
+          "csv",
+          [](const DriveObject& o) {
+            return unlocked([&] { return setup::drive_csv(o.result.layout, o.result.drive); });
+          },
           "str: what `palpa drive --csv` writes: index,x,y,z,nx,ny,nz,amplitude,phase of each transducer.")
       .def("__repr__", [](const DriveObject& o) {
         return fmt::format("<palpa.Drive of {}: {} transducers, {} foci>", o.result.layout.name, o.result.drive.size(),
@@ -173,7 +178,7 @@ void add_field_class(py::module_& m) {
           "spread", [](const FieldObject& o) { return spread_of(o); },
           "dict or None: percentiles (5, 50, 95) of random arrays, if spread was given.")
       .def(
-          "json", [](const FieldObject& o) { return to_json(o.result); },
+          "json", [](const FieldObject& o) { return unlocked([&] { return to_json(o.result); }); },
           "str: what `palpa field --json` writes. Only `timing_ms` differs between runs.")
       .def("__repr__", [](const FieldObject& o) {
         return fmt::format("<palpa.Field of {}: {} points, at most {:.0f} Pa>", o.result.layout,

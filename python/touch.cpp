@@ -387,10 +387,10 @@ void add_touch_class(py::module_& m) {
           },
           "dict of str to float: seconds of each step.")
       .def(
-          "json", [](const TouchObject& o) { return to_json(o.values); },
+          "json", [](const TouchObject& o) { return unlocked([&] { return to_json(o.values); }); },
           "str: what `palpa touch --json` writes. Only `timing_ms` differs between runs.")
       .def(
-          "csv", [](const TouchObject& o) { return to_csv(o.values); },
+          "csv", [](const TouchObject& o) { return unlocked([&] { return to_csv(o.values); }); },
           "str: what `palpa touch --csv` writes: index,x,y,z,depth,finger,solid of each contact.")
       .def("__repr__", [](const TouchObject& o) {
         return fmt::format("<palpa.Touch: {} contacts, {} finger{}>", o.values.touch.contacts.size(),

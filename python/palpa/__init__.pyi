@@ -6,7 +6,7 @@ from typing import Any, Literal, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Path = Union[str, PathLike[str]]
+_Path = Union[str, PathLike[str]]
 __version__: str
 
 class Error(Exception):
@@ -167,7 +167,7 @@ class Finger:
 class FingerBody:
     def __init__(
         self,
-        finger: tuple[ArrayLike, ArrayLike] | Path | Mesh,
+        finger: tuple[ArrayLike, ArrayLike] | _Path | Mesh,
         *,
         force: bool = ...,
         **options: Any,
@@ -178,7 +178,7 @@ class FingerSound:
     def __init__(
         self,
         layout: Layout,
-        finger: tuple[ArrayLike, ArrayLike] | Path | Mesh,
+        finger: tuple[ArrayLike, ArrayLike] | _Path | Mesh,
         *,
         force: bool = ...,
         **options: Any,
@@ -186,7 +186,7 @@ class FingerSound:
     def __repr__(self) -> str: ...
 
 class Layout:
-    def __init__(self, source: Path | str) -> None: ...
+    def __init__(self, source: _Path | str) -> None: ...
     def __len__(self) -> int: ...
     def __repr__(self) -> str: ...
     @property
@@ -200,7 +200,7 @@ class Layout:
         foci: ArrayLike,
         gains: ArrayLike = ...,
         *,
-        finger: tuple[ArrayLike, ArrayLike] | Path | Mesh | FingerSound = ...,
+        finger: tuple[ArrayLike, ArrayLike] | _Path | Mesh | FingerSound = ...,
         force: bool = ...,
         amplitude: Literal["distance", "uniform"] | None = ...,
         solver: Literal["naive", "gs-pat", "greedy", "loudest", "adjoint"] | None = ...,
@@ -252,7 +252,7 @@ class Layout:
         foci: ArrayLike,
         gains: ArrayLike = ...,
         *,
-        finger: tuple[ArrayLike, ArrayLike] | Path | Mesh | FingerSound = ...,
+        finger: tuple[ArrayLike, ArrayLike] | _Path | Mesh | FingerSound = ...,
         force: bool = ...,
         amplitude: Literal["distance", "uniform"] | None = ...,
         solver: Literal["naive", "gs-pat", "greedy", "loudest", "adjoint"] | None = ...,
@@ -272,7 +272,7 @@ class Layout:
     ) -> Drive: ...
     def solve_touch(
         self,
-        touch: Path,
+        touch: _Path,
         *,
         slot: int = ...,
         amplitude: Literal["distance", "uniform"] | None = ...,
@@ -306,10 +306,10 @@ class Layout:
         sound_speed: float | str | None = ...,
         frequency: float | str | None = ...,
     ) -> NDArray[np.complex128]: ...
-    def write_drive(self, file: Path, drive: ArrayLike | Drive) -> Any: ...
+    def write_drive(self, file: _Path, drive: ArrayLike | Drive) -> Any: ...
 
 class Mesh:
-    def __init__(self, source: tuple[ArrayLike, ArrayLike] | Path) -> None: ...
+    def __init__(self, source: tuple[ArrayLike, ArrayLike] | _Path) -> None: ...
     def __repr__(self) -> str: ...
     @property
     def area(self) -> float: ...
@@ -338,7 +338,7 @@ class Places:
     def shape(self) -> tuple[int, ...]: ...
 
 class Recording:
-    def __init__(self, folder: Path) -> None: ...
+    def __init__(self, folder: _Path) -> None: ...
     def __len__(self) -> int: ...
     def __repr__(self) -> str: ...
     @property
@@ -397,7 +397,7 @@ class Scene:
     def __getitem__(self, key: str | int) -> Solid: ...
     def __init__(
         self,
-        file: Path,
+        file: _Path,
         *,
         gltf_scene: int | str | None = ...,
         surface: Literal["mesh", "parts"] | None = ...,
@@ -413,11 +413,11 @@ class Scene:
     def source(self) -> str: ...
     def touch(
         self,
-        skin: ArrayLike | Path = ...,
+        skin: ArrayLike | _Path = ...,
         *,
-        depth: Sequence[Any] | NDArray[Any] | Path = ...,
-        camera: Sequence[Any] | Path = ...,
-        rig: Path = ...,
+        depth: Sequence[Any] | NDArray[Any] | _Path = ...,
+        camera: Sequence[Any] | _Path = ...,
+        rig: _Path = ...,
         penetration: float = ...,
         delta: float | str | None = ...,
         finger_gap: float | str | None = ...,
@@ -458,7 +458,7 @@ class Session:
         self,
         scene: Scene,
         *,
-        camera: Sequence[Any] | Path = ...,
+        camera: Sequence[Any] | _Path = ...,
         depth: bool = ...,
         source: Any | None = ...,
         allow_outside: bool | None = ...,
@@ -627,7 +627,7 @@ def calibrate(
     layout: Any | None = ...,
 ) -> Calibration: ...
 def decompose(
-    scene: Path | Scene,
+    scene: _Path | Scene,
     *,
     gltf_scene: int | str | None = ...,
     allow_outside: bool | None = ...,
@@ -637,8 +637,8 @@ def decompose(
     seed: int | str | None = ...,
 ) -> Parts: ...
 def export(
-    scene: Path | Scene,
-    source: Path | str | Recording,
+    scene: _Path | Scene,
+    source: _Path | str | Recording,
     *,
     gltf_scene: int | str | None = ...,
     frames: int | str | None = ...,
@@ -686,7 +686,7 @@ def export(
     validation: Literal["off", "core", "sync", "gpu-assisted"] | None = ...,
 ) -> Export: ...
 def figure6(
-    finger: tuple[ArrayLike, ArrayLike] | Path | FingerBody | Mesh,
+    finger: tuple[ArrayLike, ArrayLike] | _Path | FingerBody | Mesh,
     *,
     penetration: float = ...,
     skin: Literal["vertices", "cameras"] = ...,
@@ -736,13 +736,13 @@ def plane(
     size: tuple[float, float],
     pixels: tuple[int, int] = ...,
 ) -> Places: ...
-def read_ply(file: Path) -> NDArray[np.float64]: ...
+def read_ply(file: _Path) -> NDArray[np.float64]: ...
 def scatter(
-    mesh: tuple[ArrayLike, ArrayLike] | Path | Mesh,
+    mesh: tuple[ArrayLike, ArrayLike] | _Path | Mesh,
     *,
     plane_wave: ArrayLike = ...,
     point_source: ArrayLike = ...,
-    layout: Path | str | Layout = ...,
+    layout: _Path | str | Layout = ...,
     drive: ArrayLike | Drive = ...,
     where: ArrayLike | Places | Mesh = ...,
     force: bool = ...,
@@ -757,7 +757,7 @@ def scatter(
 def set_log_level(level: Literal["quiet", "error", "warning", "info", "debug"]) -> None: ...
 def simulate(
     scene: Scene,
-    finger: tuple[ArrayLike, ArrayLike] | Path | FingerBody | Mesh,
+    finger: tuple[ArrayLike, ArrayLike] | _Path | FingerBody | Mesh,
     *,
     penetration: float = ...,
     skin: Literal["vertices", "cameras"] = ...,
@@ -800,4 +800,4 @@ def simulate(
     seed: int | str | None = ...,
     validation: Literal["off", "core", "sync", "gpu-assisted"] | None = ...,
 ) -> Simulation: ...
-def write_ply(file: Path, points: ArrayLike, faces: ArrayLike = ...) -> None: ...
+def write_ply(file: _Path, points: ArrayLike, faces: ArrayLike = ...) -> None: ...

@@ -202,6 +202,47 @@ def test_two_sessions_at_a_time(cube):
     assert one.wait().frames == two.wait().frames == 5
 
 
+def test_points_pushed_into_a_run(cube, finger, tmp_path):
+    file = tmp_path / "drives.bin"
+    session = palpa.Session(cube, source="points", layout="openmpd", link=f"record:{file}", backend="cpu")
+    with pytest.raises(palpa.BadUsage, match="start"):
+        session.push_points(finger)
+    touches, kinds = [], []
+    arrived = threading.Event()
+
+    def on_frame(touch):
+        touches.append(touch)
+        arrived.set()
+
+    with session:
+        session.start(on_frame=on_frame, on_event=lambda event: kinds.append(event.kind))
+        for n, depth in enumerate([1e-3, 2e-3, -5e-3]):
+            arrived.clear()
+            begin = time.perf_counter()
+            session.push_points(pressed(finger, depth), n / 90)
+            assert time.perf_counter() - begin < 0.1
+            assert arrived.wait(10)
+            time.sleep(0.03)
+        for bad in (finger[:, :2], finger * np.nan):
+            with pytest.raises(palpa.BadUsage):
+                session.push_points(bad)
+        session.stop()
+        stats = session.wait()
+    assert stats.frames == 3 == len(touches) and stats.touching == 2 and [touch.time for touch in touches] == [0, 1 / 90, 2 / 90]
+    # The same contacts as frame by frame, and a sound that ends in silence.
+    alone = palpa.Session(cube, backend="cpu").touch(pressed(finger, 1e-3))
+    assert np.array_equal(alone.contacts.indices, touches[0].contacts.indices)
+    amplitudes = drives_in(file)
+    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0
+    assert kinds[0] == "touch" and kinds[-1] == "release"
+
+
+@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}, {"hold": "auto"}])
+def test_options_that_points_do_not_have(cube, options):
+    with pytest.raises(palpa.BadUsage):
+        palpa.Session(cube, source="points", backend="cpu", **options)
+
+
 PROGRAM = """
 import palpa, sys
 scene = palpa.Scene("assets/cube.glb")
