@@ -315,7 +315,7 @@ Parameters
 points : array_like, shape (n, 3)
     Points of the skin, in metres, world.
 time : float, optional
-    Of their capture, seconds. The default is the time since the run began.)")
+    The time of their capture, seconds. The default is the time since the run began.)")
       .def("set_pose", &set_pose, py::arg("solid"), py::arg("pose"),
            R"(Move a solid for the frames that follow. Any thread may call it during a run; it does not wait.
 
