@@ -218,7 +218,8 @@ py::object callback_of(const char* name, const py::object& given) {
 void push_points(SessionObject& o, const py::object& points, const py::object& time) {
   if (!o.from_points()) throw bad_usage("push_points is for sessions with source=\"points\"");
   Run& run = o.run;
-  if (!run.running || !run.points) throw bad_usage("the session does not run: call start() first");
+  const std::shared_ptr<session::PushedPoints> to = run.points;  // another thread may start the next run meanwhile
+  if (!run.running || !to) throw bad_usage("the session does not run: call start() first");
   double time_s = steady_s() - run.begin_s;
   if (!time.is_none()) {
     const std::vector<double> given = numbers_of("time", time);
@@ -228,7 +229,7 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
   std::vector<glm::vec3> skin;
   for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
     skin.push_back(point.position);
-  run.points->push(std::move(skin), time_s);
+  to->push(std::move(skin), time_s);
 }
 
 session::OwnMethod method_of(SessionObject& o) {

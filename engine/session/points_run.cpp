@@ -65,6 +65,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       play(link, plans, output, clock, ending, stats.output, options.sent);
     } catch (...) {
       link_fault = std::current_exception();
+      stop = true;
     }
     output_over = true;
   });
