@@ -13,6 +13,7 @@
 #include "session/links/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
+#include "setup/session_setting.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/warnings.hpp"
 
@@ -34,13 +35,16 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::sp
                                .rig = rig.rig.file});
 }
 
+}  // namespace
+
 session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
-                                        const sensing::DepthSource& source, array::Layout layout) {
+                                        std::vector<sensing::Camera> cameras, array::Layout layout) {
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
+  schedule.own_method = o.own_method;
   return {.scene = o.scene,
           .solids = std::move(solids),
-          .cameras = source.cameras(),
+          .cameras = std::move(cameras),
           .layout = std::move(layout),
           .touch = o.touch.parameters,
           .schedule = schedule,
@@ -54,8 +58,6 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .lengthens_hold = o.hold_auto,
           .safety = o.safety};
 }
-
-}  // namespace
 
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
   std::vector<session::SourceKind> sources = session::builtin_sources();
@@ -162,7 +164,7 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   const PosedRig rig = load_posed_rig(o.rig);
   std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
   warn_of_reach(rig.layout, solids);
-  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
+  session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout);
   warn_of_frequency(setting.layout, setting.drive.medium);
   if (o.common.backend == Backend::cpu)
     return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};

@@ -52,6 +52,7 @@ struct FrameOptions {
   /// is asked for; `who` names the frames. The second turns such a prediction off, which is the default.
   void refuse_unmeasured_prediction(const char* who) const;
   void leave_out_unmeasured_prediction();
+  session::OwnMethod own_method{};  ///< instead of --method
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

@@ -54,7 +54,11 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
     ScheduledFinger& out = fingers_[f];
     out.perimeter_m = 0;
     out.tuned.reset();
-    touch::place_foci(touch, finger, options_.method, out.placement);
+    if (options_.own_method) {
+      options_.own_method(touch, finger, out.placement);
+    } else {
+      touch::place_foci(touch, finger, options_.method, out.placement);
+    }
     array::VoiceOptions options = solids_[finger.solid].voice;
     if (foci_part_ > 1 && !out.placement.still() && !out.placement.together) thin(out.placement, options);
     array::Voice& voice = schedule.add_voice();
