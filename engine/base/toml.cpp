@@ -127,9 +127,8 @@ std::vector<const toml::key*> in_order(const toml::table& table) {
   std::vector<const toml::key*> keys;
   for (const auto& [key, value] : table)
     keys.push_back(&key);
-  std::ranges::sort(keys, {}, [](const toml::key* key) {
-    return std::pair(key->source().begin.line, key->source().begin.column);
-  });
+  std::ranges::sort(
+      keys, {}, [](const toml::key* key) { return std::pair(key->source().begin.line, key->source().begin.column); });
   return keys;
 }
 

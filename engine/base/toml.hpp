@@ -36,8 +36,8 @@ void guard_toml(std::string_view text, const std::string& file, const TomlLimits
 struct TomlValue {
   enum class Kind { text, number, flag, list, table };
   Kind kind = Kind::text;
-  std::string text;                                          ///< of a number, its shortest exact form; of a flag, "true"
-  std::vector<TomlValue> items;                              ///< of a list
+  std::string text;              ///< of a number, its shortest exact form; of a flag, "true"
+  std::vector<TomlValue> items;  ///< of a list
   std::vector<std::pair<std::string, TomlValue>> members{};  ///< of a table, in the file's order
 };
 

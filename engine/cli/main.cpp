@@ -34,6 +34,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_simulate(program);
   add_decompose(program);
   add_study(program);
+  add_sweep(program);
   add_bench(program);
   for (const auto& add : extensions.commands)
     add(program);

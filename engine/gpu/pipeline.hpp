@@ -50,6 +50,13 @@ class ComputePipeline {
                          BufferRef arguments) const;
 
  private:
+  /// What the device made; shared by equal pipelines of a device that keeps them.
+  struct Made {
+    BufferSet set;
+    Handle<VkPipelineLayout> layout;
+    Handle<VkPipeline> pipeline;
+  };
+
   std::shared_ptr<const Made> make(const Device& device, const char* name,
                                    std::span<const std::uint32_t> constants) const;
   void bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const;
@@ -57,12 +64,6 @@ class ComputePipeline {
 
   std::string name_;
   const Kernel* kernel_ = nullptr;
-  /// What the device made; shared by equal pipelines of a device that keeps them.
-  struct Made {
-    BufferSet set;
-    Handle<VkPipelineLayout> layout;
-    Handle<VkPipeline> pipeline;
-  };
   std::shared_ptr<const Made> made_;
   std::uint32_t push_bytes_ = 0;
 };

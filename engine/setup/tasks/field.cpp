@@ -179,8 +179,8 @@ FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const 
   const UsedDevice device(common);
   sum(layout, drive, task.drive.directivity, device.get(), result);
   if (!task.spread.text.empty()) {
-    result.spread = spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed),
-                                    device.get());
+    result.spread =
+        spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed), device.get());
   }
   result.total_ms = milliseconds_since(begin);
   return result;
