@@ -17,4 +17,10 @@ std::string version_and_commit() {
   return of.empty() ? version() : version() + " (" + of + ")";
 }
 
+std::string about_program(const std::string& program) {
+  const std::string of = commit();
+  return program + " " + version() + "\ncommit: " + (of.empty() ? "unknown, built from an archive" : of) +
+         "\nbuilt with: " PALPA_COMPILER "\nfeatures: " PALPA_FEATURES "\nlibraries: " PALPA_LIBRARIES "\n";
+}
+
 }  // namespace palpa

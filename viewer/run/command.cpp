@@ -6,6 +6,7 @@
 
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
+#include "base/version.hpp"
 #include "setup/help.hpp"
 #include "setup/parse.hpp"
 #include "viewer/options/settings.hpp"
@@ -37,7 +38,7 @@ setup::HelpText help_text() {
 std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
   CLI::App app("", "palpa-viewer");
   app.set_help_flag("-h,--help", "show this help and exit");
-  app.set_version_flag("--version", "palpa-viewer " PALPA_VERSION, "show the version and exit");
+  app.set_version_flag("--version", version(), "show the version and exit");
   ViewerOptions options;
   add_options(app, options);
   setup::add_common(app, options.common);
@@ -47,7 +48,7 @@ std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
     write_file("-", setup::help_page(app, help_text(), setup::help_length(argc, argv)));
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
-    write_file("-", "palpa-viewer " PALPA_VERSION "\n");
+    write_file("-", about_program("palpa-viewer"));
     return std::nullopt;
   }
   setup::apply_logging(options.common);
