@@ -153,6 +153,7 @@ void look(const SweepCommand& o, const sweep::Plan& plan) {
 // ---- --gather ------------------------------------------------------------------------------------------------------
 
 void gather(const SweepCommand& o, const std::string& file) {
+  sweep::check_table_name(o.gather);
   std::vector<Output> written{{"--json", o.common.json}};
   for (const std::string& name : sweep::files_of_crate(file, o.gather))
     written.push_back({"--gather", name});

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "base/text.hpp"
@@ -103,6 +105,7 @@ Axis axis_of(const std::vector<setup::OptionInfo>& table, const std::string& key
                                                                    : std::vector<TomlValue>();
   if (values.empty()) throw ValueFault{fmt::format("{} must be a list of values, or have from, to and count", key)};
   const bool together = std::ranges::all_of(values, [](const TomlValue& one) { return one.kind == Kind::table; });
+  std::unordered_set<std::string> known;
   for (const TomlValue& one : values) {
     std::vector<Setting> choice;
     if (together) {
@@ -112,7 +115,10 @@ Axis axis_of(const std::vector<setup::OptionInfo>& table, const std::string& key
     } else {
       choice.push_back(setting_of(option_of(table, key), one));
     }
-    if (std::ranges::find(axis.choices, choice) != axis.choices.end())
+    std::string text;
+    for (const Setting& setting : choice)
+      text += fmt::format("{}\n{}\n{}\n", setting.option, setting.values.size(), setting.shown());
+    if (!known.insert(std::move(text)).second)
       throw ValueFault{fmt::format("{} has a value twice: {}", key, shortened(choice.front().shown(), 60))};
     for (const Setting& setting : choice) {
       if (std::ranges::find(axis.options, setting.option) == axis.options.end()) axis.options.push_back(setting.option);

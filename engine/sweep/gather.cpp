@@ -134,12 +134,15 @@ std::string to_csv(const Table& table) {
   return csv;
 }
 
+void check_table_name(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".csv" || (ending == ".h5" && has_hdf5())) return;
+  if (ending == ".h5") throw bad_usage("--gather: this palpa was built without HDF5; give a file that ends in .csv");
+  throw bad_usage(fmt::format("--gather: {} must end in .csv{}", file, has_hdf5() ? " or .h5" : ""));
+}
+
 Gathered gather(const Plan& plan, const std::string& out, const std::string& file, bool partial) {
-  const bool hdf5 = std::filesystem::path(file).extension() == ".h5";
-  if (hdf5 && !has_hdf5())
-    throw bad_usage("--gather: this palpa was built without HDF5; give a file that ends in .csv");
-  if (!hdf5 && std::filesystem::path(file).extension() != ".csv")
-    throw bad_usage(fmt::format("--gather: {} must end in .csv{}", file, has_hdf5() ? " or .h5" : ""));
+  check_table_name(file);
   refuse_other_crate(file);
   const Inputs inputs(plan);
   const Table table = table_with(plan, inputs, out);
@@ -152,7 +155,7 @@ Gathered gather(const Plan& plan, const std::string& out, const std::string& fil
   LockedBytes lock(std::filesystem::path(out) / "gather-lock");
   if (!lock.try_lock(0))
     throw failure(fmt::format("{}: another palpa sweep --gather works on it; wait until it has ended", out));
-  const std::string bytes = hdf5 ? to_hdf5(table) : to_csv(table);
+  const std::string bytes = file.ends_with(".h5") ? to_hdf5(table) : to_csv(table);
   write_file(file, bytes);
   write_crate(plan, inputs, table, file, bytes);
   Gathered gathered{table.rows.size(), table.missing, 0, 0, table.others, table.empty_paths};

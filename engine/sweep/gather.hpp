@@ -39,13 +39,16 @@ Table table_of(const Plan& plan, const std::string& out);
 /// and wherever the cases were computed.
 std::string to_csv(const Table& table);
 
+/// Throws bad_usage if no table can be written under that name: it must end in .csv, or in .h5 if palpa has HDF5.
+void check_table_name(const std::string& file);
+
 /// What was gathered.
 struct Gathered {
   std::uint64_t rows = 0, missing = 0, refused = 0, failed = 0, others = 0;
   std::vector<std::string> empty_paths;
 };
 
-/// Writes `file` (.csv, or .h5 where palpa was built with HDF5), and beside it the provenance (crate.hpp). Throws
+/// Writes `file` (check_table_name), and beside it the provenance (crate.hpp). Throws
 /// failure() if cases have no result, unless `partial`; if another process gathers the same folder at the moment; and
 /// if the folder of `file` has the provenance of other results.
 Gathered gather(const Plan& plan, const std::string& out, const std::string& file, bool partial);

@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/outputs.hpp"
 #include "base/sha256.hpp"
 #include "geometry/gltf_document/buffers.hpp"
 #include "sensing/rig.hpp"
@@ -20,19 +25,38 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::vector<std::pair<std::string, std::string>>;  // as named, path
 
-/// The buffers in files of their own. Faults in the model are found when it is loaded.
-Names buffers_of_gltf(const std::string& path) {
+/// The JSON of a glTF file in either form; empty if there is none.
+std::string gltf_json(const std::string& path) {
   constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
-  const auto document = nlohmann::json::parse(read_file(path, most_bytes), nullptr, false);
+  const InputFile file(path, most_bytes);
+  constexpr std::size_t heads = 20;  // of the file, and of its first chunk
+  const std::string head = file.head(heads);
+  if (!head.starts_with("glTF") || head.size() < heads) return read_file(path, most_bytes);
+  std::uint32_t length = 0;
+  std::memcpy(&length, head.data() + 12, sizeof(length));
+  if (length > file.size() - heads) return {};
+  std::string json(length, ' ');
+  file.read_at(heads, {reinterpret_cast<unsigned char*>(json.data()), json.size()});
+  return json;
+}
+
+/// The buffers in files of their own. The model's pictures change no result, but no output may replace them. Faults in
+/// the model are found when it is loaded.
+Names files_of_gltf(const std::string& path) {
+  const auto document = nlohmann::json::parse(gltf_json(path), nullptr, false);
   Names names;
-  if (!document.is_object() || !document.contains("buffers") || !document["buffers"].is_array()) return names;
-  for (const auto& buffer : document["buffers"]) {
-    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
-    const auto uri = geometry::gltf::decode_percent(buffer["uri"].get<std::string>());
-    std::error_code ignored;
-    if (!uri || uri->starts_with("data:")) continue;
-    const fs::path file = fs::path(path).parent_path() / *uri;
-    if (fs::is_regular_file(file, ignored)) names.emplace_back(*uri, file.string());
+  for (const char* kind : {"buffers", "images"}) {
+    if (!document.is_object() || !document.contains(kind) || !document[kind].is_array()) continue;
+    for (const auto& item : document[kind]) {
+      if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
+      const auto uri = geometry::gltf::decode_percent(item["uri"].get<std::string>());
+      std::error_code ignored;
+      if (!uri || uri->starts_with("data:")) continue;
+      const fs::path file = fs::path(path).parent_path() / *uri;
+      if (!fs::is_regular_file(file, ignored)) continue;
+      refuse_output_as_input(file);
+      if (std::string_view(kind) == "buffers") names.emplace_back(*uri, file.string());
+    }
   }
   return names;
 }
@@ -52,7 +76,7 @@ Names files_of_rig(const std::string& path) {
 Names named_in(const std::string& option, const std::string& path) {
   std::string ending = fs::path(path).extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".gltf") return buffers_of_gltf(path);
+  if (ending == ".gltf" || ending == ".glb") return files_of_gltf(path);
   if (option == "--rig" || option == "--camera") return files_of_rig(path);
   return {};
 }
@@ -93,6 +117,7 @@ void Inputs::add(const Plan& plan, const Setting& setting) {
       paths_[option.name][value] = path;
       digests_[option.name][value] = std::move(digest);
     } catch (const Error& error) {
+      if (error.code() != Exit::bad_input) throw;
       throw bad_input(plan.file, fmt::format("{}: {}", option.name.substr(2), error.what()));
     }
   }

@@ -56,7 +56,7 @@ class Store {
   const std::vector<RunInfo>& runs() const { return runs_; }
   /// Throws bad_usage if another version of palpa has computed any of it.
   void check_version() const;
-  /// The state of each case that has a line. Of several lines, done counts most, then refused.
+  /// The state of each case that has a line. If a case has several, done counts most, then refused.
   std::unordered_map<std::string, State> states() const;
   /// All complete lines: the run, an index of runs(), the case and its line. Lines that are not a case's are left out
   /// with a warning.
@@ -71,8 +71,8 @@ class Store {
 /// Adds lines to a folder.
 class StoreWriter {
  public:
-  /// Creates `folder` if necessary, and a folder for this process in it. `info.name` is ignored. Throws failure()
-  /// naming what cannot be written.
+  /// Creates `folder` if necessary, and a folder for this process in it. `info.name` is ignored. Throws failure() if
+  /// a file or folder cannot be written.
   StoreWriter(const std::string& folder, RunInfo info);
   /// When it returns, the line is in the file. Throws failure(), such as for a full disk; the line is then absent.
   void add(const CaseLine& line);

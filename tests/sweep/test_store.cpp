@@ -36,8 +36,10 @@ CaseLine line_of(const std::string& id, State state = State::done) {
 
 class SweepStore : public testing::Test {
  protected:
-  fs::path folder_ = test::scratch_folder("sweep-store") / "out";
-  void SetUp() override { fs::remove_all(folder_); }
+  // Each test has its own: a file that was read in one test may not be written in another.
+  fs::path folder_ =
+      test::scratch_folder(std::string("store-") + testing::UnitTest::GetInstance()->current_test_info()->name()) /
+      "out";
   /// The only file of lines.
   fs::path lines() const {
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
@@ -67,7 +69,7 @@ TEST_F(SweepStore, LinesAreThereOrNot) {
     test::write_text(lines(), whole.substr(0, end));
     EXPECT_EQ(Store(folder_).states().size(), 2u) << end;
   }
-  // So is a line that is something else, but not those after it.
+  // A line that is something else is absent, too, but not those after it.
   test::write_text(lines(), whole.substr(0, third) + std::string(40, '\0') + "\n" + whole.substr(third));
   EXPECT_EQ(Store(folder_).states().size(), 3u);
   // Another process adds a file of its own; of two results, the better one counts.

@@ -207,7 +207,7 @@ TEST_F(SweepRuns, FaultsAreToldBeforeAnythingIsComputed) {
   expect_failure(compute("out"), 4, "none.ply: ");
   EXPECT_FALSE(fs::exists(out("out")));
   write_text(plan_, drives + "results = 3\n");
-  expect_failure(compute("out"), 4, "line 6");
+  expect_failure(compute("out"), 4, "line 8: results must be a list of values");
   write_text(plan_, "results = [\"foci_m\"]\n" + drives);
   expect_failure(compute("out"), 4, "plan.toml: results: foci_m is a list; name one of its entries");
   write_text(plan_, drives);
