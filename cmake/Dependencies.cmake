@@ -37,6 +37,7 @@ if(PALPA_BUILD_TESTS)
 endif()
 
 # What `palpa --version` says of them.
+find_package(CLI11 REQUIRED)
 set(PALPA_FEATURES "")
 foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "HDF5:${HDF5_FOUND}")
   string(REGEX MATCH "^([^:]+):(.*)$" match ${feature})

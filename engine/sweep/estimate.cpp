@@ -21,12 +21,12 @@ namespace {
 
 // Measured with `palpa sweep` and `palpa bench` on two cores of a Xeon (AVX-512) without a GPU; docs/sweeps.md compares
 // them with the times of a real sweep.
-constexpr double touch_s = 9e-3;         // a touch of points, with the device and its pipelines at hand
-constexpr double point_s = 0.1e-6;       // each skin point
+constexpr double touch_s = 1e-3;         // a touch of points, with the device and its pipelines at hand
+constexpr double point_s = 0.02e-6;      // each skin point
 constexpr double image_s = 15e-3;        // each depth image
 constexpr double model_s_per_mb = 0.05;  // reading and checking a model
 constexpr double felt_s = 0.05;          // a spectrum, or a choice of foci
-constexpr double drive_s = 2e-3;         // a drive, beside its pairs
+constexpr double drive_s = 3e-4;         // a drive, beside its pairs
 constexpr double pair_s = 1.8e-9;        // transducer and point: their sound on the device
 constexpr double host_pair_s = 1e-8;     // transducer and focus: on the host
 constexpr double solver_turns = 100;     // iterations of the solvers that have some

@@ -29,7 +29,7 @@ struct Table {
   std::uint64_t missing = 0;  ///< so many of them
   std::uint64_t others = 0;   ///< results in the folder that belong to no case of the plan
   std::vector<RunInfo> runs;
-  std::vector<std::string> empty_paths;  ///< that no case has
+  std::vector<std::string> empty_paths;  ///< that the plan names and no case has
 };
 
 /// Reads the folder of a sweep. Throws bad_input for missing files, bad_usage for results of another version.

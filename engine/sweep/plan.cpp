@@ -91,7 +91,8 @@ void read_results(TomlTable& root, const Command& command, Plan& plan) {
   const std::string keep = root.text_or("keep", "results");
   if (keep != "results" && keep != "everything") throw root.fault("keep", "keep must be \"results\" or \"everything\"");
   plan.keep_everything = keep == "everything";
-  plan.results = root.has("results") ? root.texts("results") : command.results;
+  plan.results_given = root.has("results");
+  plan.results = plan.results_given ? root.texts("results") : command.results;
   if (plan.results.empty()) throw root.fault("results", "results is empty: name at least one");
   for (const std::string& path : plan.results) {
     if (const std::string fault = path_fault(path); !fault.empty()) throw root.fault("results", fault);

@@ -40,6 +40,7 @@ struct Plan {
   std::string text;                  ///< its bytes
   std::string command;               ///< "touch", "drive", "field" or "simulate"
   std::vector<std::string> results;  ///< paths into the command's JSON (results.hpp), never empty
+  bool results_given = false;        ///< the plan has them; otherwise they are the command's usual ones
   bool keep_everything = false;      ///< each case's line has all of the command's JSON
   std::vector<Setting> fixed;
   std::vector<Axis> axes;

@@ -104,16 +104,24 @@ class Sweep {
       claims.unlock(one.index);
     }
     if (left.empty()) return;
-    states_ = Store(task_.out).states();
+    look_again();
     for (const Case& one : left) {
       if (has_result(one)) continue;
       if (!claims.try_lock(one.index)) {
         ++report_.elsewhere;
         continue;
       }
-      states_ = Store(task_.out).states();
+      look_again();
       if (!has_result(one) && !compute_claimed(claims, one)) return;
       claims.unlock(one.index);
+    }
+  }
+
+  /// At the results that others have written meanwhile.
+  void look_again() {
+    for (const auto& [id, state] : Store(task_.out, writer_->name()).states()) {
+      const auto [known, is_new] = states_.emplace(id, state);
+      if (!is_new) known->second = std::min(known->second, state);
     }
   }
 

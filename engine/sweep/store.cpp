@@ -135,7 +135,7 @@ std::string to_json_line(const CaseLine& line) {
   return text + fmt::format(",\"took_s\":{:.6f},\"ended_s\":{}}}\n", line.took_s, line.ended_s);
 }
 
-Store::Store(std::string folder) : folder_(std::move(folder)) {
+Store::Store(std::string folder, const std::string& without) : folder_(std::move(folder)) {
   std::error_code fault;
   const fs::path runs = fs::path(folder_) / "runs";
   const fs::file_status status = fs::status(folder_, fault);
@@ -152,6 +152,7 @@ Store::Store(std::string folder) : folder_(std::move(folder)) {
   if (fault) throw failure(fmt::format("{}: cannot be read: {}", runs.string(), fault.message()));
   std::ranges::sort(folders);
   for (const fs::path& run : folders) {
+    if (run.filename() == without) continue;
     if (std::optional<RunInfo> info = read_run(run)) runs_.push_back(std::move(*info));
   }
 }
@@ -203,6 +204,7 @@ StoreWriter::StoreWriter(const std::string& folder, RunInfo info) {
   make_folder(folder);
   make_folder(fs::path(folder) / "runs");
   const fs::path own = make_run_folder(fs::path(folder) / "runs", info);
+  name_ = own.filename();
   const std::string run = own / "run.json", lines = own / "cases.jsonl";
   outputs_ = std::make_unique<Outputs>(std::vector<Output>{{"--out", run}, {"--out", lines}});
   lines_ = std::make_unique<StreamWriter>(lines, most_waiting);

@@ -51,7 +51,8 @@ std::string to_json_line(const CaseLine& line);
 class Store {
  public:
   /// Throws failure() if it cannot be read, bad_usage if it is no folder of results.
-  explicit Store(std::string folder);
+  /// `without`: the name of a run that is left out, because this process writes it at the moment.
+  explicit Store(std::string folder, const std::string& without = {});
 
   const std::vector<RunInfo>& runs() const { return runs_; }
   /// Throws bad_usage if another version of palpa has computed any of it.
@@ -76,8 +77,11 @@ class StoreWriter {
   StoreWriter(const std::string& folder, RunInfo info);
   /// When it returns, the line is in the file. Throws failure(), such as for a full disk; the line is then absent.
   void add(const CaseLine& line);
+  /// The name of this process's run.
+  const std::string& name() const { return name_; }
 
  private:
+  std::string name_;
   std::unique_ptr<Outputs> outputs_;
   std::unique_ptr<StreamWriter> lines_;
 };
