@@ -40,9 +40,9 @@ void add_options_of_sweep(CLI::App& app, SweepCommand& o) {
   group.words("plan", o.plan, "PLAN", "TOML file of the command, its options, and which of them vary");
   group.text("--out", o.out, "DIR", "folder of the results; cases that have one there are not computed again");
   group.text("--shard", o.shard, "I/N|env",
-             "computes part I of N parts, counted from 0; env takes both from Slurm or mpirun [0/1]");
+             "computes shard I of N shards, counted from 0; env takes both from Slurm or mpirun [0/1]");
   group.flag("--claim", o.claim,
-             "instead of a part, computes whatever no other process with --claim computes in the same folder");
+             "instead of a shard, computes whatever no other process with --claim computes in the same folder");
   add_allow_outside(group, o.common);
   const setup::Group instead(app, "Instead of computing");
   instead.flag("--list", o.list, "prints the cases as CSV; with --estimate, also how long they take");
@@ -64,7 +64,7 @@ void check_sweep(const SweepCommand& o) {
     throw bad_usage(fmt::format("--gather takes all results; leave out {}", o.claim ? "--claim" : "--shard"));
   if (looks && o.claim) throw bad_usage("--claim computes cases; leave it out with --list and --estimate");
   if (o.partial && !gathers) throw bad_usage("--partial goes with --gather");
-  if (o.list && !o.estimate && !o.out.empty()) throw bad_usage("--out has no part in --list; leave it out");
+  if (o.list && !o.estimate && !o.out.empty()) throw bad_usage("--out has no effect on --list; leave it out");
   if (o.out.empty() && !looks) throw bad_usage("--out is missing: give a folder for the results");
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the cases: set seed in the plan");
   if (looks || gathers) {
@@ -193,7 +193,7 @@ std::string report_json(const sweep::SweepReport& report) {
   JsonWriter json;
   json.begin_object()
       .member("cases", report.cases)
-      .member("part", report.mine)
+      .member("shard", report.mine)
       .member("before", report.before)
       .member("done", report.done)
       .member("refused", report.refused)
@@ -211,7 +211,7 @@ std::string report_json(const sweep::SweepReport& report) {
 std::string report_text(const sweep::SweepReport& report) {
   const std::uint64_t computed = report.done + report.refused + report.failed;
   std::string text = fmt::format("{} cases", report.cases);
-  if (report.mine != report.cases) text += fmt::format(", {} in this part", report.mine);
+  if (report.mine != report.cases) text += fmt::format(", {} in this shard", report.mine);
   text += fmt::format(": {} computed in {:.2f} s", computed, report.seconds);
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count != 0) text += fmt::format(", {} {}", count, what);
@@ -259,7 +259,7 @@ void run_sweep(const SweepCommand& o) {
 void add_sweep(Program& program) {
   add_subcommand<SweepCommand>(
       program,
-      {"sweep", "many cases of touch, drive, field or simulate, in parts under any scheduler",
+      {"sweep", "many cases of touch, drive, field or simulate, in shards under any scheduler",
        "  palpa sweep plan.toml --estimate\n"
        "  palpa sweep plan.toml --out results --shard 0/4\n"
        "  palpa sweep plan.toml --out results --gather results/table.csv",

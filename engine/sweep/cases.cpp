@@ -34,18 +34,18 @@ std::vector<Case> list_cases(const Plan& plan, const Inputs& inputs, bool costs)
 
 std::vector<Case> deal(std::vector<Case> cases, const Shard& shard) {
   std::ranges::stable_sort(cases, [](const Case& a, const Case& b) { return a.cost.seconds > b.cost.seconds; });
-  // The parts by what they have so far, the least first.
+  // The shards by what they have so far, the least first.
   using Load = std::pair<double, std::uint32_t>;
   std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
   for (std::uint32_t i = 0; i < shard.count; ++i)
     loads.push({0, i});
   std::vector<double> loads_of(shard.count, 0);
-  std::vector<Case> part;
+  std::vector<Case> mine;
   for (std::size_t begin = 0, end = 0; begin < cases.size(); begin = end) {
     while (end < cases.size() && cases[end].cost.seconds == cases[begin].cost.seconds)
       ++end;
-    // Each part gets equally many of equally long cases, and the rest goes to the parts that have the least. Neighbours
-    // in the plan stay together, because they often share a model or a finger in its place.
+    // Each shard gets equally many of equally long cases, and the rest goes to the shards that have the least.
+    // Neighbours in the plan stay together, because they often share a model or a finger in its place.
     const std::size_t each = (end - begin) / shard.count, rest = (end - begin) % shard.count;
     std::vector<std::uint32_t> with_more;
     for (std::size_t i = 0; i < rest; ++i) {
@@ -59,11 +59,11 @@ std::vector<Case> deal(std::vector<Case> cases, const Shard& shard) {
     const bool more = std::ranges::binary_search(with_more, shard.index);
     const std::size_t first = begin + each * shard.index + more_before;
     for (std::size_t k = first; k < first + each + (more ? 1 : 0); ++k)
-      part.push_back(cases[k]);
+      mine.push_back(cases[k]);
     for (const std::uint32_t owner : with_more)
       loads.push({loads_of[owner] += cases[begin].cost.seconds, owner});
   }
-  return part;
+  return mine;
 }
 
 }  // namespace palpa::sweep

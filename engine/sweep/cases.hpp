@@ -24,8 +24,8 @@ struct Case {
 /// All cases in the plan's order. With `costs`, also what they cost.
 std::vector<Case> list_cases(const Plan& plan, const Inputs& inputs, bool costs);
 
-/// The cases of a part, the longest first; those that take equally long in the plan's order. Each case is in exactly
-/// one part, and all parts take about the same time.
+/// The cases of a shard, the longest first; those that take equally long in the plan's order. Each case is in exactly
+/// one shard, and all shards take about the same time.
 std::vector<Case> deal(std::vector<Case> cases, const Shard& shard);
 
 }  // namespace palpa::sweep

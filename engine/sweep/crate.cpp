@@ -157,7 +157,7 @@ class Metadata {
     const std::string device = device_id(run.device);
     graph_.push_back({{"@id", "#" + run.name},
                       {"@type", "CreateAction"},
-                      {"name", fmt::format("palpa sweep, part {}, on {}", run.part, run.host)},
+                      {"name", fmt::format("palpa sweep, shard {}, on {}", run.shard, run.host)},
                       {"description", fmt::format("{} cases in {:.3f} s, {} of them without a result", share.cases,
                                                   share.seconds, share.faults)},
                       {"instrument", Json::array({refer("#palpa"), refer(device)})},

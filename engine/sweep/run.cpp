@@ -74,7 +74,7 @@ class Sweep {
     bench_.emplace(task_.compute);
     RunInfo info{{}, version(), commit(), plan_.command, sha256(plan_.text), {}, host_name(), bench_->device_name(),
                  {}};
-    info.part = task_.claim ? "claim" : fmt::format("{}/{}", task_.shard.index, task_.shard.count);
+    info.shard = task_.claim ? "claim" : fmt::format("{}/{}", task_.shard.index, task_.shard.count);
     info.backend = task_.compute.backend == setup::Backend::cpu ? "cpu" : "gpu";
     info.started_s = seconds_now();
     writer_ = std::make_unique<StoreWriter>(task_.out, info);

@@ -1,4 +1,4 @@
-// Computes the cases of a sweep, or a part of them, into a folder of results (store.hpp). Several processes on one or
+// Computes the cases of a sweep, or a shard of them, into a folder of results (store.hpp). Several processes on one or
 // several machines may do so at the same time.
 //
 //   sweep::Plan plan = sweep::load_plan("plan.toml");
@@ -19,8 +19,8 @@ namespace palpa::sweep {
 
 struct SweepTask {
   std::string out;   ///< the folder
-  Shard shard = {};  ///< the part to compute; all of it by default
-  /// Instead of a part: computes whatever no other process with `claim` computes, until nothing is left. Needs a file
+  Shard shard = {};  ///< to compute; the whole plan by default
+  /// Instead of a shard: computes whatever no other process with `claim` computes, until nothing is left. Needs a file
   /// system with locks.
   bool claim = false;
   setup::ComputeOptions compute = {};  ///< its seed is not used: cases have their own
@@ -28,8 +28,8 @@ struct SweepTask {
 
 struct SweepReport {
   std::uint64_t cases = 0;                          ///< of the plan
-  std::uint64_t mine = 0;                           ///< of the part
-  std::uint64_t before = 0;                         ///< of the part, that had results before
+  std::uint64_t mine = 0;                           ///< of the shard
+  std::uint64_t before = 0;                         ///< of the shard, that had results before
   std::uint64_t done = 0, refused = 0, failed = 0;  ///< computed now, by their ends
   std::uint64_t elsewhere = 0;                      ///< that another process computes at the moment
   std::string first_fault;                          ///< a case that was refused or failed, and why

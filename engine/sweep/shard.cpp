@@ -78,7 +78,7 @@ Shard from_environment(const Environment& variable) {
   }
   throw bad_usage(
       "--shard env: none of SLURM_ARRAY_TASK_ID, OMPI_COMM_WORLD_RANK, PMI_RANK and SLURM_PROCID is set; without a "
-      "scheduler, give the part yourself, such as --shard 0/8");
+      "scheduler, give the shard yourself, such as --shard 0/8");
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ Shard parse_shard(const std::string& text, const Environment& variable) {
   if (text == "env") return from_environment(variable);
   const std::size_t slash = text.find('/');
   const std::string fault = fmt::format(
-      "--shard: '{}' is not a part i/n with i from 0 to n - 1, such as 0/8 to 7/8, and not env", printable(text, 40));
+      "--shard: '{}' is not a shard i/n with i from 0 to n - 1, such as 0/8 to 7/8, and not env", printable(text, 40));
   if (slash == std::string::npos) throw bad_usage(fault);
   return checked(whole(std::string_view(text).substr(0, slash)), whole(std::string_view(text).substr(slash + 1)),
                  fault);

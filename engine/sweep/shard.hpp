@@ -1,4 +1,4 @@
-// Which part of a sweep a process computes.
+// Which shard of a sweep a process computes.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace palpa::sweep {
 
-/// Part `index` of `count` parts, counted from 0.
+/// Shard `index` of `count` shards, counted from 0.
 struct Shard {
   std::uint32_t index = 0, count = 1;
   bool operator==(const Shard&) const = default;
@@ -19,7 +19,7 @@ using Environment = std::function<std::optional<std::string>(const std::string& 
 /// The process's own.
 std::optional<std::string> environment(const std::string& name);
 
-/// "2/8" is the third of eight parts. "env" takes the part from the variables of a scheduler, the first of:
+/// "2/8" is the third of eight shards. "env" takes the shard from the variables of a scheduler, the first of:
 ///   SLURM_ARRAY_TASK_ID, less SLURM_ARRAY_TASK_MIN, of SLURM_ARRAY_TASK_COUNT     a job array, with the step 1
 ///   OMPI_COMM_WORLD_RANK of OMPI_COMM_WORLD_SIZE                                   OpenMPI's mpirun
 ///   PMI_RANK of PMI_SIZE                                                           mpirun of MPICH and others

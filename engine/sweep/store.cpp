@@ -52,7 +52,7 @@ std::optional<RunInfo> read_run(const fs::path& folder) {
               text("commit"),
               text("command"),
               text("plan_sha256"),
-              text("part"),
+              text("shard"),
               text("host"),
               text("device"),
               text("backend")};
@@ -67,7 +67,7 @@ std::string to_json(const RunInfo& run) {
       .member("commit", std::string_view(run.commit))
       .member("command", std::string_view(run.command))
       .member("plan_sha256", std::string_view(run.plan_sha256))
-      .member("part", std::string_view(run.part))
+      .member("shard", std::string_view(run.shard))
       .member("host", std::string_view(run.host))
       .member("device", std::string_view(run.device))
       .member("backend", std::string_view(run.backend))
@@ -97,13 +97,14 @@ void make_folder(const fs::path& folder) {
 
 /// A new folder that no other process has: on every file system, only one of several processes creates it.
 fs::path make_run_folder(const fs::path& runs, const RunInfo& info) {
-  std::string host = info.host, part = info.part;
-  for (std::string* word : {&host, &part}) {
+  std::string host = info.host, shard = info.shard;
+  for (std::string* word : {&host, &shard}) {
     for (char& c : *word)
       c = std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
   }
   for (int k = 0; k < 10'000; ++k) {
-    const fs::path folder = runs / fmt::format("{}-{}-{}-{}-{}", part, info.started_s, host.substr(0, 60), getpid(), k);
+    const fs::path folder =
+        runs / fmt::format("{}-{}-{}-{}-{}", shard, info.started_s, host.substr(0, 60), getpid(), k);
     if (::mkdir(folder.c_str(), 0777) == 0) return folder;
     if (errno != EEXIST) {
       throw failure(fmt::format("{}: cannot be created: {}", folder.string(), std::system_category().message(errno)));

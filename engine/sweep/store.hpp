@@ -1,5 +1,5 @@
 // The folder of a sweep's results. Each process that computes cases has a folder of its own in it, runs/NAME:
-//   run.json      what computed: palpa's version, the device, the part of the plan
+//   run.json      what computed: palpa's version, the device, the shard of the plan
 //   cases.jsonl   a line for each case, complete or absent: the file grows by whole lines, and a last line without its
 //                 end counts as absent
 // Nothing is ever changed or removed, so a process that is killed loses only the case that it computes.
@@ -29,7 +29,7 @@ enum class State {
 /// What a process was, for the provenance.
 struct RunInfo {
   std::string name;  ///< of its folder
-  std::string version, commit, command, plan_sha256, part, host, device, backend;
+  std::string version, commit, command, plan_sha256, shard, host, device, backend;
   std::int64_t started_s = 0;  ///< since 1970
 };
 

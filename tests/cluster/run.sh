@@ -2,7 +2,7 @@
 # run.sh [parallel|slurm|mpirun|snakemake|claim|scaling]...: sweeps under real schedulers on this machine; all of them if none
 # is named. A scheduler that is not installed is skipped with a reason; if all are, the exit code is still 0.
 #
-#   parallel   GNU parallel with three parts
+#   parallel   GNU parallel with three shards
 #   slurm      a cluster of one node with two slots: slurmctld, slurmd and munged as ordinary programs of this user, in a
 #              scratch folder. A job array and srun; a task is killed by SIGKILL and requeued
 #   mpirun     OpenMPI with two processes
@@ -39,7 +39,7 @@ needs() { # PROGRAM PACKAGE
   return 1
 }
 
-# The plan: 60 cases of some 10 ms, and one process' table of it.
+# The plan: 60 cases of some 10 ms each, and one process' table of it.
 cat >"$work/plan.toml" <<END
 command = "field"
 [options]
@@ -85,7 +85,7 @@ with_snakemake() {
   mkdir "$work/snakemake-job"
   cp docs/examples/sweep/Snakefile "$work/snakemake-job/"
   cp "$work/plan.toml" "$work/snakemake-job/"
-  (cd "$work/snakemake-job" && snakemake --cores 2 --config parts=3 options='--backend cpu --quiet' >log 2>&1) || {
+  (cd "$work/snakemake-job" && snakemake --cores 2 --config shards=3 options='--backend cpu --quiet' >log 2>&1) || {
     tail -n 20 "$work/snakemake-job/log"
     die "snakemake failed"
   }
@@ -125,7 +125,7 @@ start_slurm() {
   dd if=/dev/urandom of="$work/slurm/munge.key" bs=128 count=1 status=none
   chmod 600 "$work/slurm/munge.key"
   munged --foreground --force --key-file="$work/slurm/munge.key" --socket="$work/slurm/munge.socket" \
-    --pid-file="$work/slurm/munge.pid" --log-file="$work/slurm/log/munge" --seed-file="$work/slurm/munge.seed" &
+    --pid-file="$work/slurm/munge.pid" --log-file="$work/slurm/log/munge" --seed-file="$work/slurm/munge.seed" >/dev/null 2>&1 &
   started+=($!)
   cat >"$work/slurm/slurm.conf" <<END
 ClusterName=palpa
@@ -133,7 +133,7 @@ SlurmctldHost=$host(127.0.0.1)
 SlurmUser=$user
 SlurmdUser=$user
 AuthType=auth/munge
-AuthInfo=socket=$work/slurm/munge.socket
+AuthInfo=socket=$work/slurm/munge.socket,cred_expire=10
 CredType=cred/munge
 StateSaveLocation=$work/slurm/state
 SlurmdSpoolDir=$work/slurm/spool
@@ -197,7 +197,7 @@ scontrol requeue "\${SLURM_ARRAY_JOB_ID}_\$SLURM_ARRAY_TASK_ID"
 sleep 60
 END
   # Longer cases, so that it is killed in the middle of them.
-  sed 's/64,64/200,200/' "$work/plan.toml" >"$work/longer.toml"
+  sed 's/64,64/120,120/' "$work/plan.toml" >"$work/longer.toml"
   mv "$work/plan.toml" "$work/short.toml"
   mv "$work/longer.toml" "$work/plan.toml"
   job=$(sbatch --parsable --requeue --array=0-1 --chdir="$work" --output="$work/requeued-%a.log" --open-mode=append "$work/requeued.sh")

@@ -95,8 +95,8 @@ TEST_F(SweepCases, PartsAreDisjointCompleteAndEqual) {
           {i, std::to_string(i), {.seconds = i < 60 ? 1.0 + static_cast<double>(i / 20) : 3 * random.uniform()}});
     std::map<std::uint64_t, int> times;
     double least = 1e9, most = 0, whole = 0;
-    for (std::uint32_t part = 0; part < count; ++part) {
-      const std::vector<Case> mine = deal(all, {part, count});
+    for (std::uint32_t shard = 0; shard < count; ++shard) {
+      const std::vector<Case> mine = deal(all, {shard, count});
       EXPECT_TRUE(std::ranges::is_sorted(mine, std::greater<>(), [](const Case& one) { return one.cost.seconds; }));
       double seconds = 0;
       for (const Case& one : mine) {
@@ -110,7 +110,7 @@ TEST_F(SweepCases, PartsAreDisjointCompleteAndEqual) {
     EXPECT_EQ(times.size(), 100u);
     for (const auto& [index, how_often] : times)
       EXPECT_EQ(how_often, 1) << index;
-    // No part takes longer than its share by more than the longest case.
+    // No shard takes longer than its share by more than the longest case.
     EXPECT_LE(most, whole / count + 4) << count;
     EXPECT_LE(most - least, 4) << count;
   }

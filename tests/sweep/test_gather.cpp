@@ -62,8 +62,8 @@ TEST_F(SweepGather, TwoAtATimeAreRefused) {
 }
 
 TEST_F(SweepGather, TheProvenanceSaysWhereResultsComeFrom) {
-  for (const char* part : {"0/2", "1/2"})
-    sweep({"--backend", "cpu", "--shard", part});
+  for (const char* shard : {"0/2", "1/2"})
+    sweep({"--backend", "cpu", "--shard", shard});
   fs::create_directory(folder_ / "crate");
   EXPECT_EQ(sweep({"--gather", folder_ / "crate/t.csv"}).out, "4 rows\n");
   const std::string csv = read_text(folder_ / "crate/t.csv");

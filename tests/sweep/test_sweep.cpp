@@ -63,9 +63,9 @@ TEST_F(SweepRuns, AnyNumberOfPartsGivesTheSameTable) {
   EXPECT_NE(whole.err.find("4 cases were refused; the first: the case layout openmpd, solver adjoint, temperature 20"),
             std::string::npos)
       << whole.err;
-  for (const int parts : {2, 7}) {
-    for (int part = parts; part-- > 0;)
-      EXPECT_EQ(compute(std::to_string(parts), {"--shard", fmt::format("{}/{}", part, parts)}).exit_code, 0);
+  for (const int shards : {2, 7}) {
+    for (int shard = shards; shard-- > 0;)
+      EXPECT_EQ(compute(std::to_string(shards), {"--shard", fmt::format("{}/{}", shard, shards)}).exit_code, 0);
   }
   const std::string csv = table("one");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 13);
@@ -214,7 +214,7 @@ TEST_F(SweepRuns, FaultsAreToldBeforeAnythingIsComputed) {
   expect_failure(sweep({}), 2, "--out is missing");
   expect_failure(palpa_here({"sweep"}), 2, "give palpa sweep a plan");
   expect_failure(palpa_here({"sweep", plan_, plan_}), 2, "one plan");
-  expect_failure(compute("out", {"--shard", "3/3"}), 2, "--shard: '3/3' is not a part");
+  expect_failure(compute("out", {"--shard", "3/3"}), 2, "--shard: '3/3' is not a shard");
   write_text(folder_ / "file", "x");
   expect_failure(compute("file"), 2, "is not a folder");
   expect_failure(compute("none/out"), 1, "none/out: cannot be created");
@@ -226,8 +226,8 @@ TEST_F(SweepRuns, ListsAndEstimates) {
   EXPECT_EQ(std::ranges::count(list.out, '\n'), 13);
   EXPECT_TRUE(list.out.starts_with("id,layout,solver,temperature\n"));
   std::multiset<char> lines;
-  for (const char* part : {"0/2", "1/2"})
-    EXPECT_EQ(std::ranges::count(sweep({"--list", "--shard", part}).out, '\n'), 7);
+  for (const char* shard : {"0/2", "1/2"})
+    EXPECT_EQ(std::ranges::count(sweep({"--list", "--shard", shard}).out, '\n'), 7);
   EXPECT_TRUE(sweep({"--list", "--estimate"}).out.starts_with("id,layout,solver,temperature,seconds,megabytes\n"));
   EXPECT_NE(sweep({"--estimate"}).out.find("12 cases: "), std::string::npos);
   compute("one");

@@ -410,7 +410,7 @@ std::vector<ReviewedLine> of_sweep(const std::string& scratch) {
                                        {{{"--claim"}, "--claim computes cases"},
                                         {{"--gather", "x.csv"}, "--gather excludes --list and --estimate"},
                                         {{"--partial"}, "--partial goes with --gather"},
-                                        {{"--out", "x"}, "--out has no part in --list"},
+                                        {{"--out", "x"}, "--out has no effect on --list"},
                                         {{"--json", "x"}, "--json: --list prints CSV"},
                                         {{"--seed", "3"}, "--seed belongs to the cases"}}}),
            .untried = "--list",
