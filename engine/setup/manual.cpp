@@ -53,9 +53,11 @@ bool takes_file(const OptionInfo& option) {
   return option.type.find("FILE") != std::string::npos || option.type.find("DIR") != std::string::npos;
 }
 
-/// The first sentence part of a help text, for shells that show one line.
+/// The beginning of a help text, for shells that show one line.
 std::string short_help(const OptionInfo& option) {
-  return option.help.substr(0, option.help.find_first_of(",;:("));
+  constexpr std::size_t most = 90;
+  const std::string text = option.help.substr(0, option.help.find(';'));
+  return text.size() <= most ? text : text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
 /// In single quotes, for a shell.
@@ -137,7 +139,7 @@ std::string zsh_option(const OptionInfo& option) {
   std::string help = short_help(option);
   for (const char* special : {"[", "]", ":"}) {
     for (std::size_t at = 0; (at = help.find(special, at)) != std::string::npos; at += 2)
-      help.insert(at, "\\");
+      help.insert(at, 1, '\\');
   }
   std::string spec = fmt::format("*{}[{}]", option.name, help);
   if (!option.flag) {
@@ -229,7 +231,8 @@ std::optional<Shell> shell_of(std::string_view word) {
 std::string man_page(const ManualCommand& command) {
   const HelpText& text = command.text;
   std::string page = heading(text.name, text.summary);
-  page += fmt::format(".SH SYNOPSIS\n.B {}\n{} [OPTION ...]\n", roff(text.name), roff(text.arguments));
+  page += fmt::format(".SH SYNOPSIS\n.B {}\n{}[OPTION ...]\n", roff(text.name),
+                      text.arguments.empty() ? "" : roff(text.arguments) + " ");
   if (!text.notes.empty()) page += ".SH DESCRIPTION\n" + roff(text.notes) + "\n";
   std::vector<std::string> headings;
   for (const OptionInfo& option : command.options) {
@@ -240,8 +243,8 @@ std::string man_page(const ManualCommand& command) {
     page += fmt::format(".SS {}\n", roff(title));
     for (const OptionInfo& option : command.options) {
       if (option.heading != title) continue;
-      page += fmt::format(".TP\n.B {}{}\n{}", roff(option.name), option.flag ? "" : " " + roff(option.type),
-                          roff(option.help));
+      page += fmt::format(".TP\n.B {}{}\n{}", roff(option.name),
+                          option.flag ? std::string() : fmt::format(" {}", roff(option.type)), roff(option.help));
       if (!option.words.empty()) page += roff(fmt::format(": {}", fmt::join(option.words, ", ")));
       if (!option.initial.empty()) page += roff(fmt::format(" [default: {}]", option.initial));
       page += "\n";

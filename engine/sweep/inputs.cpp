@@ -113,7 +113,7 @@ void Inputs::add(const Plan& plan, const Setting& setting) {
       // The ending decides how a file is read.
       std::string digest = fs::path(path).extension().string() + ":" + add_file(value, path);
       for (const auto& [name, file] : named_in(option.name, path))
-        digest += "," + add_file(name, file);
+        digest.append(",").append(add_file(name, file));
       paths_[option.name][value] = path;
       digests_[option.name][value] = std::move(digest);
     } catch (const Error& error) {

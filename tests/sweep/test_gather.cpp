@@ -14,6 +14,7 @@
 #include "cli/support/process.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "sweep/hdf5_table.hpp"
 
 namespace palpa::test {
 namespace {
@@ -22,12 +23,11 @@ namespace fs = std::filesystem;
 
 class SweepGather : public testing::Test {
  protected:
-  fs::path folder_ = scratch_folder("gather");
+  fs::path folder_ =
+      scratch_folder(std::string("gather-") + testing::UnitTest::GetInstance()->current_test_info()->name());
   fs::path plan_ = folder_ / "plan.toml";
   std::string out_ = folder_ / "out";
   void SetUp() override {
-    for (const auto& entry : fs::directory_iterator(folder_))
-      fs::remove_all(entry.path());
     const std::string layout = "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";
     write_text(folder_ / "my,layout.toml", layout);
     write_text(plan_,
@@ -118,6 +118,25 @@ TEST_F(SweepGather, IntoThePlansOwnFolder) {
   EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
   EXPECT_EQ(read_text(plan_), before);
   EXPECT_TRUE(fs::exists(folder_ / "ro-crate-metadata.json"));
+}
+
+TEST_F(SweepGather, Hdf5HasTheSameBytesForTheSameResults) {
+  sweep({"--backend", "cpu"});
+  const std::string file = folder_ / "t.h5";
+  if (!sweep::has_hdf5()) {
+    expect_failure(sweep({"--gather", file}), 2, "this palpa was built without HDF5");
+    return;
+  }
+  EXPECT_EQ(sweep({"--gather", file}).exit_code, 0);
+  const std::string bytes = read_text(file);
+  EXPECT_TRUE(bytes.starts_with("\x89HDF\r\n\x1a\n"));
+  for (const char* column : {"id", "layout", "pressure", "pressures_pa.min", "state"})
+    EXPECT_NE(bytes.find(column), std::string::npos) << column;
+  out_ = folder_ / "again";
+  for (const char* shard : {"0/2", "1/2"})
+    sweep({"--backend", "cpu", "--shard", shard});
+  EXPECT_EQ(sweep({"--gather", file}).exit_code, 0);
+  EXPECT_EQ(read_text(file), bytes);
 }
 
 }  // namespace
