@@ -64,6 +64,7 @@ gpu::DeviceOptions device_options(const ComputeOptions& options);
 /// the backend cpu.
 class UsedDevice {
  public:
+  UsedDevice() = default;  ///< none
   explicit UsedDevice(const ComputeOptions& options);
   const gpu::Device* get() const { return device_; }
 
