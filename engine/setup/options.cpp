@@ -89,6 +89,12 @@ gpu::DeviceOptions device_options(const ComputeOptions& options) {
   return device;
 }
 
+UsedDevice::UsedDevice(const ComputeOptions& options) {
+  if (options.backend == Backend::cpu) return;
+  if (!options.device) own_ = std::make_unique<gpu::Device>(device_options(options));
+  device_ = options.device ? options.device : own_.get();
+}
+
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {
   const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
   if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));

@@ -113,6 +113,37 @@ TEST(Help, ComesInTwoLengths) {
   }
 }
 
+TEST(Help, IsAlsoPagesForManAndCompletionForShells) {
+  const std::string overview = page({"help", "man"});
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const std::string script = page({"help", shell});
+    for (const std::string& command : every_command()) {
+      EXPECT_NE(script.find(as_words(command).back()), std::string::npos) << shell << " " << command;
+      for (const HelpedOption& option : options_of(command))
+        EXPECT_NE(script.find(option.name.substr(2)), std::string::npos) << shell << " " << command << option.name;
+    }
+  }
+  for (const std::string& command : every_command()) {
+    const std::string text = page(with({"help", "man"}, as_words(command)));
+    std::string name = "palpa-" + command;
+    std::ranges::replace(name, ' ', '-');
+    EXPECT_TRUE(text.starts_with(".TH " + name + " 1 ")) << text;
+    for (const HelpedOption& option : options_of(command)) {
+      std::string in_roff;
+      for (const char c : option.name)
+        in_roff += c == '-' ? std::string("\\-") : std::string(1, c);
+      EXPECT_NE(text.find("\n.B " + in_roff), std::string::npos) << command << " " << option.name;
+    }
+    for (const std::string& line : lines_of(text))
+      EXPECT_FALSE(line.starts_with("'")) << "man takes this for a request: " << line;
+    std::string listed;
+    for (const char c : name)
+      listed += c == '-' ? std::string("\\-") : std::string(1, c);
+    EXPECT_NE(overview.find(".BR " + listed + " (1)"), std::string::npos) << listed;
+  }
+  expect_failure(palpa_here({"help", "man", "tuoch"}), 2, "");
+}
+
 TEST(Help, SaysDefaults) {
   const std::string all = page({"help", "run", "all"}), shared = page({"help", "all"});
   const auto row = [](const std::string& text, const std::string& name) {

@@ -9,6 +9,7 @@
 
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
+#include "base/text.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -219,19 +220,6 @@ std::string to_json(const TouchValues& values) {
   return json.take();
 }
 
-namespace {
-
-/// A name as a CSV cell, quoted if it would otherwise be split.
-std::string cell(const std::string& name) {
-  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (const char c : name)
-    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-}  // namespace
-
 std::string to_csv(const TouchValues& values) {
   const touch::Touch& touch = values.touch;
   // A contact whose cluster was too small belongs to no finger.
@@ -244,7 +232,7 @@ std::string to_csv(const TouchValues& values) {
   for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
     const touch::Contact& c = touch.contacts[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", c.point, c.position.x, c.position.y, c.position.z,
-                   c.depth_m, finger_of[i], cell(values.solids[c.solid]));
+                   c.depth_m, finger_of[i], csv_cell(values.solids[c.solid]));
   }
   return csv;
 }

@@ -86,6 +86,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
+  write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -110,6 +111,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"study analyse", {"study", "analyse", folder_ / "study"}},
       {"study compare", {"study", "compare", "paper"}},
       {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
+      {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},
   };
