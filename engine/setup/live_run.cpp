@@ -190,7 +190,8 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";
-  return text + session::to_text(stats.output.hand_over) + "\n" + shed + pressures_summary(stats.fingers, stats.solids);
+  return text + session::to_text(stats.output.hand_over) + "\n" + shed +
+         session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

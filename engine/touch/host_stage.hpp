@@ -11,6 +11,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
 #include "shaders/touch/bridge/bridge.h"
 #include "touch/bridge/bridge_twin.hpp"
 #include "touch/contacts/prepared_solids.hpp"
@@ -59,8 +60,9 @@ class HostStage {
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
   std::uint32_t stride_ = 1;
-  std::vector<sensing::Crop> crops_;        // scratch
-  std::vector<sensing::SkinPoint> points_;  // scratch
+  std::vector<sensing::Crop> crops_;         // scratch
+  std::vector<shader::SkinVolume> volumes_;  // scratch
+  sensing::SkinOfFrame skin_;                // scratch
 };
 
 }  // namespace palpa::touch

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "sensing/surroundings.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -22,6 +23,8 @@ struct StageSetting {
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
   double memory_s = 0;
+  /// With depth frames: points on these things, and outside the room, are no skin.
+  sensing::Surroundings surroundings{};
 
   std::uint32_t memory_us() const {
     return static_cast<std::uint32_t>(std::clamp(memory_s, 0.3, longest_memory_s) * 1e6);
