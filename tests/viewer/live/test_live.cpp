@@ -71,7 +71,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(soon(*live, [&] {
     if (live->take()) touched = touched || live->snapshot().touch.finger_count > 0;
     live->take_seen();
-    return touched && bench.sounded() && !live->seen().points.empty();
+    return touched && bench.sounded() && !live->seen().skin.points.empty();
   })) << live->fault();
   EXPECT_EQ(live->state(), LiveState::running);
   EXPECT_GT(bench.woken, 0);
@@ -99,6 +99,25 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(stats->output.hand_over.behind) << "what the link knows of its device reaches the run's statistics";
   EXPECT_EQ(stats->output.hand_over.behind->completed.drives, bench.heard->sounding);
   EXPECT_EQ(stats->output.hand_over.lost(), 0u);
+}
+
+TEST(Live, PointsThatAreNoSkinAreShownApart) {
+  LiveScene scene;
+  Snapshot snapshot;
+  Seen seen;
+  seen.skin.points = {{{0, 0, 0}, 1}, {{1e-3F, 0, 0}, 2}};
+  seen.skin.leavings = {{{0, -0.15F, 0}, 3}, {{1e-3F, -0.15F, 0}, 4}, {{2e-3F, -0.15F, 0}, 5}};
+  Picture picture;
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_EQ(picture.skin_points.size(), 2U);
+  EXPECT_EQ(picture.skin_count, 2U);
+  ASSERT_EQ(picture.dropped_points.size(), 3U);
+  EXPECT_EQ(picture.dropped_points[1], glm::vec3(1e-3F, -0.15F, 0));
+  EXPECT_EQ(picture.dropped_count, 3U);
+  seen.skin.leavings.clear();
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_TRUE(picture.dropped_points.empty());
+  EXPECT_EQ(picture.dropped_count, 0U);
 }
 
 TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
