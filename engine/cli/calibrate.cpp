@@ -195,11 +195,10 @@ void add_calibrate(Program& program) {
       program,
       {"calibrate", "where the cameras are, from what they see of a printed target",
        "  palpa calibrate --target target.stl --layout openmpd\n"
-       "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml\n"
-       "  palpa calibrate --background --rig rig.toml --source v4l2:/dev/video0 --out quiet.toml",
-       "--target --rig --layout --source --out --frames --at --turn --background --nudge --link",
-       "palpa doctor --write-rig writes a rig to begin with. With --nudge, you correct the array's place by what you "
-       "feel (docs/calibration.md)."},
+       "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
+       "--target --rig --layout --source --out --frames --at --background --nudge --link",
+       "palpa doctor --write-rig writes a rig to begin with. With --background, palpa learns what is not a hand. With "
+       "--nudge, you correct the array's place by what you feel (docs/calibration.md)."},
       add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 
