@@ -107,6 +107,7 @@ std::string to_json(const ReplayStats& stats) {
       .member("silent_drives", stats.silent_drives)
       .member("slot_s", stats.slot_s)
       .member("duration_s", stats.duration_s);
+  if (stats.dropped) write_dropped(*stats.dropped, json);
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
   return json.take();
@@ -125,6 +126,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   constexpr double patience_s = 1;
   session.warm_up();
   ReplayStats stats;
+  if (drops_points(setting)) stats.dropped.emplace();
   stats.slot_s = session.link_setting().slot_s;
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);
   stats.solids = session.solid_names();
@@ -145,6 +147,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
       const touch::Touch& touch = session.touch(set.frames, time_s, player.next_slot());
       ++stats.frames;
       stats.touching += touch.finger_count > 0 ? 1 : 0;
+      if (stats.dropped) *stats.dropped += touch.dropped;
       player.tell(session.plan());
       pressures.planned(session.schedule());
       if (options.planned) options.planned(session.report());

@@ -132,6 +132,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     if (tells) options.events(s.tracker.expire());
   };
   LoopStats stats;
+  if (drops_points(s.setting)) stats.dropped.emplace();
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
   // result on all machines.
   s.planner->list_standing(link.plays_plans());

@@ -10,6 +10,8 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/reference.hpp"
+#include "base/text.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/links/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/progress.hpp"
@@ -46,6 +48,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .solids = std::move(solids),
           .cameras = std::move(cameras),
           .layout = std::move(layout),
+          .keep_boards = o.keep_boards,
           .touch = o.touch.parameters,
           .schedule = schedule,
           .drive = drive_options(o.drive, o.touch.method.method),
@@ -58,6 +61,34 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .lengthens_hold = o.hold_auto,
           .safety = o.safety};
 }
+
+namespace {
+
+/// Throws bad_input if there can be no skin near any solid, and warns of solids with a part that nobody can touch.
+void check_surroundings(const session::SessionSetting& setting, const sensing::Rig& rig) {
+  if (rig.room) {
+    const Box& room = rig.room->box;
+    Box solids;
+    const bool inside = std::ranges::any_of(setting.solids, [&](const geometry::Solid& solid) {
+      solids.add(solid.bounds.low);
+      solids.add(solid.bounds.high);
+      for (int i = 0; i < 3; ++i) {
+        if (solid.bounds.low[i] > room.high[i] || solid.bounds.high[i] < room.low[i]) return false;
+      }
+      return true;
+    });
+    if (!inside) {
+      throw bad_input(rig.room->where,
+                      fmt::format("the room contains no solid, so nothing could be touched: the solids of {} lie from "
+                                  "({:.3g}, {:.3g}, {:.3g}) to ({:.3g}, {:.3g}, {:.3g}) m",
+                                  setting.scene, solids.low.x, solids.low.y, solids.low.z, solids.high.x, solids.high.y,
+                                  solids.high.z));
+    }
+  }
+  warn_of_surroundings(session::surroundings_of(setting), setting.solids);
+}
+
+}  // namespace
 
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
   std::vector<session::SourceKind> sources = session::builtin_sources();
@@ -92,6 +123,8 @@ void add_loop_options(const Group& group, FrameOptions& o) {
                          "frames are late");
   add_safety(group, o.safety);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
+  group.flag("--keep-boards", o.keep_boards,
+             "what cameras see on the array's boards counts as skin; without this option, palpa drops it");
   group.text("--events", o.events, "-|FILE|udp:HOST:PORT",
              "writes a line of JSON when a finger touches, moves on, presses or releases (docs/files.md) [no events]");
   group.quantity("--event-move", o.event.move_m, Quantity::length, {0, 1},
@@ -162,9 +195,15 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const PosedRig rig = load_posed_rig(o.rig);
+  if (o.keep_boards && rig.layout.boards.empty()) {
+    throw bad_usage(fmt::format("--keep-boards: the array {} has no boards to keep, only single transducers",
+                                printable(rig.layout.name, 60)));
+  }
   std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
   warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout);
+  setting.surroundings = sensing::surroundings_of(rig.rig);
+  check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);
   if (o.common.backend == Backend::cpu)
     return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};

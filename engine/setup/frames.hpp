@@ -33,6 +33,7 @@ struct FrameOptions {
   bool hold_auto = false;  ///< the hold may be lengthened
   std::uint64_t frames = 0;
   bool noise_free = false;
+  bool keep_boards = false;  ///< points on the array's boards count as skin
   std::string events;
   bool watched = false;  ///< contacts and events are used, even if no events are written
   session::EventOptions event;

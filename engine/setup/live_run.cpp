@@ -199,7 +199,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
                     stats.prediction->distance_m.quantile(1) * 1e3, stats.prediction->latency_s.quantile(0.5) * 1e3);
   }
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
-         pressures_summary(stats.fingers, stats.solids);
+         session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

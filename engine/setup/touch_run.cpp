@@ -43,6 +43,7 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
                                   .solids = std::move(solids),
                                   .cameras = input.cameras,
                                   .layout = std::move(array.layout),
+                                  .keep_boards = true,  // the array of a single touch need not stand in the images
                                   .touch = touch.parameters,
                                   .schedule = schedule_options(touch, felt),
                                   .drive = array.drive,

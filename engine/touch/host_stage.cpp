@@ -1,6 +1,5 @@
 #include "touch/host_stage.hpp"
 
-#include "sensing/skin_twin.hpp"
 #include "touch/bridge/bridge_cameras.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/contacts_twin.hpp"
@@ -36,13 +35,16 @@ void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, d
   const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, crops_);
   set_stride(crops_, stride_);
-  sensing::find_skin(tables_, images, box, crops_, points_);
+  sensing::plan_drops(setting_.surroundings, box, volumes_);
+  sensing::find_skin(tables_, images, box, crops_, volumes_, skin_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
-  touch(points_, &sight, out, time_s, mark);
+  out.dropped = skin_.dropped;
+  touch(skin_.points, &sight, out, time_s, mark);
 }
 
 void HostStage::touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s, const Mark& mark) {
+  out.dropped = {};
   touch(points, nullptr, out, time_s, mark);
 }
 

@@ -12,6 +12,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
 #include "shaders/touch/bridge/bridge.h"
 #include "shaders/touch/known/known.h"
 #include "touch/bridge/bridge_twin.hpp"
@@ -64,8 +65,9 @@ class HostStage {
   std::optional<Homes> homes_;
   std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
   std::uint32_t stride_ = 1;
-  std::vector<sensing::Crop> crops_;        // scratch
-  std::vector<sensing::SkinPoint> points_;  // scratch
+  std::vector<sensing::Crop> crops_;         // scratch
+  std::vector<shader::SkinVolume> volumes_;  // scratch
+  sensing::SkinOfFrame skin_;                // scratch
 };
 
 }  // namespace palpa::touch

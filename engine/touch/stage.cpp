@@ -26,6 +26,7 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
       cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(passes.device(), tables_)),
+      limits_(sensing::upload_limits(passes.device(), tables_)),
       solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
       solids_memory_(passes.device(), solids_) {
   const gpu::Device& device = passes.device();
@@ -52,13 +53,22 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
   const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, memory.crops_);
   set_stride(memory.crops_, stride_);
+  sensing::plan_drops(setting_.surroundings, box, memory.drops_);
+  if (!memory.drops_.empty()) {
+    const std::size_t bytes = memory.drops_.size() * sizeof(shader::SkinVolume);
+    std::memcpy(memory.volumes_.data(), memory.drops_.data(), bytes);
+    memory.volumes_.record(commands, bytes);
+  }
   passes_.skin_.record(commands,
                        {.depth = memory.depth_.ref(),
                         .rays = rays_.ref(),
                         .points = memory.seen_.ref(),
-                        .total = memory.seen_total_.ref()},
+                        .total = memory.seen_total_.ref(),
+                        .volumes = memory.volumes_.ref(),
+                        .limits = limits_.ref(),
+                        .dropped = memory.dropped_.ref()},
                        memory.skin_scratch_, tables_, box, memory.crops_,
-                       ContactsPass::groups(passes_.device(), memory.room_, solids_), times);
+                       ContactsPass::groups(passes_.device(), memory.room_, solids_), times, memory.drops_.size());
   gpu::compute_to_compute(commands);
 }
 
@@ -198,6 +208,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     mark("glide");
   }
   if (setting_.detail == Detail::contacts) m.contacts_.record(commands);
+  if (cameras) m.dropped_.record(commands);
   m.header_.record(commands);
   m.fingers_.record(commands);
   m.foci_.record(commands);

@@ -98,7 +98,7 @@ class Stage {
   StageSetting setting_;
   std::vector<sensing::Camera> cameras_;
   sensing::RayTables tables_;
-  gpu::Buffer rays_;
+  gpu::Buffer rays_, limits_;
   gpu::Upload bridge_cameras_, borders_;
   PreparedSolids solids_;
   SolidsMemory solids_memory_;
@@ -135,6 +135,9 @@ class StageMemory {
   gpu::Upload depth_;           // depth frames
   gpu::Upload points_, given_;  // or points, and their total
   std::vector<sensing::Crop> crops_;
+  std::vector<shader::SkinVolume> drops_;
+  gpu::Upload volumes_;
+  gpu::Readback dropped_;
   gpu::Upload solids_;             // their poses
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, parents_, clusters_, grouped_;

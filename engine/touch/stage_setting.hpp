@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/math.hpp"
+#include "sensing/surroundings.hpp"
 #include "shaders/touch/known/known.h"
 #include "touch/types.hpp"
 
@@ -28,6 +29,8 @@ struct StageSetting {
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
   double memory_s = 0;
+  /// With depth frames: points on these things, and outside the room, are no skin.
+  sensing::Surroundings surroundings{};
 
   std::uint32_t memory_us() const {
     return static_cast<std::uint32_t>(std::clamp(memory_s, 0.3, longest_memory_s) * 1e6);

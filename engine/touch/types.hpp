@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/words.hpp"
+#include "sensing/no_skin.hpp"
 
 namespace palpa::touch {
 
@@ -126,6 +127,7 @@ struct Touch {
   /// The number of clusters of at least min_points contacts. If there are more than max_fingers, only the largest are
   /// fingers; among equally large ones, those with the smallest first contacts.
   std::uint32_t cluster_count = 0;
+  sensing::Dropped dropped;  ///< with depth frames: points near the solids that are no skin
 };
 
 }  // namespace palpa::touch

@@ -26,6 +26,7 @@ constexpr Entry entries[] = {
     {"--ceiling", "amplitude ceiling"},
     {"--ramp", "ramp", "ms"},
     {"--noise-free", "without noise"},
+    {"--keep-boards", "boards count as skin"},
     {"--events", "write events to", "", FieldKind::new_file,
      "Writes a line of JSON when a finger touches, moves on, presses or releases"},
     {"--event-move", "event's move", "mm"},

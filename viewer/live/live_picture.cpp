@@ -33,8 +33,12 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
   std::vector<geometry::Solid> named(scene.solid_names.size());
   for (std::size_t i = 0; i < named.size(); ++i)
     named[i].name = scene.solid_names[i];
-  show_touch(picture, named, seen.points, snapshot.touch);
-  picture.skin_count = seen.points.size();
+  show_touch(picture, named, seen.skin.points, snapshot.touch);
+  picture.skin_count = seen.skin.points.size();
+  picture.dropped_points.clear();
+  for (const sensing::SkinPoint& point : seen.skin.leavings)
+    picture.dropped_points.push_back(point.position);
+  picture.dropped_count = picture.dropped_points.size();
   std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::depth; });
   if (depth && !seen.images.frames.empty()) show_depth(picture, scene.cameras, seen.images.frames);
 

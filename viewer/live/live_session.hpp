@@ -19,6 +19,7 @@
 #include "base/outputs.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
 #include "viewer/live/frame_gaps.hpp"
@@ -166,6 +167,8 @@ class LiveSession {
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
   std::vector<sensing::Crop> crops_;
+  sensing::Surroundings surroundings_;
+  std::vector<shader::SkinVolume> volumes_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;

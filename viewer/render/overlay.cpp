@@ -178,6 +178,10 @@ std::vector<Entry> legend_entries(Ink& ink, const Picture& picture, const Layers
     entries.push_back({[&](const Vec2& at) { ink.swatch(at, theme.skin_rim, theme.skin_point); }, picture.skin->name});
   if (picture.skin_count > 0 && layers.shows(Layer::points))
     entries.push_back({disc(3, theme.skin_point), counted(picture.skin_count, "skin point")});
+  if (picture.dropped_count > 0 && layers.shows(Layer::points)) {
+    entries.push_back(
+        {disc(3, theme.dropped_point), fmt::format("{}, no skin", counted(picture.dropped_count, "point"))});
+  }
   std::size_t loose = 0;
   for (const ContactMark& c : picture.contacts)
     loose += c.finger ? 0 : 1;

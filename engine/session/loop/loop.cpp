@@ -251,6 +251,7 @@ bool Compute::step() {
   if (started.waited) early_start.took(report.planned_s - started.arrived_s, started.early);
   ++stats.planned;
   stats.touching += report.touch->finger_count > 0 ? 1 : 0;
+  if (stats.dropped) *stats.dropped += report.touch->dropped;
   stats.frame_to_plan_s.add(report.planned_s - report.arrived_s);
   stats.add_passes(report.passes);
   if (report.prediction) {

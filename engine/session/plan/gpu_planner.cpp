@@ -166,6 +166,7 @@ class GpuPlanner : public Planner {
       if (!setting_.live()) throw;
       flight.touch.contacts.clear();
       flight.touch.deep.clear();
+      flight.touch.dropped = {};
       flight.touch.finger_count = flight.touch.cluster_count = 0;
       if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
     }

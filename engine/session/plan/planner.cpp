@@ -37,6 +37,27 @@ PredictorSetting predictor_setting(const SessionSetting& setting, const Schedule
           .slot_s = scheduler.slot_s()};
 }
 
+std::vector<sensing::Slab> slabs_of(const array::Layout& layout) {
+  std::vector<sensing::Slab> slabs;
+  for (const array::Board& board : layout.boards)
+    slabs.push_back({sensing::NoSkin::board, board.width_m, board.height_m, board.T_layout_board});
+  return slabs;
+}
+
+sensing::Surroundings surroundings_of(const SessionSetting& setting) {
+  sensing::Surroundings all = setting.surroundings;
+  if (setting.keep_boards) return all;
+  const std::vector<sensing::Slab> boards = slabs_of(setting.layout);
+  all.slabs.insert(all.slabs.begin(), boards.begin(), boards.end());
+  return all;
+}
+
+bool drops_points(const SessionSetting& setting) {
+  const bool learned =
+      std::ranges::any_of(setting.cameras, [](const auto& camera) { return camera.background != nullptr; });
+  return !setting.cameras.empty() && (learned || !surroundings_of(setting).empty());
+}
+
 touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
   touch::StageSetting stage{.parameters = setting.touch,
                             .follow = setting.follow,
@@ -44,6 +65,7 @@ touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler
                             .smoothing = setting.smoothing,
                             .hysteresis = setting.hysteresis,
                             .memory_s = setting.hold_s};
+  if (!setting.cameras.empty()) stage.surroundings = surroundings_of(setting);
   const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
   stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;
   stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;

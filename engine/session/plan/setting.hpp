@@ -10,6 +10,7 @@
 #include "array/layout.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/predict/prediction.hpp"
@@ -23,6 +24,10 @@ struct SessionSetting {
   std::vector<geometry::Solid> solids;
   std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; otherwise as depth frames
   array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
+  /// With cameras: skin on the layout's boards counts. Otherwise, points on the boards are no skin.
+  bool keep_boards = false;
+  /// With cameras: other things that are no skin, and the room outside which nothing is.
+  sensing::Surroundings surroundings{};
   touch::Parameters touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
@@ -53,5 +58,12 @@ struct SessionSetting {
   /// Whether it has everything that run() needs.
   bool live() const { return !frame_by_frame && !cameras.empty() && !layout.transducers.empty(); }
 };
+
+/// The boards of a layout that is posed in the world.
+std::vector<sensing::Slab> slabs_of(const array::Layout& layout);
+/// Everything in the world that is no skin: the setting's surroundings and, unless it keeps them, its boards.
+sensing::Surroundings surroundings_of(const SessionSetting& setting);
+/// Whether a frame may have points that are no skin.
+bool drops_points(const SessionSetting& setting);
 
 }  // namespace palpa::session

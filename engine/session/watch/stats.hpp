@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/json_writer.hpp"
 #include "gpu/timestamps.hpp"
+#include "sensing/no_skin.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/watch/effort.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -91,15 +93,16 @@ struct PassStats {
 };
 
 struct LoopStats {
-  std::uint64_t captured = 0;    ///< frames that came from the source
-  std::uint64_t replaced = 0;    ///< of these, skipped because a newer one had come
-  std::uint64_t missing = 0;     ///< how often the source had no frame within the hold
-  std::uint64_t unrecorded = 0;  ///< frames that are not recorded, usually because they came too fast
-  std::uint64_t planned = 0;     ///< frames whose drives were made
-  std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
-  std::uint64_t touching = 0;    ///< of the planned frames, those with at least one finger
-  double seconds = 0;            ///< from the first frame to the end
-  Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
+  std::uint64_t captured = 0;               ///< frames that came from the source
+  std::uint64_t replaced = 0;               ///< of these, skipped because a newer one had come
+  std::uint64_t missing = 0;                ///< how often the source had no frame within the hold
+  std::uint64_t unrecorded = 0;             ///< frames that are not recorded, usually because they came too fast
+  std::uint64_t planned = 0;                ///< frames whose drives were made
+  std::uint64_t unplayed = 0;               ///< of these, not played because the drives of a newer one had come
+  std::uint64_t touching = 0;               ///< of the planned frames, those with at least one finger
+  std::optional<sensing::Dropped> dropped;  ///< of the planned frames, if something could be dropped
+  double seconds = 0;                       ///< from the first frame to the end
+  Samples frame_to_plan_s;                  ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;
   OutputStats output;
   std::optional<EventStats> events;
@@ -114,5 +117,10 @@ struct LoopStats {
 
 /// One JSON object, keys as in docs/files.md.
 std::string to_json(const LoopStats& stats);
+
+/// Adds "dropped": the points that were no skin, by reason.
+void write_dropped(const sensing::Dropped& dropped, JsonWriter& json);
+/// The same as a line of a summary, per frame; empty if there were none.
+std::string to_text(const std::optional<sensing::Dropped>& dropped, std::uint64_t frames);
 
 }  // namespace palpa::session

@@ -124,7 +124,7 @@ ReviewedLine of_run() {
               "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
               "--temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
               "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
-              "--predict-latency --foci --link --every-frame --record --stats"};
+              "--predict-latency --foci --link --every-frame --record --stats --keep-boards"};
 }
 
 std::vector<ReviewedLine> of_export(const std::string& scratch) {
@@ -163,10 +163,10 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                                     {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"},
                                     {{"--predict", "auto"}, "give --predict-latency"}}}),
        // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
-       // nothing of it is predicted.
+       // nothing of it is predicted. The boards are out of the cube's reach; tests of surroundings try --keep-boards.
        .untried =
            "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
-           "--predict-latency",
+           "--predict-latency --keep-boards",
        .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
                                    "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
        .effective = joined<EffectiveOption>({touched,
@@ -224,9 +224,18 @@ std::vector<ReviewedLine> of_calibrate() {
                                         {{"--temperature", "25"}, "goes with --nudge"},
                                         {{"--sound-speed", "350m/s"}, "goes with --nudge"},
                                         {{"--frequency", "41kHz"}, "goes with --nudge"}}}),
-           .untried = "--target --turn --source --frames --out --layout --rig --nudge",
+           .untried = "--target --turn --source --frames --out --layout --rig --background --nudge",
            .tried_as = {"calibrate", "--rig", rig, "--frames", "2", "--json", "OUT/found.json"},
            .effective = {{{"--noise-free"}}, {{"--at", "5mm,0,0"}}}},
+          {.line = {"calibrate", "--layout", "openmpd", "--background"},
+           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate computes on the processor"),
+                                       {{{"--at", "0,0,1mm"}, "must not be in sight of --background"},
+                                        {{"--turn", "90"}, "must not be in sight of --background"},
+                                        {{"--nudge"}, "two calibrations"},
+                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
+                                        {{"--out", "x.toml"}, "--out needs --source"}}}),
+           .tried_as = {"calibrate", "--background", "--rig", rig, "--frames", "10", "--json", "OUT/learned.json"},
+           .effective = {{{"--noise-free"}}}},
           {.line = {"calibrate", "--layout", "openmpd", "--target", "none/t.stl"},
            .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate --target uses no GPU"),
                                        {{{"--source", "synthetic"}, "--target only writes the model"},
@@ -235,6 +244,7 @@ std::vector<ReviewedLine> of_calibrate() {
                                         {{"--json", "-"}, "--target only writes the model"},
                                         {{"--out", "x.toml"}, "--target only writes the model"},
                                         {{"--nudge"}, "--target only writes the model"},
+                                        {{"--background"}, "--target only writes the model"},
                                         {{"--keys", "enter"}, "--keys goes with --nudge"},
                                         {{"--at", "0,0,1mm"}, "a printer's .stl lies as it is printed"},
                                         {{"--turn", "90"}, "a printer's .stl lies as it is printed"}}}),

@@ -72,7 +72,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(soon(*live, [&] {
     if (live->take()) touched = touched || live->snapshot().touch.finger_count > 0;
     live->take_seen();
-    return touched && bench.sounded() && !live->seen().points.empty();
+    return touched && bench.sounded() && !live->seen().skin.points.empty();
   })) << live->fault();
   EXPECT_EQ(live->state(), LiveState::running);
   EXPECT_GT(bench.woken, 0);
@@ -118,6 +118,25 @@ TEST(Live, TheLinkSoundsUntilNothingHasSoundedForAWhile) {
   link.count(true, begin + std::chrono::milliseconds(150));
   link.close();
   EXPECT_FALSE(link.sounding(begin + std::chrono::milliseconds(150))) << "the run is over";
+}
+
+TEST(Live, PointsThatAreNoSkinAreShownApart) {
+  LiveScene scene;
+  Snapshot snapshot;
+  Seen seen;
+  seen.skin.points = {{{0, 0, 0}, 1}, {{1e-3F, 0, 0}, 2}};
+  seen.skin.leavings = {{{0, -0.15F, 0}, 3}, {{1e-3F, -0.15F, 0}, 4}, {{2e-3F, -0.15F, 0}, 5}};
+  Picture picture;
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_EQ(picture.skin_points.size(), 2U);
+  EXPECT_EQ(picture.skin_count, 2U);
+  ASSERT_EQ(picture.dropped_points.size(), 3U);
+  EXPECT_EQ(picture.dropped_points[1], glm::vec3(1e-3F, -0.15F, 0));
+  EXPECT_EQ(picture.dropped_count, 3U);
+  seen.skin.leavings.clear();
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_TRUE(picture.dropped_points.empty());
+  EXPECT_EQ(picture.dropped_count, 0U);
 }
 
 TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
