@@ -72,8 +72,9 @@ class Rendering {
   std::uint64_t frames() const { return static_cast<std::uint64_t>(film_.length_s * film_.rate_hz); }
   double time_of(std::uint64_t k) const { return static_cast<double>(k) / film_.rate_hz; }
   std::span<const sensing::DepthFrame> frame(std::uint64_t k) {
-    const sensing::Posed posed{&finger_, film_.motion(time_of(k))};
-    rig_.render(std::span(&posed, 1), k, set_);
+    std::vector<sensing::Posed> posed{{&finger_, film_.motion(time_of(k))}};
+    if (film_.second) posed.push_back({&finger_, film_.second(time_of(k))});
+    rig_.render(posed, k, set_);
     return set_.frames;
   }
 

@@ -24,6 +24,7 @@ struct ChainFilm {
   double rate_hz = 90;
   sensing::Noise noise = sensing::Noise::d415;
   std::uint64_t seed = 1;
+  sensing::Motion second{};  ///< of another such finger, if there is one
 };
 
 /// The pose of a finger whose tip is there.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <span>
@@ -154,6 +155,31 @@ TEST(PredictFixed, GivesTheSameBytesAndWithoutSlotsTheMiddleOfTheCycle) {
     EXPECT_TRUE(std::ranges::equal(once[k].voices[0].foci, standing[k].voices[0].foci));
   }
   EXPECT_GT(moving, 5U);
+}
+
+TEST(PredictFingers, MoveEachByItself) {
+  ChainFilm film = test::lifting_film(0.2);  // at rest for 0.12 s, gone 25 ms later
+  const auto lifts = film.motion;
+  film.motion = [&](double t) { return glm::translate(Transform(1), Vec3(-0.025, 0, 0)) * lifts(t); };
+  film.second = [](double t) { return test::tip_at({0.025, -0.003, t < 0.05 ? 0 : 0.1 * (t - 0.05)}); };
+  std::vector<std::uint32_t> frames_with(3);
+  double fastest = 0, slowest = 1;
+  for (const array::Schedule& schedule :
+       test::schedules_of(film, 0.03, [](std::uint64_t k) { return static_cast<double>(k) / 90; })) {
+    ASSERT_LE(schedule.voice_count, 2U);
+    ++frames_with[schedule.voice_count];
+    for (const array::Voice& voice : std::span(schedule.voices).first(schedule.voice_count)) {
+      const bool lifting = voice.foci[0].x < 0;
+      fastest = std::max(fastest, lifting ? 0 : voice.velocity.z);
+      slowest = std::min(slowest, lifting ? 1 : voice.velocity.z);
+      EXPECT_LT(std::abs(lifting ? voice.velocity.z : voice.velocity.y), 0.03) << "the other finger's";
+      EXPECT_FALSE(lifting && schedule.voice_count == 1) << "it is silent, and the other goes on";
+    }
+  }
+  EXPECT_GT(frames_with[1], 10U);
+  EXPECT_GT(frames_with[2], 10U);
+  EXPECT_GT(fastest, 0.03);
+  EXPECT_GE(slowest, -1e-2);
 }
 
 /// What the loop says of its slots to a planner.
