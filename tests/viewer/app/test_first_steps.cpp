@@ -111,6 +111,18 @@ TEST_F(FirstSteps, APlyIsWhatTouches) {
   EXPECT_EQ(options().source, "mouse:" + finger);
 }
 
+TEST_F(FirstSteps, ARecordingWaitsForItsObject) {
+  begin_empty();
+  drop(recording());
+  ASSERT_TRUE(goes_round_until([&] { return says("the object that you open next"); }));
+  EXPECT_TRUE(app_->desk().empty);
+  EXPECT_EQ(went_live_, 0);
+  click("cube");
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(options().source, "recording:" + recording().string());
+  EXPECT_TRUE(goes_round_until([&] { return app_->desk().playback.has_value(); }));
+}
+
 TEST_F(FirstSteps, AnotherObjectIsFramed) {
   begin("synthetic");
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
