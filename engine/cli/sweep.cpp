@@ -85,7 +85,7 @@ std::string list_csv(const sweep::Plan& plan, const std::vector<sweep::Case>& ca
   const std::vector<std::string> varied = plan.varied();
   std::string csv = "id";
   for (const std::string& option : varied)
-    csv += "," + option.substr(2);
+    csv.append(",").append(option, 2);
   csv += costs ? ",seconds,megabytes\n" : "\n";
   for (const sweep::Case& one : cases) {
     std::vector<std::string> values(varied.size());

@@ -152,7 +152,7 @@ std::string zsh_option(const OptionInfo& option) {
       spec += "_files";
     }
   }
-  return "      " + single(spec) + " \\\n";
+  return fmt::format("      {} \\\n", single(spec));
 }
 
 std::string zsh(const std::string& program, const std::vector<ManualCommand>& commands) {
@@ -169,7 +169,7 @@ std::string zsh(const std::string& program, const std::vector<ManualCommand>& co
   for (const auto& [first, seconds] : firsts) {
     const auto command =
         std::ranges::find_if(commands, [&](const ManualCommand& one) { return words_of(one, program) == first; });
-    text += "  " + single(command == commands.end() ? first : first + ":" + command->text.summary) + "\n";
+    text += fmt::format("  {}\n", single(command == commands.end() ? first : first + ":" + command->text.summary));
   }
   text +=
       ")\nif ((CURRENT == 2)); then\n  _describe subcommand subcommands\n  return\nfi\nlocal command=$words[2]\nshift "
@@ -193,8 +193,9 @@ std::string fish(const std::string& program, const std::vector<ManualCommand>& c
   for (const auto& [first, seconds] : firsts) {
     const auto command =
         std::ranges::find_if(commands, [&](const ManualCommand& one) { return words_of(one, program) == first; });
-    text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
-                        command == commands.end() ? "" : " -d " + single(command->text.summary));
+    text +=
+        fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
+                    command == commands.end() ? std::string() : fmt::format(" -d {}", single(command->text.summary)));
     if (seconds.empty()) continue;
     text += fmt::format(
         "complete -c {0} -n '__fish_seen_subcommand_from {1}; and not __fish_seen_subcommand_from {2}' -f -a '{2}'\n",
@@ -206,7 +207,8 @@ std::string fish(const std::string& program, const std::vector<ManualCommand>& c
     for (std::string word; words >> word;)
       condition += (condition.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word);
     for (const OptionInfo& option : command.options) {
-      text += fmt::format("complete -c {}{} -l {} -d {}", program, condition.empty() ? "" : " -n " + single(condition),
+      text += fmt::format("complete -c {}{} -l {} -d {}", program,
+                          condition.empty() ? std::string() : fmt::format(" -n {}", single(condition)),
                           option.name.substr(2), single(short_help(option)));
       if (!option.words.empty()) {
         text += fmt::format(" -x -a '{}'", fmt::join(option.words, " "));
@@ -233,7 +235,7 @@ std::string man_page(const ManualCommand& command) {
   std::string page = heading(text.name, text.summary);
   page += fmt::format(".SH SYNOPSIS\n.B {}\n{}[OPTION ...]\n", roff(text.name),
                       text.arguments.empty() ? "" : roff(text.arguments) + " ");
-  if (!text.notes.empty()) page += ".SH DESCRIPTION\n" + roff(text.notes) + "\n";
+  if (!text.notes.empty()) page += fmt::format(".SH DESCRIPTION\n{}\n", roff(text.notes));
   std::vector<std::string> headings;
   for (const OptionInfo& option : command.options) {
     if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);

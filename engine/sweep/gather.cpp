@@ -119,16 +119,16 @@ Table table_of(const Plan& plan, const std::string& out) {
 std::string to_csv(const Table& table) {
   std::string csv = "id";
   for (const std::string& option : table.varied)
-    csv += "," + csv_cell(option);
+    csv.append(",").append(csv_cell(option));
   for (const std::string& path : table.paths)
-    csv += "," + csv_cell(path);
+    csv.append(",").append(csv_cell(path));
   csv += ",state\n";
   for (const Row& row : table.rows) {
     csv += row.id;
     for (const std::string& value : row.settings)
-      csv += "," + csv_cell(value);
+      csv.append(",").append(csv_cell(value));
     for (std::size_t p = 0; p < table.paths.size(); ++p)
-      csv += "," + (row.state == State::done ? cell_of(row.results[p]) : std::string());
+      csv.append(",").append(row.state == State::done ? cell_of(row.results[p]) : std::string());
     csv += row.state == State::done ? ",done\n" : row.state == State::refused ? ",refused\n" : ",failed\n";
   }
   return csv;

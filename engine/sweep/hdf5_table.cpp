@@ -48,7 +48,9 @@ class File {
     check(H5Pset_fapl_core(access_.get(), 1U << 20, false));
     check(H5Pset_libver_bounds(access_.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
     check(H5Pset_obj_track_times(plain_.get(), false));  // the same table, the same bytes
-    file_ = std::make_unique<Owned>(H5Fcreate("table", H5F_ACC_TRUNC, H5P_DEFAULT, access_.get()), H5Fclose);
+    const Owned root(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    check(H5Pset_obj_track_times(root.get(), false));
+    file_ = std::make_unique<Owned>(H5Fcreate("table", H5F_ACC_TRUNC, root.get(), access_.get()), H5Fclose);
   }
 
   void add(const std::string& name, const std::vector<double>& numbers) {

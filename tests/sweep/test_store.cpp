@@ -1,9 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
-#include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <unordered_map>
 
@@ -102,20 +99,6 @@ TEST_F(SweepStore, AFolderOfSomethingElseIsRefused) {
   test::write_text(folder_ / "thesis.tex", "x");
   EXPECT_THROW(Store{folder_}, Error);
   EXPECT_THROW(Store(folder_ / "thesis.tex"), Error);
-}
-
-TEST_F(SweepStore, AFullDiskLosesOneCase) {
-  StoreWriter writer(folder_, this_run());
-  writer.add(line_of("00000000000000000001"));
-  struct rlimit before {};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const struct rlimit small { fs::file_size(lines()) + 20, before.rlim_max };
-  setrlimit(RLIMIT_FSIZE, &small);
-  EXPECT_THROW(writer.add(line_of("00000000000000000002")), Error);
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
-  EXPECT_EQ(Store(folder_).states().size(), 1u);
 }
 
 }  // namespace

@@ -199,6 +199,21 @@ TEST_F(SweepRuns, TheDeviceIsKeptAndResultsDoNotDependOnWhatCameBefore) {
   EXPECT_EQ(line_of_3mm("many"), line_of_3mm("few"));
 }
 
+TEST_F(SweepRuns, AFullDiskLosesOneCase) {
+  // A limit of 2 KiB for each file, which is a few lines.
+  const std::string line = fmt::format("ulimit -f 2; exec '{}' sweep '{}' --out '{}' --backend cpu", palpa_binary(),
+                                       plan_.string(), out("full"));
+  const Result result = run_program("/bin/bash", {"-c", line});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("cases.jsonl: cannot be written: File too large"), std::string::npos) << result.err;
+  const std::size_t kept = sweep::Store(out("full")).states().size();
+  EXPECT_GT(kept, 1u);
+  EXPECT_LT(kept, 12u);
+  EXPECT_NE(compute("full").out.find(fmt::format("{} computed", 12 - kept)), std::string::npos);
+  EXPECT_EQ(compute("one").exit_code, 0);
+  EXPECT_EQ(table("full"), table("one"));
+}
+
 TEST_F(SweepRuns, FaultsAreToldBeforeAnythingIsComputed) {
   write_text(plan_, "command = \"touch\"\n[options]\npoints = \"none.ply\"\n[vary]\nscene = [\"none.glb\"]\n");
   expect_failure(compute("out"), 4, "plan.toml: points: ");
