@@ -20,6 +20,7 @@
 #include "module.hpp"
 #include "options.hpp"
 #include "running.hpp"
+#include "sensing/surroundings.hpp"
 #include "session_doc.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
@@ -122,10 +123,11 @@ py::object take_function(const py::kwargs& arguments, const char* name) {
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
   const setup::LiveOptions& options = o.options;
   setup::check(options.drive, o.scene->solids);
-  array::Layout layout;
-  if (!options.rig.layout.empty() || !options.rig.rig.empty()) layout = setup::load_posed_rig(options.rig).layout;
+  setup::PosedRig rig;
+  if (!options.rig.layout.empty() || !options.rig.rig.empty()) rig = setup::load_posed_rig(options.rig);
   session::SessionSetting setting =
-      setup::session_setting(options, o.scene->solids, std::move(cameras), std::move(layout));
+      setup::session_setting(options, o.scene->solids, std::move(cameras), std::move(rig.layout));
+  setting.surroundings = sensing::surroundings_of(rig.rig);
   setting.frame_by_frame = true;
   if (options.common.backend == setup::Backend::gpu)
     o.device = std::make_unique<gpu::Device>(setup::device_options(options.common));

@@ -60,7 +60,8 @@ class GpuPlanner : public Planner {
         stage_(passes_, setting.solids, setting.cameras, stage_setting(setting, scheduler)),
         timeline_(device, "frames") {
     if (setting.predict.predict != Predict::off)
-      predictor_.emplace(predictor_setting(setting, scheduler, {stage_.cameras(), stage_.rays()}, stage_.solids()));
+      predictor_.emplace(predictor_setting(
+          setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
     if (!setting.layout.transducers.empty()) {
       drive_passes_.emplace(device, setting.drive.solver);
       if (scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);

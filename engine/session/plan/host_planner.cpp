@@ -18,7 +18,8 @@ class HostPlanner : public Planner {
     if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
       loudness_.emplace(setting.layout, setting.drive);
     if (setting.predict.predict == Predict::off) return;
-    predictor_.emplace(predictor_setting(setting, scheduler, {stage_.cameras(), stage_.rays()}, stage_.solids()));
+    predictor_.emplace(predictor_setting(
+        setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
     kept_ = predictor_->make_kept();
   }
 

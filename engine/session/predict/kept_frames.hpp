@@ -7,13 +7,16 @@
 #include "base/math.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
+#include "sensing/surroundings.hpp"
 
 namespace palpa::session {
 
-/// The cameras of a session and the tables made from them; both must outlive the object that has this.
+/// The cameras of a session, the tables made from them, and what they see that is no skin; all must outlive the object
+/// that has this.
 struct CameraView {
   std::span<const sensing::Camera> cameras;
   const sensing::RayTables& tables;
+  const sensing::Surroundings* surroundings = nullptr;  ///< null: no board, no screen, no room
 };
 
 /// Images of the cameras' size, with no data (0) except in the pixels that can show a point of one of the boxes. Copies

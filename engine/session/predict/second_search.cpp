@@ -5,7 +5,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "sensing/skin_twin.hpp"
 #include "shaders/touch/follow/follow_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
@@ -83,7 +82,10 @@ std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t 
   while (stride < most_stride && pixels > enough_pixels * stride * stride)
     ++stride;
   touch::set_stride(crops_, stride);
-  sensing::find_skin(view_.tables, frames.images(), box, crops_, points_);
+  volumes_.clear();
+  if (view_.surroundings) sensing::plan_drops(*view_.surroundings, box, volumes_);
+  sensing::find_skin(view_.tables, frames.images(), box, crops_, volumes_, skin_);
+  points_ = skin_.points;
   others_.clear();
   for (std::uint32_t other = 0; other < seen.finger_count; ++other) {
     if (other != f) others_.push_back(contact_box(seen.fingers[other]));

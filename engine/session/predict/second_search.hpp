@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
 #include "session/predict/kept_frames.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
@@ -43,6 +44,8 @@ class SecondSearch {
   std::uint32_t stride_ = 1;
   // Scratch that keeps its storage.
   std::vector<sensing::Crop> crops_;
+  std::vector<shader::SkinVolume> volumes_;
+  sensing::SkinOfFrame skin_;
   std::vector<Box> others_;
   std::vector<sensing::SkinPoint> points_, moved_;
   touch::Touch before_, after_;
