@@ -55,6 +55,8 @@ set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# It has no programs. CPack would start two processes for each header to find that out.
+set(CPACK_DEBIAN_LIBPALPA-DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(long "From depth images of a hand, palpa finds the points of skin that lie just inside a 3-D model, and drives an\

@@ -259,7 +259,7 @@ void run_sweep(const SweepCommand& o) {
 void add_sweep(Program& program) {
   add_subcommand<SweepCommand>(
       program,
-      {"sweep", "many cases of touch, drive, field or simulate, in shards under any scheduler",
+      {"sweep", "many cases of touch, drive, field or simulate, in shards",
        "  palpa sweep plan.toml --out results --shard 0/4\n"
        "  palpa sweep plan.toml --out results --gather results/table.csv",
        "--out --shard --claim --list --estimate --gather --partial",

@@ -19,8 +19,7 @@
 namespace palpa::sweep {
 namespace {
 
-// Measured with `palpa sweep` and `palpa bench` on two cores of a Xeon (AVX-512) without a GPU; docs/sweeps.md compares
-// them with the times of a real sweep.
+// Measured with `palpa sweep` and `palpa bench` on two cores of a Xeon (AVX-512) without a GPU.
 constexpr double touch_s = 1e-3;         // a touch of points, with the device and its pipelines at hand
 constexpr double point_s = 0.02e-6;      // each skin point
 constexpr double image_s = 15e-3;        // each depth image
