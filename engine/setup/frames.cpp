@@ -12,6 +12,7 @@
 #include "base/reference.hpp"
 #include "session/links/sources.hpp"
 #include "setup/assets.hpp"
+#include "setup/body.hpp"
 #include "setup/progress.hpp"
 #include "setup/touch_schedule.hpp"
 #include "setup/warnings.hpp"
@@ -34,8 +35,35 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::sp
                                .rig = rig.rig.file});
 }
 
+/// The smallest finger, and the largest number of unknowns that are solved ten times a second.
+constexpr double least_finger_m = 15e-3;
+constexpr std::size_t most_finger_vertices = 3000;
+
+/// The mesh of --transfer finger.
+std::optional<session::FollowedFinger> finger_of(const FrameOptions& o) {
+  const std::string asks = asks_for_finger(o.drive);
+  if (asks.empty()) return std::nullopt;
+  session::FollowedFinger finger;
+  finger.name = o.finger.empty() ? find_asset("finger.ply") : o.finger;
+  finger.air = acoustics::without_absorption(air(o.drive.medium, {}));
+  finger.body = load_body(finger.name, finger.air, false);
+  const Box box = geometry::bounds(finger.body);
+  if (std::abs(box.low.y) > 1e-3 || box.high.y < least_finger_m || box.low.x > 0 || box.high.x < 0 || box.low.z > 0 ||
+      box.high.z < 0) {
+    throw bad_input(finger.name,
+                    fmt::format("{}: a finger's tip must be at the origin, and its body at least {:.0f} mm "
+                                "long along +y; its y goes from {:.1f} to {:.1f} mm",
+                                asks, 1e3 * least_finger_m, 1e3 * box.low.y, 1e3 * box.high.y));
+  }
+  if (finger.body.positions.size() > most_finger_vertices) {
+    throw bad_input(finger.name, fmt::format("{}: {} vertices take too long to follow a finger with; give at most {}",
+                                             asks, finger.body.positions.size(), most_finger_vertices));
+  }
+  return finger;
+}
+
 session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
-                                        const sensing::DepthSource& source, array::Layout layout) {
+                                        const sensing::DepthSource& source, array::Layout layout, FingerMesh mesh) {
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   return {.scene = o.scene,
@@ -44,7 +72,8 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .layout = std::move(layout),
           .touch = o.touch.parameters,
           .schedule = schedule,
-          .drive = drive_options(o.drive, o.touch.method.method),
+          .drive = drive_options(o.drive, o.touch.method.method, mesh),
+          .finger = finger_of(o),
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
           .smoothing = o.smoothing,
@@ -94,11 +123,18 @@ void add_loop_options(const Group& group, FrameOptions& o) {
                  "with --events: how far a finger moves before this is an event; 0 writes every frame");
 }
 
-void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
+void add_session_options(CLI::App& app, FrameOptions& o, FingerMesh mesh, const char* foci) {
   add_solid_options(app, o.solids);
   add_rig_options(app, o.rig);
   add_touch_options(app, o.touch, foci);
-  add_drive_options(app, o.drive);
+  add_drive_options(app, o.drive, mesh);
+  if (mesh == FingerMesh::known) {
+    Group(app, "Drives")
+        .text(
+            "--finger", o.finger, "FILE",
+            "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
+            "its body along +y [assets/finger.ply]");
+  }
   add_following_options(app, o);
 }
 
@@ -114,6 +150,8 @@ void add_following_options(CLI::App& app, FrameOptions& o) {
 void check(const FrameOptions& o) {
   if (o.scene.empty()) throw bad_usage("--scene is missing: give a glTF model, such as assets/cube.glb");
   check(o.touch);
+  if (!o.finger.empty() && asks_for_finger(o.drive).empty())
+    throw bad_usage("--finger goes with --transfer finger: foci are otherwise computed in free air");
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
     throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
@@ -126,7 +164,7 @@ void check(const FrameOptions& o) {
   }
 }
 
-Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
+Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced, FingerMesh mesh) {
   const Preparing preparing(o.common.quiet);
   allow_outside_references(o.common.allow_outside);  // in the viewer, the next run may differ from the last
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
@@ -134,7 +172,7 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   const PosedRig rig = load_posed_rig(o.rig);
   std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
   warn_of_reach(rig.layout, solids);
-  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout);
+  session::SessionSetting setting = session_setting(o, std::move(solids), *source, rig.layout, mesh);
   warn_of_frequency(setting.layout, setting.drive.medium);
   if (o.common.backend == Backend::cpu)
     return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};

@@ -162,7 +162,7 @@ TEST_P(SolverOn, TiltedRingsHaveTheirBestPhases) {
     EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
 }
 
-TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
+TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysOrLouderAboveABoard) {
   for (const char* name : {"openmpd", "autd3"}) {
     const Layout layout = load_layout(name);
     const auto sets = crowds({0, 0, 0.15});
@@ -170,10 +170,12 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
       const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
       for (std::size_t s = 0; s < sets.size(); ++s) {
-        EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s << " " << static_cast<int>(constraint);
-        // Evening out does not weaken the weakest: it has 1.1 times greedy's pressure in the worst of 600 sets.
-        if (constraint == Constraint::uniform) {
-          EXPECT_GE(served.weakest[s], greedy.weakest[s]) << name << " " << s;
+        // Where amplitudes are bounded, loudness comes first.
+        if (constraint == Constraint::normalise) {
+          EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s;
+        } else {
+          EXPECT_GE(served.weakest[s], 1.05 * greedy.weakest[s])
+              << name << " " << s << " " << static_cast<int>(constraint);
         }
       }
     }
