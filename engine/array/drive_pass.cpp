@@ -6,6 +6,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -144,6 +145,8 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   if (pass_foci_ >= most_foci_ && !seeking) return;
   const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
   host_drives_.assign(most, {0, Drive(batch_.transducers), {}});
+  for (HostDrive& made : host_drives_)
+    made.foci.reserve(seeking ? most_searched_foci : 0);
   host_scratch_.resize(worker_count());
   reserve(host_scratch_[0], layout_, options_, most_foci_);
   if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
@@ -205,9 +208,16 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (count > pass_foci_ || seeks(foci, count)) {
+  const bool sought = seeks(foci, count);
+  if (count > pass_foci_ || sought) {
     if (used_host_drives_ == host_drives_.size()) return false;
-    add_host_slot().foci.assign(foci.begin(), foci.end());
+    HostDrive& made = add_host_slot();
+    made.foci.clear();
+    if (sought) {
+      std::ranges::copy_if(foci, std::back_inserter(made.foci), drivable);
+    } else {
+      drive_for(layout_, foci, options_, made.drive, host_scratch_[0]);
+    }
     return true;
   }
 

@@ -143,14 +143,14 @@ std::vector<Kind> spheres() {
                           {"geodesic, 180", geometry::icosphere(radius, 3), 0.03},
                           {"geodesic, 320", geometry::icosphere(radius, 4), 0.02},
                           {"geodesic, 500", geometry::icosphere(radius, 5), 0.02},
-                          {"uneven, 500", uneven(5, 1), 0.02},
+                          {"uneven, 500", uneven(5, 1), 0.03},
                           {"globe, 880", test::sphere(radius, 16, 30), 0.02}};
   if (test::instrumented()) return test::the_first(2, kinds);
   kinds.push_back({"geodesic, 980", geometry::icosphere(radius, 7), 0.02});
-  kinds.push_back({"uneven, 980", uneven(7, 2), 0.02});
+  kinds.push_back({"uneven, 980", uneven(7, 2), 0.03});
   if (test::exhaustive()) {
     kinds.push_back({"geodesic, 2000", geometry::icosphere(radius, 10), 0.02});
-    kinds.push_back({"uneven, 2000", uneven(10, 3), 0.02});
+    kinds.push_back({"uneven, 2000", uneven(10, 3), 0.03});
     kinds.push_back({"geodesic, 4500", geometry::icosphere(radius, 15), 0.02});
   }
   return kinds;

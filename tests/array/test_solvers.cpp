@@ -109,16 +109,17 @@ Served serve(const Backend& backend, const Layout& layout, const std::vector<std
   return served;
 }
 
-TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
+TEST_P(SolverOn, FociOfAnyDistanceAreEvenOrLoudInTheTunnel) {
   const Layout layout = load_layout("paper");
   const auto sets = test::the_first(8, crowds({}));
   const Served greedy = serve(GetParam(), layout, sets, with(Solver::greedy));
   for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
     const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
     for (std::size_t s = 0; s < sets.size(); ++s) {
-      EXPECT_GE(served.evenness[s], 0.95) << s << " " << static_cast<int>(constraint);
+      // Where amplitudes are bounded, loudness comes before the evenness of foci that the array does not resolve.
+      EXPECT_GE(served.evenness[s], constraint == Constraint::normalise ? 0.95 : 0.6) << s;
       if (constraint == Constraint::uniform) {
-        EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
+        EXPECT_GE(served.weakest[s], 0.99 * greedy.weakest[s]) << s;
       }
     }
   }
