@@ -252,7 +252,7 @@ void add_export_options(CLI::App& app, ExportArguments& o) {
   setup::add_frame_options(group, o.task, "number of frames to export; 0 exports all until the source ends");
   group.text("--foci", o.task.foci, "FILE", "writes the foci of each frame, as .csv or .json");
   group.text("--drives", o.task.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
-  setup::add_session_options(app, o.task, "--foci-count");
+  setup::add_session_options(app, o.task, setup::FingerMesh::unknown, "--foci-count");
   setup::add_common(app, o.task.common);
 }
 constexpr std::initializer_list<const char*> not_exported = {"--scene", "--source", "--json", "--quiet", "--log-level"};

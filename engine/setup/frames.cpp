@@ -14,6 +14,7 @@
 #include "sensing/surroundings.hpp"
 #include "session/links/sources.hpp"
 #include "setup/assets.hpp"
+#include "setup/body.hpp"
 #include "setup/progress.hpp"
 #include "setup/session_setting.hpp"
 #include "setup/touch_schedule.hpp"
@@ -37,10 +38,38 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::sp
                                .rig = rig.rig.file});
 }
 
+/// The smallest finger, and the largest number of unknowns that are solved ten times a second.
+constexpr double least_finger_m = 15e-3;
+constexpr std::size_t most_finger_vertices = 3000;
+
+/// The mesh of --transfer finger.
+std::optional<session::FollowedFinger> finger_of(const FrameOptions& o) {
+  const std::string asks = asks_for_finger(o.drive);
+  if (asks.empty()) return std::nullopt;
+  session::FollowedFinger finger;
+  finger.name = o.finger.empty() ? find_asset("finger.ply") : o.finger;
+  finger.air = acoustics::without_absorption(air(o.drive.medium, {}));
+  finger.body = load_body(finger.name, finger.air, false);
+  const Box box = geometry::bounds(finger.body);
+  if (std::abs(box.low.y) > 1e-3 || box.high.y < least_finger_m || box.low.x > 0 || box.high.x < 0 || box.low.z > 0 ||
+      box.high.z < 0) {
+    throw bad_input(finger.name,
+                    fmt::format("{}: a finger's tip must be at the origin, and its body at least {:.0f} mm "
+                                "long along +y; its y goes from {:.1f} to {:.1f} mm",
+                                asks, 1e3 * least_finger_m, 1e3 * box.low.y, 1e3 * box.high.y));
+  }
+  if (finger.body.positions.size() > most_finger_vertices) {
+    throw bad_input(finger.name, fmt::format("{}: {} vertices take too long to follow a finger with; give at most {}",
+                                             asks, finger.body.positions.size(), most_finger_vertices));
+  }
+  return finger;
+}
+
 }  // namespace
 
 session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
-                                        std::vector<sensing::Camera> cameras, array::Layout layout) {
+                                        std::vector<sensing::Camera> cameras, array::Layout layout, FingerMesh mesh) {
+  const bool on_fingers = !asks_for_finger(o.drive).empty();
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   schedule.own_method = o.own_method;
@@ -51,12 +80,14 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .keep_boards = o.keep_boards,
           .touch = o.touch.parameters,
           .schedule = schedule,
-          .drive = drive_options(o.drive, o.touch.method.method),
+          .drive = drive_options(o.drive, o.touch.method.method, mesh),
+          .finger = finger_of(o),
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hysteresis = o.chosen_hysteresis(),
-          .predict = {o.predict.value_or(session::Predict::automatic), o.predict_latency_s},
+          .predict = {o.predict.value_or(on_fingers ? session::Predict::off : session::Predict::automatic),
+                      o.predict_latency_s},
           .hold_s = o.hold_s,
           .lengthens_hold = o.hold_auto,
           .safety = o.safety};
@@ -131,11 +162,18 @@ void add_loop_options(const Group& group, FrameOptions& o) {
                  "with --events: how far a finger moves before this is an event; 0 writes every frame");
 }
 
-void add_session_options(CLI::App& app, FrameOptions& o, const char* foci) {
+void add_session_options(CLI::App& app, FrameOptions& o, FingerMesh mesh, const char* foci) {
   add_solid_options(app, o.solids);
   add_rig_options(app, o.rig);
   add_touch_options(app, o.touch, foci);
-  add_drive_options(app, o.drive);
+  add_drive_options(app, o.drive, mesh);
+  if (mesh == FingerMesh::known) {
+    Group(app, "Drives")
+        .text(
+            "--finger", o.finger, "FILE",
+            "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
+            "its body along +y [assets/finger.ply]");
+  }
   add_following_options(app, o);
 }
 
@@ -175,6 +213,14 @@ void check(const FrameOptions& o) {
     throw bad_usage(
         "--hysteresis goes with a --finger-width above 0: like splitting and joining, it looks at the depth images");
   }
+  if (const std::string asks = asks_for_finger(o.drive);
+      !asks.empty() && (o.predict == session::Predict::automatic || o.predict_latency_s)) {
+    throw bad_usage(asks +
+                    " computes foci where the skin was seen, so they are not predicted: leave out --predict and "
+                    "--predict-latency");
+  }
+  if (!o.finger.empty() && asks_for_finger(o.drive).empty())
+    throw bad_usage("--finger goes with --transfer finger: foci are otherwise computed in free air");
   if (o.touch.spot_m && !o.touch.tune) throw bad_usage("--spot goes with --tune");
   if (o.events.empty() && !o.watched && o.event.move_m != session::EventOptions().move_m)
     throw bad_usage("--event-move goes with --events: it sets how far a finger moves before that is an event");
@@ -189,7 +235,7 @@ void check(const FrameOptions& o) {
   }
 }
 
-Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced) {
+Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced, FingerMesh mesh) {
   const Preparing preparing(o.common.quiet);
   allow_outside_references(o.common.allow_outside);  // in the viewer, the next run may differ from the last
   std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
@@ -201,7 +247,7 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   }
   std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
   warn_of_reach(rig.layout, solids);
-  session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout);
+  session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout, mesh);
   setting.surroundings = sensing::surroundings_of(rig.rig);
   check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);

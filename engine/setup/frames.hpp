@@ -28,6 +28,7 @@ struct FrameOptions {
   SolidOptions solids;
   TouchOptions touch;
   DriveOptionsGroup drive;
+  std::string finger;  ///< mesh for --transfer finger; empty: the asset
   session::Safety safety;
   double hold_s = 0.1;
   bool hold_auto = false;  ///< the hold may be lengthened
@@ -67,8 +68,9 @@ void add_loop_options(const Group& group, FrameOptions& options);
 void add_safety(const Group& group, session::Safety& safety);
 /// Adds the options for following fingers.
 void add_following_options(CLI::App& app, FrameOptions& options);
-/// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci.
-void add_session_options(CLI::App& app, FrameOptions& options, const char* foci = "--foci");
+/// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci. `mesh`:
+/// `known` for a session that runs live, which can compute foci on the fingers that touch.
+void add_session_options(CLI::App& app, FrameOptions& options, FingerMesh mesh, const char* foci = "--foci");
 /// Throws bad_usage if options are missing or unused.
 void check(const FrameOptions& options);
 
@@ -80,7 +82,9 @@ struct Prepared {
 };
 /// Loads and opens all of it, shows the progress of long steps, and warns of unusual values. `sources` are added to
 /// palpa's own and replace those of the same name. `paced`: frames in real time.
-Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced);
+/// `mesh` as in add_session_options.
+Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced,
+                 FingerMesh mesh = FingerMesh::unknown);
 /// Lines about the pressures of fingers that requested one; empty if none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
 /// Flushes the sink. After an error, that error is reported and not another one of the sink.

@@ -48,7 +48,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
   if (options.hold_auto && options.every_frame)
     throw bad_usage("--hold auto and --every-frame exclude each other: with --every-frame, no frame is late");
   if (!options.every_frame) session::go_first();  // before the device starts its threads
-  return prepare(options, sources, !options.every_frame);
+  return prepare(options, sources, !options.every_frame, FingerMesh::known);
 }
 
 }  // namespace
@@ -79,6 +79,8 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
 void check(const LiveOptions& o) {
   check(static_cast<const FrameOptions&>(o));
   if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
+  if (const std::string asks = asks_for_finger(o.drive); !asks.empty() && o.every_frame)
+    throw bad_usage(asks + " follows fingers as time allows, so --every-frame cannot have it: leave one of them out");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 

@@ -14,6 +14,7 @@ namespace palpa::setup {
 /// `layout` is posed in the world. Without cameras, the session takes skin as points. Throws bad_usage as
 /// drive_options does.
 session::SessionSetting session_setting(const FrameOptions& options, std::vector<geometry::Solid> solids,
-                                        std::vector<sensing::Camera> cameras, array::Layout layout);
+                                        std::vector<sensing::Camera> cameras, array::Layout layout,
+                                        FingerMesh mesh = FingerMesh::unknown);
 
 }  // namespace palpa::setup

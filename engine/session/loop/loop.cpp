@@ -230,12 +230,14 @@ bool Compute::start() {
   // Frames that wait for the loop have no meaningful age.
   if (options.every_frame) frame.arrived_s = frame.captured_s = clock.now();
   if (begin_s < 0) begin_s = frame.arrived_s;
-  planner.start({.images = frame.set.frames,
-                 .sequence = frame.set.sequence,
-                 .time_s = frame.set.time_s,
-                 .captured_s = frame.captured_s,
-                 .arrived_s = frame.arrived_s,
-                 .slots = options.every_frame ? nullptr : &slots});
+  const SkinFrame started{.images = frame.set.frames,
+                          .sequence = frame.set.sequence,
+                          .time_s = frame.set.time_s,
+                          .captured_s = frame.captured_s,
+                          .arrived_s = frame.arrived_s,
+                          .slots = options.every_frame ? nullptr : &slots};
+  planner.start(started);
+  if (options.started) options.started(started);
   return true;
 }
 

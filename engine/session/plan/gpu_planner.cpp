@@ -3,6 +3,8 @@
 // C++.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <chrono>
 #include <complex>
 #include <cstring>
 #include <optional>
@@ -35,6 +37,8 @@ struct Flight {
   SkinFrame frame;  // without its skin
   KeptFrames kept;
   Plan plan;
+  bool on_host = false;  ///< the plan's drives are in it
+  double on_host_ms = 0;
   FrameReport report;
 
   Flight(const gpu::Device& device, const SessionSetting& setting, const touch::Stage& stage)
@@ -53,7 +57,7 @@ struct Flight {
 
 class GpuPlanner : public Planner {
  public:
-  GpuPlanner(const gpu::Device& device, const SessionSetting& setting, Scheduler& scheduler)
+  GpuPlanner(const gpu::Device& device, const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds)
       : setting_(setting),
         scheduler_(scheduler),
         passes_(device),
@@ -65,6 +69,7 @@ class GpuPlanner : public Planner {
     if (!setting.layout.transducers.empty()) {
       drive_passes_.emplace(device, setting.drive.solver);
       if (scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
+      if (sounds) on_fingers_.emplace(setting, scheduler, *sounds);
     }
     for (std::size_t f = 0; f < (setting.live() ? 2U : 1U); ++f)
       flights_.push_back(std::make_unique<Flight>(device, setting, stage_));
@@ -181,7 +186,14 @@ class GpuPlanner : public Planner {
     scheduler_.make(touch, time_s, flight.plan.schedule);
     if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
     list_nothing(flight.plan);
+    flight.on_host = false;
     if (!flight.drive_memory) return;
+    if (on_fingers_) {
+      const auto begin = std::chrono::steady_clock::now();
+      flight.on_host = on_fingers_->make(flight.plan);
+      flight.on_host_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+      if (flight.on_host) return;
+    }
     array::DriveMemory& memory = *flight.drive_memory;
     memory.clear();
     plan_slots(flight.plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
@@ -193,7 +205,7 @@ class GpuPlanner : public Planner {
   void submit_drives(Flight& flight) {
     flight.state = Flight::State::driving;
     flight.submitted = 0;
-    if (!flight.plan.cycle.is_listed()) return;
+    if (!flight.plan.cycle.is_listed() || flight.on_host) return;
     const VkCommandBuffer commands = flight.drive_recorder.begin();
     flight.drive_times.begin(commands);
     flight.drive_memory->record(commands, *drive_passes_);
@@ -215,7 +227,7 @@ class GpuPlanner : public Planner {
     foci.clear();
     for (std::uint32_t count = 1; count <= touch::max_foci; count *= 2) {
       while (foci.size() < count)
-        foci.push_back({.position = {2e-3 * static_cast<double>(foci.size()), 0, 0}});
+        foci.push_back({.position = {30e-3 * static_cast<double>(foci.size()), 0, 0}});
       if (!memory.add_slot(foci)) break;
     }
     dispatch();
@@ -234,6 +246,10 @@ class GpuPlanner : public Planner {
     plan.cycle = flight.plan.cycle;
     plan.standing = flight.plan.standing;
     plan.drives.resize(plan.listed() * transducers);
+    if (flight.on_host) {
+      std::ranges::copy(flight.plan.drives, plan.drives.begin());
+      touch_ms_.push_back({"drives on fingers", flight.on_host_ms});
+    }
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
     for (std::uint32_t slot = 0; slot < plan.listed(); ++slot) {
@@ -251,6 +267,7 @@ class GpuPlanner : public Planner {
   std::optional<array::DrivePasses> drive_passes_;
   std::optional<array::Loudness> loudness_;
   std::optional<Predictor> predictor_;
+  std::optional<FingerDrives> on_fingers_;
   std::vector<std::unique_ptr<Flight>> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
@@ -264,8 +281,8 @@ class GpuPlanner : public Planner {
 }  // namespace
 
 std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
-                                          Scheduler& scheduler) {
-  return std::make_unique<GpuPlanner>(device, setting, scheduler);
+                                          Scheduler& scheduler, FingerSounds* sounds) {
+  return std::make_unique<GpuPlanner>(device, setting, scheduler, sounds);
 }
 
 }  // namespace palpa::session

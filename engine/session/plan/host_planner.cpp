@@ -11,12 +11,13 @@ namespace {
 
 class HostPlanner : public Planner {
  public:
-  HostPlanner(const SessionSetting& setting, Scheduler& scheduler)
+  HostPlanner(const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds)
       : setting_(setting),
         scheduler_(scheduler),
         stage_(setting.solids, setting.cameras, stage_setting(setting, scheduler)) {
     if (scheduler.needs_pressures() && !setting.layout.transducers.empty())
       loudness_.emplace(setting.layout, setting.drive);
+    if (sounds) on_fingers_.emplace(setting, scheduler, *sounds);
     if (setting.predict.predict == Predict::off) return;
     predictor_.emplace(predictor_setting(
         setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
@@ -78,7 +79,7 @@ class HostPlanner : public Planner {
   void make_drives(Plan& plan) {
     plan.drives.clear();
     list_nothing(plan);
-    if (setting_.layout.transducers.empty()) return;
+    if (setting_.layout.transducers.empty() || (on_fingers_ && on_fingers_->make(plan))) return;
     drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
   }
 
@@ -97,12 +98,13 @@ class HostPlanner : public Planner {
   array::DriveScratch drive_scratch_;
   std::optional<array::Loudness> loudness_;
   std::optional<Predictor> predictor_;
+  std::optional<FingerDrives> on_fingers_;
 };
 
 }  // namespace
 
-std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler) {
-  return std::make_unique<HostPlanner>(setting, scheduler);
+std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds) {
+  return std::make_unique<HostPlanner>(setting, scheduler, sounds);
 }
 
 }  // namespace palpa::session

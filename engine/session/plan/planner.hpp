@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "base/math.hpp"
@@ -11,6 +12,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
 #include "session/links/plan.hpp"
+#include "session/plan/finger_sounds.hpp"
 #include "session/plan/setting.hpp"
 #include "session/predict/predictor.hpp"
 #include "session/predict/slot_clock.hpp"
@@ -76,11 +78,32 @@ class Planner {
 
 /// Runs the passes on the device. For a live setting, there are two frames in flight, and a frame that exceeds its
 /// capacity is left out with a warning. Otherwise, there is one frame in flight, and exceeding its capacity is an
-/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost.
+/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost. The drives of frames
+/// with foci that `sounds`, which may be null, knows are computed on the host.
 std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
-                                          Scheduler& scheduler);
+                                          Scheduler& scheduler, FingerSounds* sounds = nullptr);
 /// The same with the passes' C++ twins.
-std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler);
+std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler,
+                                           FingerSounds* sounds = nullptr);
+
+/// Computes the drives of a frame on the host, from the sound on its fingers.
+class FingerDrives {
+ public:
+  FingerDrives(const SessionSetting& setting, const Scheduler& scheduler, FingerSounds& sounds);
+  /// Fills cycle and drives if the sound is known at some of the schedule's foci. Otherwise returns false, and changes
+  /// nothing. Slots of schedules that are not listed are not its matter: they sound as in free air.
+  bool make(Plan& plan);
+
+ private:
+  void drive_one(const array::SlotFocus& focus, std::span<array::TransducerDrive> out);
+
+  const array::Layout& layout_;
+  FingerSounds& sounds_;
+  array::DriveOptions in_free_air_, drive_;
+  SlotWork work_;
+  array::DriveScratch scratch_;
+  std::optional<array::Loudness> loudness_;
+};
 
 /// Reserves the memory that a live frame needs in a touch: any number of fingers and foci, `contacts_per_finger`
 /// contacts (a finger with more grows once), and as many deep points as a frame in flight has room for.

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/air.hpp"
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/surroundings.hpp"
@@ -18,6 +20,13 @@
 #include "touch/types.hpp"
 
 namespace palpa::session {
+
+/// The finger on which foci are computed (previews/live_fingers.hpp): tip at the origin, body along +y.
+struct FollowedFinger {
+  std::string name;     ///< its file, for messages
+  geometry::Mesh body;  ///< as acoustics::body_mesh returns it
+  acoustics::Air air;
+};
 
 struct SessionSetting {
   std::string scene = "scene";  ///< source of the solids, for messages
@@ -34,6 +43,9 @@ struct SessionSetting {
   /// The field of a focus for spectra and Tune::all, instead of the layout's field in free air. It must outlive the
   /// session.
   const acoustics::FocusField* field = nullptr;
+  /// run() computes foci from the sound on the fingers that touch, each of which is assumed to be this one. Empty: from
+  /// the free field.
+  std::optional<FollowedFinger> finger;
   /// Empty: events are not requested. Fingers are then never deeper than delta, which saves looking at the deeper skin.
   std::optional<EventOptions> events = EventOptions{};
   /// Fingers keep their ids from frame to frame, and also their axes and foci as the next two members say. False: each

@@ -128,6 +128,17 @@ std::string to_json(const LoopStats& stats) {
     json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
     json.member("fields", stats.tune->fields).end_object();
   }
+  if (stats.finger_sounds) {
+    const FingerSoundStats& own = *stats.finger_sounds;
+    json.key("transfer").begin_object().member("touching", own.touching).member("frames", own.frames);
+    json.member("answers", own.answers).member("not_found", own.not_found);
+    add_distribution(json, "took_ms", own.took_s, 1e3);
+    add_distribution(json, "age_ms", own.age_s, 1e3);
+    json.key("gain").begin_object().member("count", own.gain.count());
+    json.key("least").rounded(own.gain.quantile(0), digits).key("median").rounded(own.gain.quantile(0.5), digits);
+    json.key("most").rounded(own.gain.quantile(1), digits).end_object();
+    json.end_object();
+  }
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
   return json.take();

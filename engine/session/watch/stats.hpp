@@ -79,6 +79,17 @@ struct PredictStats {
   }
 };
 
+/// For a run whose foci are computed on the fingers.
+struct FingerSoundStats {
+  std::uint64_t touching = 0;   ///< planned frames with a finger
+  std::uint64_t frames = 0;     ///< of these, those in which the sound was known at a focus
+  std::uint64_t answers = 0;    ///< fingers whose sound was computed
+  std::uint64_t not_found = 0;  ///< fingers whose mesh did not fit the skin
+  Samples took_s;               ///< the time of each answer
+  Samples age_s;                ///< of the answer that a finger's foci used
+  Samples gain;                 ///< of each focus' pressure, over that with the drive for free air
+};
+
 /// For a run that has shed work.
 struct ShedStats {
   Effort least;              ///< the least effort of any frame
@@ -109,6 +120,7 @@ struct LoopStats {
   std::optional<TuneStats> tune;
   std::optional<ShedStats> shed;
   std::optional<PredictStats> prediction;
+  std::optional<FingerSoundStats> finger_sounds;
   std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
   std::vector<std::string> solids;      ///< the names of their solids
 

@@ -107,24 +107,26 @@ ReviewedLine of_touch() {
 }
 
 ReviewedLine of_run() {
-  return {.line = {"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "1"},
-          .idle = joined<IdleOption>(
-              {no_gpu,
-               parts,
-               {{{"--event-move", "1mm"}, "--event-move goes with --events"},
-                {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
-                {{"--spot", "4mm"}, "--spot goes with --tune"},
-                {{"--overwrite"}, "--overwrite goes with --record"},
-                {{"--predict", "off", "--predict-latency", "20ms"}, "--predict-latency goes with --predict auto"},
-                {{"--every-frame", "--predict", "auto"}, "give --predict-latency"},
-                {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
-          // A run measures itself, so that no two of them have the same results. These are tried with export.
-          .untried =
-              "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
-              "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
-              "--temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
-              "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
-              "--predict-latency --foci --link --every-frame --record --stats --keep-boards"};
+  return {
+      .line = {"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "1"},
+      .idle = joined<IdleOption>(
+          {no_gpu,
+           parts,
+           {{{"--event-move", "1mm"}, "--event-move goes with --events"},
+            {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
+            {{"--spot", "4mm"}, "--spot goes with --tune"},
+            {{"--overwrite"}, "--overwrite goes with --record"},
+            {{"--predict", "off", "--predict-latency", "20ms"}, "--predict-latency goes with --predict auto"},
+            {{"--every-frame", "--predict", "auto"}, "give --predict-latency"},
+            {{"--finger", "tip.ply"}, "--finger goes with --transfer finger"},
+            {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
+      // A run measures itself, so that no two of them have the same results. These are tried with export.
+      .untried =
+          "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
+          "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
+          "--transfer --temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
+          "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
+          "--predict-latency --foci --link --every-frame --record --stats --keep-boards"};
 }
 
 std::vector<ReviewedLine> of_export(const std::string& scratch) {
