@@ -25,10 +25,13 @@ struct Claims {
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
       const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
-      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
-      const std::uint32_t known_as = samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z})
-                                                     : known_majority(known_labels(known, finger.solid, samples));
-      of[f] = {known_as, known_nearby(known, finger.solid, samples), finger.contact_count, shader::known_never, 0, 0, 0,
+      of[f] = {known_majority(known_labels(known, finger.solid, samples)),
+               known_nearby(known, finger.solid, samples),
+               finger.contact_count,
+               shader::known_never,
+               0,
+               0,
+               0,
                0};
       const std::uint32_t k = of[f].known;
       if (k != none && (heir[k] == none || of[f].contacts > of[heir[k]].contacts)) heir[k] = f;

@@ -71,8 +71,6 @@ void main() {
   header.clusters -= header.fingers - kept;
   header.fingers = kept;
   known.count = kept;  // known_keep fills them in
-  known.reached = restart ? 0u : known.reaching;
-  known.reaching = 0u;
   known.islands = islands_now;
   for (uint k = 0u; k < known_fingers; ++k) known.doubts[k] = 0u;
   for (uint k = 0u; k < islands_now; ++k) known.island[k] = islands[k];
