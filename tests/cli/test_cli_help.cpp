@@ -35,6 +35,14 @@ std::string page(const std::vector<std::string>& line) {
   return result.out;
 }
 
+/// A page for another program, whose lines may be as long as that program takes.
+std::string page_for_a_program(const std::vector<std::string>& line) {
+  const Result result = palpa_here(line);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return result.out;
+}
+
 std::set<std::string> names_in(const std::string& text) {
   std::set<std::string> names;
   for (const HelpedOption& option : options_in(text))
@@ -114,9 +122,9 @@ TEST(Help, ComesInTwoLengths) {
 }
 
 TEST(Help, IsAlsoPagesForManAndCompletionForShells) {
-  const std::string overview = page({"help", "man"});
+  const std::string overview = page_for_a_program({"help", "man"});
   for (const char* shell : {"bash", "zsh", "fish"}) {
-    const std::string script = page({"help", shell});
+    const std::string script = page_for_a_program({"help", shell});
     for (const std::string& command : every_command()) {
       EXPECT_NE(script.find(as_words(command).back()), std::string::npos) << shell << " " << command;
       for (const HelpedOption& option : options_of(command))
@@ -124,7 +132,7 @@ TEST(Help, IsAlsoPagesForManAndCompletionForShells) {
     }
   }
   for (const std::string& command : every_command()) {
-    const std::string text = page(with({"help", "man"}, as_words(command)));
+    const std::string text = page_for_a_program(with({"help", "man"}, as_words(command)));
     std::string name = "palpa-" + command;
     std::ranges::replace(name, ' ', '-');
     EXPECT_TRUE(text.starts_with(".TH " + name + " 1 ")) << text;

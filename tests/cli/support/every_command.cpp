@@ -76,10 +76,10 @@ std::vector<HelpedOption> options_of(const std::string& command) {
 QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
   const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
-  const geometry::Mesh ball = geometry::icosphere(1e-3, 3);
+  const geometry::Mesh ball = geometry::icosphere(1e-3, 4);
   geometry::write_ply(pebble, ball.positions, ball.triangles);
   const geometry::Mesh rounded_tip =
-      transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
+      transformed(geometry::icosphere(2e-3, 4), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
   const Result recorded = palpa(with(
       {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
