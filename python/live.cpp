@@ -84,7 +84,7 @@ std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, c
   whole->values.solids.assign(finger.solid + std::size_t{1}, "");
   whole->values.fingers.resize(1);
   whole->values.schedule.add_voice();
-  const std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
+  std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
   if (foci.empty() || foci.size() > touch::max_foci)
     throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
   for (const Vec3& focus : foci) {

@@ -106,7 +106,8 @@ SkinStep find_skin_step(const CameraView& view, const KeptFrames& now, const Kep
       const Vec2 pixel = sensing::project(view.cameras[sample.camera], seen);
       if (!(pixel.x >= 0 && pixel.y >= 0)) continue;
       const Image image = image_of(view, before, sample.camera);
-      const auto there = image.at(static_cast<std::uint32_t>(pixel.x + 0.5), static_cast<std::uint32_t>(pixel.y + 0.5));
+      const auto there = image.at(static_cast<std::uint32_t>(std::floor(pixel.x + 0.5)),
+                                  static_cast<std::uint32_t>(std::floor(pixel.y + 0.5)));
       if (!there) continue;
       const Vec3 old = transform_point(image.camera.T_world_camera, *there);
       const Vec3& n = sample.normal;

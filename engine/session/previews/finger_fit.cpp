@@ -81,7 +81,7 @@ Transform standing(std::span<const Vec3> skin, const Vec3& y) {
 }  // namespace
 
 FingerFit::FingerFit(const geometry::Mesh& finger)
-    : mesh_(finger), nearest_(finger), end_m_(geometry::bounds(finger).high.y - end_margin_m) {
+    : nearest_(finger), end_m_(geometry::bounds(finger).high.y - end_margin_m) {
   for (const glm::uvec3& t : finger.triangles) {
     const Vec3& a = finger.positions[t.x];
     const Vec3 across = glm::cross(finger.positions[t.y] - a, finger.positions[t.z] - a);
@@ -174,7 +174,9 @@ std::optional<FingerPose> FingerFit::find(std::span<const Vec3> skin, const Vec3
       used[i] = used[i * used.size() / most];
     used.resize(most);
   }
-  const auto fits = [&](const FingerPose& pose) { return pose.points >= fewest && 2 * pose.points >= used.size(); };
+  const auto fits = [&](const FingerPose& pose) {
+    return pose.points >= fewest && std::size_t{2} * pose.points >= used.size();
+  };
   if (before) {
     const FingerPose pose = fit(used, *before, more_steps);
     if (fits(pose)) return pose;

@@ -45,7 +45,6 @@ class FingerFit {
   FingerPose fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const;
   void measure(std::span<const Vec3> skin, FingerPose& pose) const;
 
-  const geometry::Mesh& mesh_;
   geometry::NearestTriangle nearest_;
   std::vector<Vec3> normals_;  ///< of the faces
   double end_m_;               ///< skin beyond this y is no part of the finger
