@@ -38,7 +38,7 @@ PyObject* new_class(py::module_& m, const char* name, const char* doc, const py:
 std::string file_of(const std::string& message) {
   std::string first;
   for (std::size_t at = message.find(": "); at != std::string::npos; at = message.find(": ", at + 1)) {
-    const std::string name = message.substr(0, at);
+    std::string name = message.substr(0, at);
     std::error_code ignored;
     if (first.empty()) first = name;
     if (std::filesystem::exists(name, ignored)) return name;
@@ -87,6 +87,7 @@ void add_errors(py::module_& m) {
                                 py::make_tuple(error, py::handle(PyExc_ValueError)));
   classes.no_device = new_class(m, "NoDevice", "No usable Vulkan device; exit code 3.",
                                 py::make_tuple(error, py::handle(PyExc_RuntimeError)));
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): the type that pybind11 takes
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

@@ -167,8 +167,8 @@ std::string zsh(const std::string& program, const std::vector<ManualCommand>& co
   if (firsts.empty()) return text + arguments(commands.front());
   text += "local -a subcommands\nsubcommands=(\n";
   for (const auto& [first, seconds] : firsts) {
-    const auto command =
-        std::ranges::find_if(commands, [&](const ManualCommand& one) { return words_of(one, program) == first; });
+    const auto command = std::ranges::find_if(
+        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
     text += fmt::format("  {}\n", single(command == commands.end() ? first : first + ":" + command->text.summary));
   }
   text +=
@@ -191,8 +191,8 @@ std::string fish(const std::string& program, const std::vector<ManualCommand>& c
   std::string text = fmt::format("# Completion of {} for fish, made from its options.\n", program);
   const auto firsts = words_by_first(program, commands);
   for (const auto& [first, seconds] : firsts) {
-    const auto command =
-        std::ranges::find_if(commands, [&](const ManualCommand& one) { return words_of(one, program) == first; });
+    const auto command = std::ranges::find_if(
+        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
     text +=
         fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
                     command == commands.end() ? std::string() : fmt::format(" -d {}", single(command->text.summary)));
