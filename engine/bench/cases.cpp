@@ -101,7 +101,7 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
     const double time_s = (run + 1) / 90.0;
     const double begin = now_ms();
-    session.touch(frame.frames, time_s, 7 * (run + 1));
+    session.touch(frame.frames, time_s, std::uint64_t{7} * (run + 1));
     const double ms = now_ms() - begin;
     if (run < warm_up) continue;
     total.push_back(ms);

@@ -103,8 +103,7 @@ fs::path make_run_folder(const fs::path& runs, const RunInfo& info) {
       c = std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
   }
   for (int k = 0; k < 10'000; ++k) {
-    const fs::path folder =
-        runs / fmt::format("{}-{}-{}-{}-{}", shard, info.started_s, host.substr(0, 60), getpid(), k);
+    fs::path folder = runs / fmt::format("{}-{}-{}-{}-{}", shard, info.started_s, host.substr(0, 60), getpid(), k);
     if (::mkdir(folder.c_str(), 0777) == 0) return folder;
     if (errno != EEXIST) {
       throw failure(fmt::format("{}: cannot be created: {}", folder.string(), std::system_category().message(errno)));
@@ -201,7 +200,7 @@ void Store::each(
   }
 }
 
-StoreWriter::StoreWriter(const std::string& folder, RunInfo info) {
+StoreWriter::StoreWriter(const std::string& folder, const RunInfo& info) {
   make_folder(folder);
   make_folder(fs::path(folder) / "runs");
   const fs::path own = make_run_folder(fs::path(folder) / "runs", info);

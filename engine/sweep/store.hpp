@@ -74,7 +74,7 @@ class StoreWriter {
  public:
   /// Creates `folder` if necessary, and a folder for this process in it. `info.name` is ignored. Throws failure() if
   /// a file or folder cannot be written.
-  StoreWriter(const std::string& folder, RunInfo info);
+  StoreWriter(const std::string& folder, const RunInfo& info);
   /// When it returns, the line is in the file. Throws failure(), such as for a full disk; the line is then absent.
   void add(const CaseLine& line);
   /// The name of this process's run.
