@@ -109,6 +109,7 @@ void add_column(File& file, const std::string& name, const std::vector<std::stri
     return;
   }
   std::vector<std::string> plain;
+  plain.reserve(texts.size());
   for (const std::string& text : texts)
     plain.push_back(text == "null"          ? ""
                     : text.starts_with('"') ? nlohmann::json::parse(text).get<std::string>()

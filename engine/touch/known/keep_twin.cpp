@@ -21,7 +21,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
                         0};
     for (std::size_t s = 0; s < samples.size(); ++s) {
       const shader::Float3 inside = shader::inside_of(samples[s].position, samples[s].normal, width);
-      table.insides[f * shader::known_samples + s] = {inside.x, inside.y, inside.z, 0};
+      table.insides[std::size_t{f} * shader::known_samples + s] = {inside.x, inside.y, inside.z, 0};
     }
   }
 }
