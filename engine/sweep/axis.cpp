@@ -70,6 +70,7 @@ const setup::OptionInfo& option_of(const std::vector<setup::OptionInfo>& table, 
   const auto found = std::ranges::find(table, name, &setup::OptionInfo::name);
   if (found != table.end()) return *found;
   std::vector<std::string> keys;
+  keys.reserve(table.size());
   for (const setup::OptionInfo& option : table)
     keys.push_back(option.name.substr(2));
   const std::string nearest = setup::nearest_word(key, keys);

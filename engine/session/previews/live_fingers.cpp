@@ -246,6 +246,7 @@ LiveFingers::Answer LiveFingers::work(const Question& question, const std::atomi
     sensing::plan_crops(setting_.cameras, *rays_, box, crops);
     sensing::find_skin(*rays_, question.images, box, crops, skin);
     std::vector<Vec3> points;
+    points.reserve(skin.size());
     for (const sensing::SkinPoint& point : skin)
       points.emplace_back(point.position);
     const std::optional<FingerPose> pose = fit_->find(points, tracked.contacts, known.T_world_finger);

@@ -51,8 +51,8 @@ std::uint32_t known_majority(std::span<const std::uint32_t> labels) {
     if (label != shader::known_none) ++count[label];
   }
   const auto best = std::ranges::max_element(count);
-  return *best > 0 && 2 * *best >= labels.size() ? static_cast<std::uint32_t>(best - count.begin())
-                                                 : shader::known_none;
+  return *best > 0 && std::size_t{2} * *best >= labels.size() ? static_cast<std::uint32_t>(best - count.begin())
+                                                              : shader::known_none;
 }
 
 std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {

@@ -1,6 +1,7 @@
 // What people do with the window alone, from an empty one.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "live_app.hpp"
