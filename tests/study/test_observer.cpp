@@ -39,7 +39,7 @@ TEST(IdealObserver, EqualDistancesAreChoiceOfMany) {
     for (const double dprime : {0.3, 1.0, 2.5}) {
       const Decisions decisions = observer.decide(1 / dprime);
       EXPECT_NEAR(decisions.accuracy, correct_of_dprime(dprime, 4), 0.003) << dprime;
-      for (const double share : decisions.by_shift)
+      for (const double share : decisions.by_part)
         EXPECT_NEAR(share, decisions.accuracy, 0.02);
       double row = 0;
       for (std::size_t i = 0; i < 4; ++i)
@@ -189,7 +189,7 @@ TEST(IdealObserver, NumericalErrorOfAnAccuracy) {
                   cross = templates_of(responses, 1, reference, 0, 5);
   double accuracies[2];
   for (const std::size_t i : {0, 1}) {
-    const std::size_t points = i == 0 ? 3072 : 24576;
+    const std::size_t points = i == 0 ? 4096 : 32768;
     const Observer observer(single, points);
     accuracies[i] = Observer(cross, points).decide(sigma_for(observer, single, 0.39)).accuracy;
   }

@@ -6,11 +6,12 @@
 
 #include "base/normal.hpp"
 #include "base/parallel.hpp"
+#include "base/random.hpp"
 
 namespace palpa::study {
 namespace {
 
-/// Rows of a matrix L with L L^T = products, columns in the order of their importance.
+/// Rows of a matrix L with L L^T = products, one column per direction.
 struct Root {
   std::vector<double> rows;  // [template * rank + column]
   std::size_t rank = 0;
@@ -33,26 +34,24 @@ std::vector<double> centred(const Templates& templates) {
   return products;
 }
 
-/// Cholesky's decomposition of the centred products with pivots; stops at 1e-10 of the largest product, the rounding of
-/// their sums.
+/// Cholesky's decomposition of the centred products, in the order of the templates: the same draws then mean much the
+/// same for every method, and a part of their errors cancels. A template that lies among earlier ones to 1e-10, the
+/// rounding of the sums, adds no direction.
 Root root_of(const Templates& templates) {
   const std::size_t n = templates.size();
   std::vector<double> rest = centred(templates);
   std::vector<std::vector<double>> columns;
-  double first = 0;
-  while (columns.size() < n) {
-    std::size_t pivot = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (rest[i * n + i] > rest[pivot * n + pivot]) pivot = i;
-    }
-    const double largest = rest[pivot * n + pivot];
-    if (columns.empty()) first = largest;
-    if (!(largest > 1e-10 * first)) break;
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    largest = std::max(largest, rest[i * n + i]);
+  for (std::size_t pivot = 0; pivot < n; ++pivot) {
+    const double left = rest[pivot * n + pivot];
+    if (!(left > 1e-10 * largest)) continue;
     std::vector<double> column(n);
-    for (std::size_t i = 0; i < n; ++i)
-      column[i] = rest[i * n + pivot] / std::sqrt(largest);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = pivot; i < n; ++i)
+      column[i] = rest[i * n + pivot] / std::sqrt(left);
+    for (std::size_t i = pivot; i < n; ++i) {
+      for (std::size_t j = pivot; j < n; ++j)
         rest[i * n + j] -= column[i] * column[j];
     }
     columns.push_back(std::move(column));
@@ -63,34 +62,6 @@ Root root_of(const Templates& templates) {
       root.rows[i * root.rank + c] = columns[c][i];
   }
   return root;
-}
-
-std::vector<double> roots_of_primes(std::size_t count) {
-  std::vector<double> roots;
-  for (unsigned candidate = 2; roots.size() < count; ++candidate) {
-    bool prime = true;
-    for (unsigned d = 2; d * d <= candidate; ++d)
-      prime = prime && candidate % d != 0;
-    if (prime) roots.push_back(std::sqrt(static_cast<double>(candidate)));
-  }
-  return roots;
-}
-
-/// The normal quantile of 0 < p < 1 from a table, within 2e-4 for 0.001 < p < 0.999: enough for noise, and much quicker
-/// than normal_quantile().
-double quick_quantile(double p) {
-  constexpr std::size_t steps = 16384;
-  static const std::vector<double> table = [] {
-    std::vector<double> values;
-    for (std::size_t i = 0; i <= steps; ++i) {
-      const double at = static_cast<double>(i) / steps;
-      values.push_back(normal_quantile(std::clamp(at, 0.25 / steps, 1 - 0.25 / steps)));
-    }
-    return values;
-  }();
-  const double at = p * steps;
-  const std::size_t i = std::min(static_cast<std::size_t>(at), steps - 1);
-  return table[i] + (at - static_cast<double>(i)) * (table[i + 1] - table[i]);
 }
 
 /// e^x for x <= 0, within 1e-6 of it; exactly the same on every processor.
@@ -111,22 +82,17 @@ inline float exponential(float x) {
 Observer::Observer(const Templates& templates, std::size_t points)
     : templates_(templates),
       points_(std::max<std::size_t>(points / templates.placements, 1)),
-      noise_(templates.placements * noise_shifts * points_ * 2 * templates.size()) {
+      noise_(templates.placements * noise_parts * points_ * 2 * templates.size()) {
   const Root root = root_of(templates);
-  const std::vector<double> steps = roots_of_primes(root.rank * 2);
   const std::size_t all = templates.size();
   parallel_chunks(templates.placements, 1, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<double> normal(root.rank);
     for (std::size_t place = begin; place < end; ++place) {
-      for (std::size_t draw = 0; draw < noise_shifts * points_; ++draw) {
-        const std::size_t stream = place * noise_shifts + draw / points_;
-        for (std::size_t c = 0; c < root.rank; ++c) {
-          // The streams' shifts are multiples of the roots of further primes.
-          const double at = static_cast<double>(draw % points_ + 1) * steps[c] +
-                            static_cast<double>(stream + 1) * steps[root.rank + c];
-          normal[c] = quick_quantile(at - std::floor(at));
-        }
-        float* const out = &noise_[(place * noise_shifts * points_ + draw) * 2 * all];
+      Random random(Random(place).next());
+      for (std::size_t draw = 0; draw < noise_parts * points_; ++draw) {
+        for (double& value : normal)
+          value = random.normal();
+        float* const out = &noise_[(place * noise_parts * points_ + draw) * 2 * all];
         for (std::size_t t = 0; t < all; ++t) {
           const double* const row = root.rows.data() + t * root.rank;
           double sum = 0;
@@ -143,10 +109,10 @@ Observer::Observer(const Templates& templates, std::size_t points)
 Decisions Observer::decide(double sigma) const {
   const std::size_t all = templates_.size(), shapes = templates_.shapes, nodes = templates_.nodes();
   const std::size_t per_shape = templates_.placements * nodes;
-  const std::size_t draws = noise_shifts * points_ * 2;
+  const std::size_t draws = noise_parts * points_ * 2;
   const auto inverse = static_cast<float>(1 / sigma);
-  // Per true template: the answers in each shift.
-  std::vector<std::vector<double>> answers(all, std::vector<double>(noise_shifts * shapes));
+  // Per true template: the answers in each part.
+  std::vector<std::vector<double>> answers(all, std::vector<double>(noise_parts * shapes));
   parallel_chunks(all, 1, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<float> base(all), score(all);
     for (std::size_t truth = begin; truth < end; ++truth) {
@@ -187,14 +153,14 @@ Decisions Observer::decide(double sigma) const {
     const std::size_t shape = truth / per_shape;
     const double weight =
         templates_.node_weights[truth % nodes] / static_cast<double>(templates_.placements * points_ * 2);
-    for (std::size_t shift = 0; shift < noise_shifts; ++shift) {
+    for (std::size_t part = 0; part < noise_parts; ++part) {
       for (std::size_t answer = 0; answer < shapes; ++answer)
-        out.shares[shape * shapes + answer] += weight * answers[truth][shift * shapes + answer] / noise_shifts;
-      out.by_shift[shift] += weight * answers[truth][shift * shapes + shape] / static_cast<double>(shapes);
+        out.shares[shape * shapes + answer] += weight * answers[truth][part * shapes + answer] / noise_parts;
+      out.by_part[part] += weight * answers[truth][part * shapes + shape] / static_cast<double>(shapes);
     }
   }
-  for (const double share : out.by_shift)
-    out.accuracy += share / noise_shifts;
+  for (const double share : out.by_part)
+    out.accuracy += share / noise_parts;
   return out;
 }
 

@@ -9,8 +9,8 @@
 //   factor that all templates share
 //
 // Only the products n.t matter: they are normally distributed with the templates' scalar products as covariance. They
-// are drawn as a shifted lattice in the directions of this covariance, each point with its mirror image. The draws are
-// the same for every sigma and every shape, and independent for each placement.
+// are drawn at random, each with its mirror image. The draws are the same for every sigma and every shape, and
+// independent for each placement.
 #pragma once
 
 #include <array>
@@ -22,19 +22,19 @@
 
 namespace palpa::study {
 
-/// Independent shifts of the lattice: their scatter tells the numerical error.
-inline constexpr std::size_t noise_shifts = 8;
+/// Independent parts of the draws: their scatter tells the numerical error.
+inline constexpr std::size_t noise_parts = 8;
 
 struct Decisions {
   std::vector<double> shares;  ///< by rows: of the answers to each shape
   double accuracy = 0;
-  std::array<double, noise_shifts> by_shift{};  ///< the accuracy of each shift
+  std::array<double, noise_parts> by_part{};  ///< the accuracy of each part
 };
 
 class Observer {
  public:
-  /// `templates` must outlive it. `points`: pairs of draws per shift, divided among the placements.
-  explicit Observer(const Templates& templates, std::size_t points = 3072);
+  /// `templates` must outlive it. `points`: pairs of draws in each part, divided among the placements.
+  explicit Observer(const Templates& templates, std::size_t points = 4096);
 
   Decisions decide(double sigma) const;
 

@@ -22,15 +22,15 @@ double slope(const Interval& of, const Interval& over) {
   return over.high > over.low ? (of.high - of.low) / (over.high - over.low) : 1;
 }
 
-/// The scatter of the accuracies of independent shifts. A shift with a higher accuracy of the fitted method would have
+/// The scatter of the accuracies of independent parts. A part with a higher accuracy of the fitted method would have
 /// got more noise, so its other accuracies are lowered along the slope.
 double error_of(const Decisions& decisions, const Decisions& fitted, double slope) {
   double square = 0;
-  for (std::size_t i = 0; i < noise_shifts; ++i) {
-    const double apart = decisions.by_shift[i] - decisions.accuracy - slope * (fitted.by_shift[i] - fitted.accuracy);
+  for (std::size_t i = 0; i < noise_parts; ++i) {
+    const double apart = decisions.by_part[i] - decisions.accuracy - slope * (fitted.by_part[i] - fitted.accuracy);
     square += apart * apart;
   }
-  return std::sqrt(square / (noise_shifts - 1) / noise_shifts);
+  return std::sqrt(square / (noise_parts - 1) / noise_parts);
 }
 
 PredictedVariant predict_variant(const Responses& responses, const PredictedStudy& study, const Interval& interval,
