@@ -28,8 +28,8 @@ void reserve(touch::Touch& touch) {
 PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
                                    const touch::PreparedSolids& solids) {
   const array::Voice voice = scheduler.common_voice();
-  const auto steps = static_cast<double>(voice.order.size() / voice.foci_per_slot);
-  const double cycle = std::round(steps * voice.dwell_s / scheduler.slot_s());
+  const std::size_t steps = voice.order.size() / voice.foci_per_slot;
+  const double cycle = std::round(static_cast<double>(steps) * voice.dwell_s / scheduler.slot_s());
   return {.options = setting.predict,
           .view = view,
           .solids = solids,
