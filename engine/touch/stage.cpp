@@ -185,6 +185,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     gpu::compute_to_compute(commands);
     if (knows) {
       passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters);
+      gpu::compute_to_compute(commands);  // the foci's kernels write into the fingers that it reads
       mark("keep");
     }
   }
