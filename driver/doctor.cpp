@@ -65,13 +65,15 @@ static_assert(!udev_reads("/opt/palpa/lib/udev/rules.d/70-palpa.rules"));
 
 /// What to do about missing permission.
 std::string no_permission() {
-  constexpr std::string_view rules = PALPA_UDEV_RULES;
+  // Installed programs find them from their own place, wherever that is.
   std::error_code ignored;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const std::string rules = program.parent_path().parent_path() / PALPA_UDEV_RULES_DIR "/70-palpa.rules";
   const bool there = std::filesystem::exists(rules, ignored);
-  const std::string copy = there && udev_reads(rules)
-                               ? std::string()
-                               : fmt::format("copy {} to /etc/udev/rules.d, ",
-                                             there ? std::string(rules) : "driver/70-palpa.rules of palpa's sources");
+  const std::string copy =
+      there && udev_reads(rules)
+          ? std::string()
+          : fmt::format("copy {} to /etc/udev/rules.d, ", there ? rules : "driver/70-palpa.rules of palpa's sources");
   return fmt::format(
       "no permission: as root, {}run udevadm control --reload, then plug the device in again; if you work over ssh, "
       "join the group plugdev",

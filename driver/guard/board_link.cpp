@@ -64,6 +64,8 @@ class BoardLink final : public session::Link {
     if (!listen() || !there || hangs(committed.unread)) end_without_guard();
   }
 
+  bool plays_plans() const override { return plays_plans_; }
+
   void finish() override {
     if (!guard_) return;
     guard_->hang_up();

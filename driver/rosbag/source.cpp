@@ -202,10 +202,17 @@ class BagSource final : public sensing::DepthSource {
     if (posed->width == camera.width && posed->height == camera.height) {
       camera.roi = posed->roi;
       camera.mask = posed->mask;
-    } else if (posed->roi || posed->mask) {
-      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, but the rig's roi and mask are for {}x{}: leave "
-                                               "them out of the rig, or make new ones",
+      camera.background = posed->background;
+    } else if (posed->roi || posed->mask || posed->background) {
+      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, but the rig's roi, mask and background are for "
+                                               "{}x{}: leave them out of the rig, or make new ones",
                                                camera.width, camera.height, posed->width, posed->height));
+    }
+    if (camera.background && std::abs(posed->depth_unit_m / camera.depth_unit_m - 1) > 1e-6) {
+      throw bad_input(bag_.file(),
+                      fmt::format("has depths in steps of {:g} m, but the rig's background has steps of {:g} "
+                                  "m: set depth_unit_m in the rig and learn the background again",
+                                  camera.depth_unit_m, posed->depth_unit_m));
     }
   }
 

@@ -1,26 +1,9 @@
-// The two functions that waves need for several floats at a time (base/lanes.hpp).
+// Sine and cosine of several floats at a time (base/lanes.hpp).
 #pragma once
-
-#include <cstring>
 
 #include "base/lanes.hpp"
 
 namespace palpa::acoustics {
-
-/// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, then three Newton steps.
-template <class L>
-[[gnu::always_inline]] inline typename L::Float inverse_root(const typename L::Float& x) {
-  typename L::Bits bits;
-  std::memcpy(&bits, &x, sizeof(bits));
-  bits = 0x5f3759df - (bits >> 1);
-  typename L::Float y;
-  std::memcpy(&y, &bits, sizeof(y));
-  const typename L::Float half = x * 0.5F;
-  y = y * (1.5F - half * y * y);
-  y = y * (1.5F - half * y * y);
-  y = y * (1.5F - half * y * y);
-  return y;
-}
 
 /// Sine and cosine of 2 pi `turns`, |turns| below 1e6, within 4e-7 of the exact values for the float `turns`.
 template <class L>

@@ -1,45 +1,15 @@
 #include "array/climb.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 
-#include "array/greedy.hpp"
 #include "array/hearing.hpp"
 
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// Products are written out, because those of std::complex check for infinities.
-void listen(const Columns& columns, std::span<const Complex> does, std::span<Complex> pressure) {
-  const std::size_t foci = columns.foci;
-  std::array<double, most_solved_foci> re{}, im{};
-  for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const double x = does[n].real(), y = does[n].imag();
-    for (std::size_t j = 0; j < foci; ++j) {
-      const std::size_t entry = n * foci + j;
-      re[j] += columns.loud[entry] * (x * columns.cosine[entry] - y * columns.sine[entry]);
-      im[j] += columns.loud[entry] * (x * columns.sine[entry] + y * columns.cosine[entry]);
-    }
-  }
-  for (std::size_t j = 0; j < foci; ++j)
-    pressure[j] = {re[j], im[j]};
-}
-
-/// sum over j of pull_j G_jn.
-Complex pulled(const Columns& columns, std::size_t n, std::span<const Complex> pull) {
-  double re = 0, im = 0;
-  for (std::size_t j = 0; j < columns.foci; ++j) {
-    const std::size_t entry = n * columns.foci + j;
-    const double x = columns.loud[entry] * columns.cosine[entry], y = columns.loud[entry] * columns.sine[entry];
-    re += pull[j].real() * x - pull[j].imag() * y;
-    im += pull[j].real() * y + pull[j].imag() * x;
-  }
-  return {re, im};
-}
 
 double weakest_of(std::span<const double> loud, std::span<const std::uint8_t> counts) {
   double least = -1;
@@ -66,7 +36,9 @@ class Climb {
       : columns_(columns), targets_(targets), effort_(effort), shares_(shares), does_(does), s_(scratch) {}
 
   double run() {
-    listen(columns_, does_, s_.pressure);
+    take_lanes(columns_, s_.columns);
+    take_lanes(does_, s_.does);
+    hear_lanes(s_.columns, s_.does, s_.pressure);
     find_loudness(s_.pressure, s_.loud);
     begin_shares();
     if (std::ranges::none_of(s_.counts, [](std::uint8_t counts) { return counts != 0; })) return 0;
@@ -75,6 +47,7 @@ class Climb {
     rise(0, effort_.steps);
     double weakest = weakest_of(s_.loud, s_.counts);
     if (effort_.lowerings > 0) lower(weakest);
+    give_back(s_.does, does_);
     return weakest;
   }
 
@@ -101,11 +74,6 @@ class Climb {
     }
   }
 
-  /// D_n without the drive: what `stiff_pull` gives, and the part that all transducers have.
-  double stiffness_of(std::size_t n) const {
-    return magnitude(pulled(columns_, n, s_.stiff_pull)) * magnitude(does_[n]) + soft_;
-  }
-
   /// K, from the pressure as it is.
   void find_growth() {
     const std::size_t foci = columns_.foci;
@@ -118,47 +86,20 @@ class Climb {
       const double heard = magnitude(s_.pressure[j]);
       s_.turn[j] = s_.counts[j] && heard > 0 ? std::conj(s_.pressure[j]) / (heard * targets_[j]) : 0;
     }
-    std::ranges::fill(s_.growth, 0);
-    const std::size_t used = std::min<std::size_t>(effort_.transducers, columns_.transducers);
-    const std::size_t stride = greedy_stride(static_cast<std::uint32_t>(columns_.transducers));
-    const double each = static_cast<double>(columns_.transducers) / static_cast<double>(used);
-    for (std::size_t i = 0, n = 0; i < used; ++i, n = (n + stride) % columns_.transducers) {
-      const double x = does_[n].real(), y = does_[n].imag();
-      for (std::size_t j = 0; j < foci; ++j) {
-        const std::size_t entry = n * foci + j;
-        const double re = columns_.loud[entry] * (x * columns_.cosine[entry] - y * columns_.sine[entry]);
-        const double im = columns_.loud[entry] * (x * columns_.sine[entry] + y * columns_.cosine[entry]);
-        s_.slopes[j] = -(s_.turn[j].real() * im + s_.turn[j].imag() * re);
-      }
-      const double by = each / stiffness_of(n);
-      for (std::size_t j = 0; j < foci; ++j) {
-        const double part = by * s_.slopes[j];
-        for (std::size_t k = 0; k <= j; ++k)
-          s_.growth[j * foci + k] += part * s_.slopes[k];
-      }
-    }
-    for (std::size_t j = 0; j < foci; ++j) {
-      for (std::size_t k = 0; k < j; ++k)
-        s_.growth[k * foci + j] = s_.growth[j * foci + k];
-    }
+    const std::size_t used = std::max<std::size_t>(effort_.transducers / lanes_together, 1);
+    array::find_growth(s_.columns, s_.does, s_.turn, {s_.stiff_pull, soft_},
+                       std::max<std::size_t>(s_.columns.blocks / used, 1), s_.growth);
   }
 
   /// Fills the tried drives, their pressure and their loudness.
   void try_shares(double stiffness) {
     find_pull(s_.tried_shares, s_.pull);
-    for (std::size_t n = 0; n < columns_.transducers; ++n) {
-      const double x = does_[n].real(), y = does_[n].imag();
-      const Complex pull = pulled(columns_, n, s_.pull);
-      const double by = std::clamp(-(pull.real() * y + pull.imag() * x) / (stiffness * stiffness_of(n)),
-                                   -climb_most_turn, climb_most_turn);
-      const double cosine = std::cos(by), sine = std::sin(by);
-      s_.tried[n] = {x * cosine - y * sine, x * sine + y * cosine};
-    }
-    listen(columns_, s_.tried, s_.tried_pressure);
+    turn_lanes(s_.columns, s_.does, s_.pull, {s_.stiff_pull, soft_}, stiffness, climb_most_turn, s_.tried,
+               s_.tried_pressure);
     find_loudness(s_.tried_pressure, s_.tried_loud);
   }
   void keep() {
-    std::ranges::copy(s_.tried, does_.begin());
+    std::swap(s_.does, s_.tried);
     std::swap(s_.pressure, s_.tried_pressure);
     std::swap(s_.loud, s_.tried_loud);
   }
@@ -222,7 +163,7 @@ class Climb {
       try_shares(1);
       const double then = weakest_of(s_.tried_loud, s_.counts);
       const double uneven_then = unevenness(s_.tried_loud, s_.counts, level);
-      fresh = then >= climb_keep * level && uneven_then < uneven;
+      fresh = then >= effort_.keep * level && uneven_then < uneven;
       if (!fresh) {
         aim /= climb_stiffer;
         continue;
@@ -246,12 +187,17 @@ class Climb {
 }  // namespace
 
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
-  scratch.tried.reserve(transducers);
+  for (std::vector<float>* values : {&scratch.columns.re, &scratch.columns.im})
+    values->reserve((transducers + lanes_together) * foci);
+  for (LaneDrives* drives : {&scratch.does, &scratch.tried}) {
+    drives->re.reserve(transducers + lanes_together);
+    drives->im.reserve(transducers + lanes_together);
+  }
   for (std::vector<Complex>* values :
        {&scratch.pressure, &scratch.tried_pressure, &scratch.pull, &scratch.stiff_pull, &scratch.turn})
     values->reserve(foci);
   for (std::vector<double>* values : {&scratch.loud, &scratch.tried_loud, &scratch.tried_shares, &scratch.change,
-                                      &scratch.slopes, &scratch.step.ones, &scratch.step.rest})
+                                      &scratch.step.ones, &scratch.step.rest})
     values->reserve(foci);
   for (std::vector<double>* values : {&scratch.growth, &scratch.step.normal})
     values->reserve(foci * foci);
@@ -264,12 +210,10 @@ double climb(const Columns& columns, std::span<const double> targets, const Clim
   const std::size_t foci = columns.foci;
   assert(targets.size() == foci && shares.size() == foci && does.size() == columns.transducers);
   if (columns.transducers == 0) return 0;
-  scratch.tried.resize(does.size());
   for (std::vector<Complex>* values :
        {&scratch.pressure, &scratch.tried_pressure, &scratch.pull, &scratch.stiff_pull, &scratch.turn})
     values->resize(foci);
-  for (std::vector<double>* values :
-       {&scratch.loud, &scratch.tried_loud, &scratch.tried_shares, &scratch.change, &scratch.slopes})
+  for (std::vector<double>* values : {&scratch.loud, &scratch.tried_loud, &scratch.tried_shares, &scratch.change})
     values->resize(foci);
   scratch.growth.resize(foci * foci);
   scratch.counts.resize(foci);

@@ -10,8 +10,9 @@
 // One step turns each transducer by -Im(h_n) / (stiffness D_n) with the shares that raise the common level most. With
 // D_n = |h_n| and stiffness 1 this is Newton's step for fixed phases of the foci, and nearly that of Gerchberg and
 // Saxton. But a transducer whose h_n is almost 0 turns no farther than the others help. K comes from transducers spread
-// over the array, which suffices, because its error is the same part of K in every direction. A step is kept if its
-// goal became louder; otherwise the step is made stiffer and tried again.
+// over the array, which suffices, because its error is the same part of K in every direction. The passes over the
+// transducers are in single precision. A step is kept if its goal became louder; otherwise the step is made stiffer and
+// tried again.
 //
 // The goal is the weakest focus. But from far away, it leads into small local optima. Two stages therefore come first,
 // whose goal is a soft minimum, and then a harder one, with B = climb_sharpness and m the mean of r at the beginning:
@@ -21,7 +22,7 @@
 // In their steps, shares are spread by m / B times the number of foci.
 //
 // Foci that are louder than the common level get no share, and nothing lowers them. They are lowered afterwards,
-// towards the weakest (K z = the differences), as long as the weakest keeps climb_keep of its loudness. If the array
+// towards the weakest (K z = the differences), as long as the weakest keeps a given part of its loudness. If the array
 // does not resolve the foci, the weakest may need the others to be louder, and they stay.
 #pragma once
 
@@ -30,6 +31,7 @@
 #include <span>
 #include <vector>
 
+#include "array/climb_lanes.hpp"
 #include "array/share_step.hpp"
 #include "array/transfer.hpp"
 
@@ -42,8 +44,7 @@ inline constexpr double climb_most_stiffness = 60;
 inline constexpr double climb_softer = 0.5;   ///< factor of the stiffness after a step that helped
 inline constexpr double climb_stiffer = 3;    ///< factor after one that did not
 inline constexpr double climb_most_turn = 1;  ///< rad, of a transducer in one step
-inline constexpr double climb_keep = 0.996;
-inline constexpr double climb_even = 0.003;  ///< stops lowering once no focus is louder by more
+inline constexpr double climb_even = 0.003;   ///< stops lowering once no focus is louder by more
 inline constexpr double climb_least_aim =
     0.05;  ///< stops lowering if steps of this part of the differences do not help
 
@@ -51,15 +52,17 @@ struct ClimbEffort {
   std::uint32_t soft_steps = 0;   ///< maximum number of steps of each soft stage, including those not kept
   std::uint32_t steps = 0;        ///< maximum number of steps up after them, including those not kept
   std::uint32_t lowerings = 0;    ///< maximum number of steps that lower, including those not kept
-  std::uint32_t transducers = 0;  ///< maximum number of transducers for K
+  std::uint32_t transducers = 0;  ///< about so many transducers are used for K
   double enough = 1e-3;           ///< ends a stage once a step raises its goal by a smaller part
+  double keep = 0.996;            ///< the part of its loudness that the weakest keeps while others are lowered
 };
 
 /// Keeps its storage from call to call.
 struct ClimbScratch {
-  std::vector<std::complex<double>> tried;  ///< one per transducer
+  LaneColumns columns;
+  LaneDrives does, tried;
   std::vector<std::complex<double>> pressure, tried_pressure, pull, stiff_pull, turn;
-  std::vector<double> growth, loud, tried_loud, tried_shares, change, slopes;
+  std::vector<double> growth, loud, tried_loud, tried_shares, change;
   std::vector<std::uint8_t> counts;
   ShareScratch step;
 };

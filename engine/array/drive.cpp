@@ -324,6 +324,8 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
   for (std::vector<double>* values : {&turning.rest, &turning.miss, &turning.tried_miss})
     values->reserve(few);
   scratch.gs_pat.shares.reserve(few);
+  for (std::vector<double>* values : {&scratch.gs_pat.near.re, &scratch.gs_pat.near.im})
+    values->reserve(square);
   reserve(scratch.gs_pat.search, transducers, few);
   reserve(scratch.gs_pat.climb, transducers, few);
   for (EvenScratch* even : {&scratch.gs_pat.even, &pressures.gs_pat.even, &pressures.even}) {

@@ -6,11 +6,13 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/drive_focus.comp.hpp"
 #include "spirv/drive_sum.comp.hpp"
@@ -139,11 +141,35 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
 
 void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
-  const bool seeking = seeks(2);
+  const bool seeking = may_seek();
   if (pass_foci_ >= most_foci_ && !seeking) return;
   const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
-  host_drives_.assign(most, {0, Drive(batch_.transducers)});
-  reserve(host_scratch_, layout_, options_, most_foci_);
+  host_drives_.assign(most, {0, Drive(batch_.transducers), {}});
+  for (HostDrive& made : host_drives_)
+    made.foci.reserve(seeking ? most_searched_foci : 0);
+  host_scratch_.resize(worker_count());
+  reserve(host_scratch_[0], layout_, options_, most_foci_);
+  if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
+}
+
+bool DriveMemory::may_seek() const {
+  const bool weighs = options_.solver == Solver::gs_pat || options_.solver == Solver::loudest;
+  return weighs && effort_for(care_of(options_.solver), options_.constraint, 2, [] { return true; });
+}
+
+/// The same decision as gs_pat's.
+bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
+  if (!may_seek()) return false;
+  return effort_for(care_of(options_.solver), options_.constraint, count, [&] {
+           ears_field_.set(ears_, options_.medium, options_.directivity);
+           ears_sources_.clear();
+           for (const SlotFocus& focus : foci) {
+             if (drivable(focus))
+               ears_sources_.push_back({focus.position, reach_.farthest(focus.position), gain_of(focus)});
+           }
+           ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
+           return are_near(ears_columns_, ears_matrix_);
+         }) != nullptr;
 }
 
 void DriveMemory::clear() {
@@ -155,12 +181,26 @@ void DriveMemory::clear() {
   used_host_drives_ = 0;
 }
 
-std::span<TransducerDrive> DriveMemory::add_host_slot() {
+DriveMemory::HostDrive& DriveMemory::add_host_slot() {
   HostDrive& made = host_drives_[used_host_drives_++];
   made.slot = batch_.slots;
   slots_.as<shader::DriveSlot>()[batch_.slots++] = {used_foci_, 0, 0, shader::drive_unsolved};
   batch_.single = true;
-  return made.drive;
+  return made;
+}
+
+/// Each thread has its share of the slots, one after the other. A single slot needs no other thread.
+void DriveMemory::drive_on_host() {
+  if (used_host_drives_ == 0) return;
+  const std::size_t share = chunk_count(used_host_drives_, host_scratch_.size());
+  const auto work = [&](std::size_t thread, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      HostDrive& made = host_drives_[i];
+      if (!made.foci.empty()) drive_for(layout_, made.foci, options_, made.drive, host_scratch_[thread]);
+    }
+  };
+  if (used_host_drives_ == 1) return work(0, 0, 1);
+  parallel_chunks(used_host_drives_, share, work);
 }
 
 bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
@@ -168,9 +208,16 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (count > pass_foci_ || seeks(count)) {
+  const bool sought = seeks(foci, count);
+  if (count > pass_foci_ || sought) {
     if (used_host_drives_ == host_drives_.size()) return false;
-    drive_for(layout_, foci, options_, add_host_slot(), host_scratch_);
+    HostDrive& made = add_host_slot();
+    made.foci.clear();
+    if (sought) {
+      std::ranges::copy_if(foci, std::back_inserter(made.foci), drivable);
+    } else {
+      drive_for(layout_, foci, options_, made.drive, host_scratch_[0]);
+    }
     return true;
   }
 
@@ -204,7 +251,9 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
   if (count > pass_foci_) {
-    drive_by_factors(layout_, foci, factors, options_, add_host_slot(), host_scratch_);
+    HostDrive& made = add_host_slot();
+    made.foci.clear();
+    drive_by_factors(layout_, foci, factors, options_, made.drive, host_scratch_[0]);
     return true;
   }
   shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
@@ -232,6 +281,7 @@ void DriveMemory::add_focus(const SlotFocus& focus, float gain) {
 }
 
 void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
+  drive_on_host();
   // The previous batch wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   if (!layout_sent_) {

@@ -81,8 +81,8 @@ class DriveMemory {
   /// Starts a new batch.
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
-  /// device that ends long loops, drives of more than most_pass_foci() foci are computed here by the twin, and on every
-  /// device those whose phases the solver `loudest` seeks.
+  /// device that ends long loops, drives of more than most_pass_foci() foci are computed by the twin in record(), and
+  /// on every device those whose phases are sought (effort_for in gs_pat.hpp).
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.
@@ -101,6 +101,7 @@ class DriveMemory {
   struct HostDrive {
     std::uint32_t slot = 0;
     Drive drive;
+    std::vector<SlotFocus> foci;  ///< of drives that are still to be made
   };
 
   Layout layout_;
@@ -123,14 +124,21 @@ class DriveMemory {
   std::size_t pass_foci_ = 0;           ///< slots with more foci are computed on the host
   std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device; room for all slots of a batch
   std::size_t used_host_drives_ = 0;
-  DriveScratch host_scratch_;
+  std::vector<DriveScratch> host_scratch_;  ///< one per thread
+  // Transducers that judge whether foci are near each other.
+  Layout ears_;
+  FreeField ears_field_;
+  std::vector<FocusSource> ears_sources_;
+  Columns ears_columns_;
+  FocusMatrix ears_matrix_;
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
-  bool seeks(std::size_t foci) const {
-    return foci > 1 && seeks_loudest(care_of(options_.solver), options_.constraint, foci);
-  }
-  std::span<TransducerDrive> add_host_slot();
+  /// Whether the solver seeks the phases of such slots, if foci are near each other.
+  bool may_seek() const;
+  bool seeks(std::span<const SlotFocus> foci, std::size_t count);
+  HostDrive& add_host_slot();
+  void drive_on_host();
   void add_focus(const SlotFocus& focus, float gain);
 };
 

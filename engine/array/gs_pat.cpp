@@ -47,7 +47,7 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
       if (gs_pat_step(scratch.pressure, scratch.targets, {level, 0}, scratch.factors) < gs_pat_still) break;
     }
   }
-  if (constraint != Constraint::normalise && !scratch.searched) {
+  if (constraint != Constraint::normalise && !scratch.effort) {
     double sum = 0;
     for (const double gain : gains)
       sum += gain;
@@ -132,6 +132,16 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
   return moved;
 }
 
+bool are_near(const Columns& part, FocusMatrix& scratch) {
+  multiply(part, scratch);
+  for (std::size_t j = 0; j < part.foci; ++j) {
+    for (std::size_t k = 0; k < j; ++k) {
+      if (heard_part(scratch, j, k) >= gs_pat_near) return true;
+    }
+  }
+  return false;
+}
+
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
             Care care, std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
@@ -140,13 +150,22 @@ void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const d
     values->resize(foci);
   scratch.targets.resize(foci);
   find_claims(matrix, scratch.claims);
-  scratch.searched = seeks_loudest(care, constraint, foci);
-  const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
-  solve(matrix, columns, gains, constraint, weights, scratch);
-  if (!scratch.searched) return;
+  scratch.effort = effort_for(care, constraint, foci, [&] {
+    take_part(columns, gs_pat_ears, scratch.search.part);
+    return are_near(scratch.search.part, scratch.near);
+  });
+  if (scratch.effort && care == Care::usual) {
+    gs_pat_start(matrix, columns, 0, scratch.claims, scratch.factors);
+  } else {
+    const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
+    solve(matrix, columns, gains, constraint, weights, scratch);
+    if (!scratch.effort) return;
+    for (std::size_t j = 0; j < foci; ++j)
+      scratch.factors[j] = weights[j].plain;
+  }
+  search_phases(matrix, columns, scratch.claims, *scratch.effort, scratch.factors, scratch.search);
   for (std::size_t j = 0; j < foci; ++j)
-    scratch.factors[j] = weights[j].plain;
-  search_phases(matrix, columns, scratch.claims, loudest_search, scratch.factors, scratch.search);
+    weights[j].plain = scratch.factors[j];
   find_targets(matrix, gains, scratch);
   scratch.shares.resize(foci);
   for (std::size_t j = 0; j < foci; ++j) {
@@ -159,11 +178,11 @@ void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const d
 }
 
 void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<Complex> sums, GsPatScratch& scratch) {
-  if (constraint == Constraint::normalise || (columns.foci > gs_pat_few && !scratch.searched)) return;
+  if (constraint == Constraint::normalise || (columns.foci > gs_pat_few && !scratch.effort)) return;
   for (Complex& sum : sums)
     sum = bounded(sum, constraint);
-  if (scratch.searched) {
-    climb(columns, scratch.targets, loudest_search.finish, scratch.shares, sums, scratch.climb);
+  if (scratch.effort) {
+    climb(columns, scratch.targets, scratch.effort->finish, scratch.shares, sums, scratch.climb);
     return;
   }
   even_phases(columns, scratch.targets, gs_pat_miss, gs_pat_most_tries(columns.transducers), sums, scratch.phases);

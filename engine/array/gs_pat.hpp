@@ -38,10 +38,12 @@
 // and under `uniform` and `clamp` the same step is repeated gs_pat_refinings times over the whole array, p = G P(B c)
 // with P the constraint.
 //
-// Loudness first: the solver `loudest` (Care::most). Foci near each other cannot always be both loud and even. Under
-// `uniform` and `clamp`, the weakest of up to loudest_most_foci foci is made as loud as possible (search.hpp,
-// climb.hpp), from the factors above as one of many starts. Only then the louder foci are lowered towards it, as far as
-// that costs the weakest nothing.
+// Loudness first. Foci near each other cannot always be both loud and even. Under `uniform` and `clamp`, the phases of
+// up to most_searched_foci foci that hear gs_pat_near of each other are therefore sought in which the weakest is as
+// loud as possible (search.hpp, climb.hpp). Only then the louder foci are lowered towards it, at little cost for the
+// weakest. The solver `loudest` (Care::most) does the same with more effort for foci at any distance, from the factors
+// above as one of many starts. Under these constraints, the steps above then only serve foci that do not hear each
+// other.
 #pragma once
 
 #include <complex>
@@ -68,6 +70,8 @@ inline constexpr std::size_t gs_pat_few = 10;
 inline constexpr double gs_pat_crowded = 0.5;
 inline constexpr double gs_pat_same = 0.9;
 inline constexpr double gs_pat_hears = 0.2;
+inline constexpr double gs_pat_near = 0.05;               ///< of such foci, the loudest phases are sought
+inline constexpr std::size_t gs_pat_ears = 128;           ///< transducers that judge it before a search
 inline constexpr std::uint32_t gs_pat_starts = 8;         ///< if foci hear each other
 inline constexpr std::uint32_t gs_pat_sounds = 4;         ///< transducers of each start except the first
 inline constexpr std::uint32_t gs_pat_climb = 20;         ///< steps of each start
@@ -92,15 +96,25 @@ struct GsPatScratch {
   SearchScratch search;
   ClimbScratch climb;
   std::vector<double> shares;
-  bool searched = false;  ///< the slot's factors were sought by search.hpp
+  FocusMatrix near;
+  const SearchEffort* effort =
+      nullptr;  ///< with which the slot's factors were sought (search.hpp); null: they were not
 };
 
-/// Whether the phases are sought in which the weakest focus is loudest: `loudest`.
+/// How much is done for loudness: `most` is the solver `loudest`.
 enum class Care { usual, most };
 
-/// Whether they are, in a slot of so many foci.
-constexpr bool seeks_loudest(Care care, Constraint constraint, std::size_t foci) {
-  return care == Care::most && constraint != Constraint::normalise && foci <= loudest_most_foci;
+/// Whether some foci hear gs_pat_near of each other. `part` has the columns of gs_pat_ears transducers (take_part).
+bool are_near(const Columns& part, FocusMatrix& scratch);
+
+/// How the phases of a slot of so many foci are sought; null: they are not. `near` tells whether foci are near each
+/// other.
+template <typename Near>
+const SearchEffort* effort_for(Care care, Constraint constraint, std::size_t foci, Near near) {
+  if (constraint == Constraint::normalise || foci < 2 || foci > most_searched_foci) return nullptr;
+  if (care == Care::most) return &loudest_search;
+  if (!near()) return nullptr;
+  return foci <= gs_pat_few ? &usual_search : &many_search;
 }
 
 /// The share of the sound of focus `k` that is heard at focus `j`, 0 .. 1; 0 if one of them cannot be reached.

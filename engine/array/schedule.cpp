@@ -44,13 +44,29 @@ Voice& Schedule::add_voice() {
   return voices[voice_count++];
 }
 
+std::uint32_t Advance::number_of(std::uint64_t slot) const {
+  if (slot < first_slot) {
+    const auto back = static_cast<std::uint32_t>((first_slot - slot) % cycle);
+    return back == 0 ? 0 : cycle - back;
+  }
+  const std::uint64_t number = slot - first_slot;
+  const std::uint64_t last_cycle = listed() - cycle;
+  return static_cast<std::uint32_t>(number < last_cycle ? number : last_cycle + (number - last_cycle) % cycle);
+}
+
+double Advance::time_of(std::uint64_t slot, double slot_s) const {
+  return moves() ? std::min(first_s + number_of(slot) * slot_s, most_s) : 0;
+}
+
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out) {
   out.clear();
   const std::uint64_t slot_ns = nanoseconds(schedule.slot_s);
+  const double advance_s = schedule.advance.time_of(slot, schedule.slot_s);
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const Voice& voice = schedule.voices[v];
     const std::uint64_t count = steps(voice);
     if (count == 0) continue;
+    const Vec3 way = advance_s * voice.velocity;
     const std::uint64_t step = slot * slot_ns / nanoseconds(voice.dwell_s) % count;
     const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
     const double modulation = modulation_gain(voice.modulation, voice.modulation_hz, midpoint);
@@ -60,7 +76,7 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     const auto most = voice.pressure_pa > 0 ? std::optional(voice.pressure_pa * voice.gain) : std::nullopt;
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
-      if (focus < voice.foci.size()) out.push_back({voice.foci[focus], gain, pressure, v, focus, most});
+      if (focus < voice.foci.size()) out.push_back({voice.foci[focus] + way, gain, pressure, v, focus, most});
     }
   }
 }

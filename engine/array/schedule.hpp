@@ -35,6 +35,7 @@ struct Voice {
   std::uint32_t id = 0;              ///< the finger's, stable for as long as it is followed
   std::uint32_t solid = 0;           ///< the touched object: index into the scene's solids
   std::vector<Vec3> foci;            ///< metres; one per sector; no sector is empty
+  Vec3 velocity{0};                  ///< m/s: the foci move on together, see Advance
   std::vector<std::uint32_t> order;  ///< indices into `foci`, as they play
   std::uint32_t foci_per_slot = 1;   ///< number of entries of `order` that sound together; `multi-focus`: all of them
   double dwell_s = 1.5e-3;           ///< how long each lasts
@@ -49,15 +50,36 @@ struct Voice {
   std::optional<double> reached_pa;
 };
 
+/// How foci with a velocity move on from slot to slot. Each slot has a time, relative to the one at which the foci are
+/// at their places. The times ascend during the first `cycles` cycles; then those of the last of these cycles repeat.
+struct Advance {
+  std::uint64_t first_slot = 0;  ///< slots before it count as those of the first cycle with the same place in it
+  std::uint32_t cycle = 0;       ///< slots; 0: the foci stand still
+  std::uint32_t cycles = 2;
+  double first_s = 0;  ///< the time of the middle of `first_slot`
+  double most_s = 0;   ///< later slots have this time
+
+  bool moves() const { return cycle > 0; }
+  /// The slots with different times, counted from `first_slot`.
+  std::uint32_t listed() const { return cycle * cycles; }
+  /// Which of them a slot is like.
+  std::uint32_t number_of(std::uint64_t slot) const;
+  double time_of(std::uint64_t slot, double slot_s) const;
+};
+
 struct Schedule {
   double slot_s = 1.5e-3;     ///< the tick: how long one drive lasts; at most any voice's dwell
   std::vector<Voice> voices;  ///< only the first `voice_count` are valid; the others keep their storage for reuse
   std::uint32_t voice_count = 0;
   double time_s = 0;  ///< capture time of the frame it was made from
+  Advance advance;
 
   /// The next free voice, with its vectors' storage from earlier use.
   Voice& add_voice();
-  void clear() { voice_count = 0; }
+  void clear() {
+    voice_count = 0;
+    advance = {};
+  }
 };
 
 /// No array comes near this limit. Linear acoustics ends far below, at linear_pressure_pa: beyond that, the energy goes
@@ -77,10 +99,10 @@ struct VoiceOptions {
   Modulation modulation = Modulation::pressure_sine;
 };
 
-/// Replaces `out` by the foci of slot `slot`, voice after voice: the entry floor(slot slot_s / dwell) modulo its number
-/// of steps of each voice's order, with the voice's gain times its modulation. Counts in whole nanoseconds, so that
-/// rounding delays no step; exact for 10^13 slots of 1.5 ms. Empty without voices. The caller decides how long a
-/// schedule may play.
+/// Replaces `out` by the foci of slot `slot`, at their places in it, voice after voice: the entry floor(slot slot_s /
+/// dwell) modulo its number of steps of each voice's order, with the voice's gain times its modulation. Counts in whole
+/// nanoseconds, so that rounding delays no step; exact for 10^13 slots of 1.5 ms. Empty without voices. The caller
+/// decides how long a schedule may play.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);
 
 /// Amplitude of a finger modulated at `hz`, `time_s` after the start of slot 0: s = (1 + sin(2 pi hz t)) / 2 or its
@@ -95,7 +117,8 @@ inline constexpr double least_modulation = 0.01;
 /// Whether all voices have the same modulation, which is then one scalar over the whole drive. True without voices.
 bool shared_modulation(const Schedule& schedule);
 
-/// Number of slots after which foci and gains repeat, or 0 if that exceeds `most` or 2^32 - 1. 1 without voices.
+/// Number of slots after which foci and gains repeat, apart from places that advance. 0 if that exceeds `most` or
+/// 2^32 - 1. 1 without voices.
 std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most);
 
 }  // namespace palpa::array

@@ -13,48 +13,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// The columns of `count` transducers that are spread over the array.
-void take_part(const Columns& columns, std::size_t count, Columns& part) {
-  const std::size_t foci = columns.foci;
-  part.foci = foci;
-  part.transducers = std::min(count, columns.transducers);
-  for (std::vector<double>* values : {&part.cosine, &part.sine, &part.loud, &part.asked})
-    values->resize(part.transducers * foci);
-  const std::size_t stride = greedy_stride(static_cast<std::uint32_t>(columns.transducers));
-  for (std::size_t i = 0, n = 0; i < part.transducers; ++i, n = (n + stride) % columns.transducers) {
-    for (std::size_t j = 0; j < foci; ++j) {
-      part.cosine[i * foci + j] = columns.cosine[n * foci + j];
-      part.sine[i * foci + j] = columns.sine[n * foci + j];
-      part.loud[i * foci + j] = columns.loud[n * foci + j];
-      part.asked[i * foci + j] = columns.asked[n * foci + j];
-    }
-  }
-}
-
-double weakest_of(std::span<const Complex> pressure, std::span<const double> claims) {
-  double least = -1;
-  for (std::size_t j = 0; j < claims.size(); ++j) {
-    if (claims[j] <= 0) continue;
-    const double heard = magnitude(pressure[j]) / claims[j];
-    least = least < 0 ? heard : std::min(least, heard);
-  }
-  return std::max(least, 0.0);
-}
-
-/// Weighted Gerchberg-Saxton on the part from `scratch.factors`. Fills `best`; returns the weakest focus then.
-double run_start(std::span<const double> claims, std::uint32_t steps, std::span<Complex> best, SearchScratch& scratch) {
-  double merit = -1;
-  for (std::uint32_t step = 0; step <= steps; ++step) {
-    hear_bounded(scratch.part, Constraint::uniform, scratch.factors, scratch.pressure);
-    if (const double weakest = weakest_of(scratch.pressure, claims); weakest > merit) {
-      merit = weakest;
-      std::ranges::copy(scratch.factors, best.begin());
-    }
-    if (step < steps) gs_pat_step(scratch.pressure, claims, {0, static_cast<double>(claims.size())}, scratch.factors);
-  }
-  return merit;
-}
-
 /// Climbs from the factors of a start. Returns the weakest focus.
 double run_climb(std::span<const double> claims, const ClimbEffort& effort, std::span<const Complex> start,
                  SearchScratch& scratch) {
@@ -72,18 +30,45 @@ double run_climb(std::span<const double> claims, const ClimbEffort& effort, std:
 
 }  // namespace
 
+void take_part(const Columns& columns, std::size_t count, Columns& part) {
+  const std::size_t foci = columns.foci;
+  part.foci = foci;
+  part.transducers = std::min(count, columns.transducers);
+  for (std::vector<double>* values : {&part.cosine, &part.sine, &part.loud, &part.asked})
+    values->resize(part.transducers * foci);
+  const std::size_t stride = greedy_stride(static_cast<std::uint32_t>(columns.transducers));
+  for (std::size_t i = 0, n = 0; i < part.transducers; ++i, n = (n + stride) % columns.transducers) {
+    for (std::size_t j = 0; j < foci; ++j) {
+      part.cosine[i * foci + j] = columns.cosine[n * foci + j];
+      part.sine[i * foci + j] = columns.sine[n * foci + j];
+      part.loud[i * foci + j] = columns.loud[n * foci + j];
+      part.asked[i * foci + j] = columns.asked[n * foci + j];
+    }
+  }
+}
+
+Layout spread_over(const Layout& layout, std::size_t count) {
+  Layout part = layout;
+  part.boards.clear();
+  part.transducers.clear();
+  const std::size_t all = layout.transducers.size();
+  const std::size_t stride = greedy_stride(static_cast<std::uint32_t>(all));
+  for (std::size_t i = 0, n = 0; i < std::min(count, all); ++i, n = (n + stride) % all)
+    part.transducers.push_back(layout.transducers[n]);
+  return part;
+}
+
 void reserve(SearchScratch& scratch, std::size_t transducers, std::size_t foci) {
   const std::size_t part = std::min<std::size_t>(transducers, loudest_search.transducers);
   const std::size_t starts = loudest_search.starts;
   for (std::vector<double>* values :
        {&scratch.part.cosine, &scratch.part.sine, &scratch.part.loud, &scratch.part.asked})
     values->reserve(part * foci);
+  scratch.single.entries.reserve(part * foci);
   scratch.starts.reserve(starts * foci);
   scratch.merits.reserve(starts);
   scratch.shares.reserve(foci);
   scratch.does.reserve(part);
-  for (std::vector<Complex>* values : {&scratch.factors, &scratch.pressure})
-    values->reserve(foci);
   reserve(scratch.climb, part, foci);
 }
 
@@ -93,18 +78,23 @@ void search_phases(const FocusMatrix& matrix, const Columns& columns, std::span<
   assert(claims.size() == foci && factors.size() == foci);
   if (columns.transducers == 0) return;
   take_part(columns, effort.transducers, scratch.part);
+  take_single(scratch.part, scratch.single);
   scratch.starts.resize(effort.starts * foci);
   scratch.merits.resize(effort.starts);
-  for (std::vector<Complex>* values : {&scratch.factors, &scratch.pressure})
-    values->resize(foci);
   scratch.does.resize(scratch.part.transducers);
   scratch.shares.resize(foci);
   for (std::uint32_t i = 0; i < effort.starts; ++i) {
-    if (i == 0)
-      std::ranges::copy(factors, scratch.factors.begin());
-    else
-      gs_pat_start(matrix, columns, i, claims, scratch.factors);
-    scratch.merits[i] = run_start(claims, effort.steps, std::span(scratch.starts).subspan(i * foci, foci), scratch);
+    const std::span start = std::span(scratch.starts).subspan(i * foci, foci);
+    if (i == 0) {
+      std::ranges::copy(factors, start.begin());
+    } else {
+      gs_pat_start(matrix, columns, i, claims, start);
+    }
+  }
+  for (std::size_t first = 0; first < effort.starts; first += starts_together) {
+    const std::size_t count = std::min<std::size_t>(starts_together, effort.starts - first);
+    run_starts(scratch.single, claims, effort.steps, std::span(scratch.starts).subspan(first * foci, count * foci),
+               std::span(scratch.merits).subspan(first, count));
   }
   double best = -1;
   for (std::uint32_t climbs = 0; climbs < std::min(effort.finalists, effort.starts); ++climbs) {

@@ -19,6 +19,8 @@
 #include <vector>
 
 #include "array/climb.hpp"
+#include "array/layout.hpp"
+#include "array/search_lanes.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {
@@ -32,18 +34,25 @@ struct SearchEffort {
   ClimbEffort finish;             ///< and afterwards on all transducers
 };
 
-/// The effort of the solver `loudest`.
-inline constexpr SearchEffort loudest_search{32, 20, 512, 12, {10, 15, 0, 512, 1e-3}, {10, 40, 12, 65536, 2e-4}};
-inline constexpr std::size_t loudest_most_foci = 32;
+/// The efforts of gs-pat for up to gs_pat_few foci and for more, and of `loudest`. At most most_searched_foci foci.
+inline constexpr SearchEffort usual_search{16, 12, 256, 3, {5, 5, 0, 256, 2e-3}, {5, 10, 12, 1024, 1e-3, 0.955}};
+inline constexpr SearchEffort many_search{16, 12, 128, 1, {0, 0, 0, 128, 2e-3}, {4, 8, 6, 128, 2e-3, 0.955}};
+inline constexpr SearchEffort loudest_search{64, 20, 1024, 16, {10, 20, 0, 1024, 5e-4}, {15, 60, 12, 65536, 1e-4}};
 
 /// Keeps its storage from call to call.
 struct SearchScratch {
   Columns part;
+  SinglePart single;
   std::vector<std::complex<double>> starts;  ///< factors of each start's loudest moment, [start * foci + focus]
-  std::vector<std::complex<double>> factors, pressure, does;
+  std::vector<std::complex<double>> does;
   std::vector<double> merits, shares;
   ClimbScratch climb;
 };
+
+/// Fills `part` with the columns of up to `count` transducers that are spread over the array. spread_over: the same
+/// transducers as a layout.
+void take_part(const Columns& columns, std::size_t count, Columns& part);
+Layout spread_over(const Layout& layout, std::size_t count);
 
 /// Room for so many transducers and foci, with any effort.
 void reserve(SearchScratch& scratch, std::size_t transducers, std::size_t foci);

@@ -97,4 +97,12 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text.substr(0, head).append(gap).append(text, from);
 }
 
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text)
+    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 }  // namespace palpa

@@ -24,4 +24,7 @@ std::string one_line(std::string_view message, std::size_t most = std::string_vi
 /// and ends with what would be right, so both are kept.
 std::string shortened(const std::string& text, std::size_t most);
 
+/// A text as a cell of a CSV file, quoted if it would otherwise be split.
+std::string csv_cell(const std::string& text);
+
 }  // namespace palpa

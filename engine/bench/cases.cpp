@@ -84,8 +84,13 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   const sensing::Posed posed{&skin, T_world_skin};
   rig.render(std::span(&posed, 1), 0, frame);
 
-  const session::SessionSetting setting{
-      .scene = name, .solids = solids, .cameras = set_up.rig.cameras, .layout = set_up.layout, .events = std::nullopt};
+  const session::SessionSetting setting{.scene = name,
+                                        .solids = solids,
+                                        .cameras = set_up.rig.cameras,
+                                        .layout = set_up.layout,
+                                        .events = std::nullopt,
+                                        // As in a run, where the latency is measured.
+                                        .predict = {session::Predict::automatic, 20e-3}};
   session::Session session(context.device, setting), expected(setting);
   session.touch(frame.frames, 0);
   expected.touch(frame.frames, 0);
@@ -94,8 +99,9 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   std::vector<double> total;
   StageSamples stages;
   for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
+    const double time_s = (run + 1) / 90.0;
     const double begin = now_ms();
-    session.touch(frame.frames, 0);
+    session.touch(frame.frames, time_s, std::uint64_t{7} * (run + 1));
     const double ms = now_ms() - begin;
     if (run < warm_up) continue;
     total.push_back(ms);

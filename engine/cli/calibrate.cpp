@@ -17,6 +17,7 @@
 #include "geometry/files/stl.hpp"
 #include "geometry/gltf/write.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/values.hpp"
 
@@ -40,7 +41,11 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
               "realsense:SERIAL[,...] or bag:FILE [synthetic]");
   add_allow_outside(frames, o.common);
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
-                 "number of frames that are averaged, 0 for 30; with --nudge, frames to run, 0 for no limit");
+                 "number of frames that are averaged, 0 for 30; with --background, 0 for two seconds of them; with "
+                 "--nudge, frames to run, 0 for no limit");
+  frames.flag("--background", o.background,
+              "learns what each camera sees without a hand, so that palpa run drops it; --out gets the rig with the "
+              "names of the images, which are written beside it");
   frames.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   frames.text("--out", o.out, "FILE",
               "writes the rig with the poses that were found; must differ from --rig [no file]");
@@ -63,7 +68,8 @@ void write_target(const CalibrateCommand& o) {
   const std::string kind = std::filesystem::path(o.target).extension();
   if (kind != ".stl" && kind != ".glb")
     throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
-  if (!o.out.empty() || o.nudge) throw bad_usage("--target only writes the model: leave out --out and --nudge");
+  if (!o.out.empty() || o.nudge || o.background)
+    throw bad_usage("--target only writes the model: leave out --out, --background and --nudge");
   refuse_nudge_options(o);
   if (!o.source.empty() || o.frames != 0 || o.noise_free || !o.common.json.empty()) {
     throw bad_usage("--target only writes the model: leave out --source, --frames, --noise-free and --json");
@@ -127,8 +133,51 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_calibrate(o, result.cameras));
 }
 
+std::string summary_of_background(const CalibrateCommand& o, const setup::BackgroundResult& result) {
+  std::string text;
+  for (const setup::BackgroundOfCamera& camera : result.cameras) {
+    const sensing::LearnedBackground& learned = camera.learned;
+    text += fmt::format("{}: {} pixels, {} of them unsteady; noise {:.2f} mm, so skin is at least {:.1f} mm nearer{}\n",
+                        camera.name, learned.pixels, learned.unsteady, learned.noise_m * 1e3,
+                        learned.background.margin_m * 1e3, camera.file.empty() ? "" : ": " + camera.file);
+  }
+  return text + (o.out.empty() ? "nothing written: give --out\n" : fmt::format("written to {}\n", o.out));
+}
+
+void learn_background(const Extensions& extensions, const CalibrateCommand& o) {
+  refuse_nudge_options(o);
+  if (o.nudge) throw bad_usage("--background and --nudge are two calibrations: run one after the other");
+  if (!o.at.empty() || o.turn_deg != 0)
+    throw bad_usage("--at and --turn place the target, which must not be in sight of --background");
+  const setup::BackgroundTask task{.source = o.source,
+                                   .frames = o.frames,
+                                   .noise_free = o.noise_free,
+                                   .seed = o.common.seed,
+                                   .rig = o.rig,
+                                   .out = o.out};
+  check(task);
+  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, except with --nudge");
+  std::vector<Output> files{{"--json", o.common.json}, {"--out", o.out}};
+  for (const std::string& image : setup::images_of(task))
+    files.push_back({"--out", image});
+  const Outputs outputs(files);
+  std::optional<setup::Progress> progress;
+  const auto opened = [&](std::uint64_t frames) {
+    log::release_warnings();
+    progress.emplace("frames", frames, o.common.quiet);
+  };
+  const setup::BackgroundResult result =
+      setup::learn_background(task, extensions.sources,
+                              {.opened = opened,
+                               .taken = [&](std::uint64_t done) { progress->set(done); },
+                               .all_taken = [&] { progress.reset(); }});
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_background(o, result));
+}
+
 void run_calibrate(const Extensions& extensions, const CalibrateCommand& o) {
   if (!o.target.empty()) return write_target(o);
+  if (o.background) return learn_background(extensions, o);
   if (o.nudge) return run_nudge(extensions, o);
   refuse_nudge_options(o);
   find_poses(extensions, o);
@@ -147,9 +196,9 @@ void add_calibrate(Program& program) {
       {"calibrate", "where the cameras are, from what they see of a printed target",
        "  palpa calibrate --target target.stl --layout openmpd\n"
        "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
-       "--target --rig --layout --source --out --frames --at --turn --nudge --link",
-       "palpa doctor --write-rig writes a rig to begin with. With --nudge, you correct the array's place by what you "
-       "feel (docs/calibration.md)."},
+       "--target --rig --layout --source --out --frames --at --background --nudge --link",
+       "palpa doctor --write-rig writes a rig to begin with. With --background, palpa learns what is not a hand. With "
+       "--nudge, you correct the array's place by what you feel (docs/calibration.md)."},
       add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 

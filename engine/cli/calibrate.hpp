@@ -17,6 +17,7 @@ struct CalibrateCommand : setup::LiveOptions {
   std::string out;     ///< rig to write
   std::string at;      ///< place of the target, if not on its mount
   double turn_deg = 0;
+  bool background = false;  ///< learn what cameras see without a hand
   bool nudge = false;
   std::string keys;
 };

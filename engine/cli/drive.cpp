@@ -6,47 +6,24 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/lines.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-struct DriveCommand {
-  setup::CommonOptions common;
-  setup::DriveTask task;
-  std::string csv;
-};
-
-void add_options_of_drive(CLI::App& app, DriveCommand& o) {
-  const setup::Group group(app, "What to drive");
-  group.text("--layout", o.task.layout, "NAME|FILE", fmt::format("the array: {} or a TOML", array::known_layouts()));
-  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help);
-  group.text("--touch", o.task.touch, "FILE",
-             "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
-  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
-                "with --touch: slot of the schedule, counted from 0 [0]");
-  group.text("--rig", o.task.rig, "FILE", "with --touch: TOML file with the array's pose [the layout's default pose]");
-  group.text("--mesh", o.task.mesh, "FILE",
-             "with --transfer finger: the finger, a closed PLY or glTF mesh in the layout's frame");
-  add_allow_outside(group, o.common);
-  group.flag("--force", o.task.force, "also takes a finger whose faces are too coarse for the wavelength");
-  group.text("--csv", o.csv, "FILE|-", "writes every transducer: index,x,y,z,nx,ny,nz,amplitude,phase");
-  setup::add_spread_options(app, o.task.spread);
-  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
-}
+using DriveCommand = setup::DriveLine;
 
 /// A message about foci that are closer than the array resolves. It names the two that affect each other the most.
 std::string unresolved_line(const setup::DriveResult& result) {
@@ -124,7 +101,7 @@ void add_drive(Program& program) {
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
        "--layout --focus --touch --slot --solver --constraint --pressure --temperature --frequency --csv",
        "Phases are delays in radians (time factor e^-iwt). Amplitudes are 0 to 1."},
-      add_options_of_drive, run_drive);
+      setup::add_options, run_drive);
 }
 
 }  // namespace palpa::cli

@@ -22,13 +22,13 @@ void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
   group.text("--foci", o.foci, "FILE",
              "writes the foci of each frame, as .csv or .json; --foci-count sets their number");
   group.text("--drives", o.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
-  add_session_options(app, o, "--foci-count");
+  add_session_options(app, o, setup::FingerMesh::unknown, "--foci-count");
 }
 
 std::string summary_of_export(const session::ReplayStats& stats) {
   return fmt::format("{} frames, {} with a touch; {} drives of {} ms, {} of them silent\n", stats.frames,
                      stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives) +
-         setup::pressures_summary(stats.fingers, stats.solids);
+         session::to_text(stats.dropped, stats.frames) + setup::pressures_summary(stats.fingers, stats.solids);
 }
 
 void run_export(const Extensions& extensions, const setup::ExportTask& o) {

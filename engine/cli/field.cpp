@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
 #include "base/log.hpp"
 #include "base/memory.hpp"
 #include "base/output_file.hpp"
@@ -20,35 +19,14 @@
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/progress.hpp"
-#include "setup/tasks/foci.hpp"
+#include "setup/tasks/lines.hpp"
 #include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-struct FieldCommand {
-  setup::CommonOptions common;
-  setup::FieldTask task;
-  std::string csv, vtu, png;
-};
-
-void add_options_of_field(CLI::App& app, FieldCommand& o) {
-  const setup::Group group(app, "What sounds");
-  group.text("--layout", o.task.layout, "NAME|FILE", fmt::format("the array: {} or a TOML", array::known_layouts()));
-  group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
-  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help));
-  setup::add_place_options(app, o.task.place);
-  const setup::Group results(app, "Results");
-  results.text("--csv", o.csv, "FILE|-",
-               "writes every point: x,y,z,re,im in metres and Pa; with --spread also p05,p50,p95 of |p|");
-  results.text("--vtu", o.vtu, "FILE", "writes the same for ParaView, with amplitude and phase");
-  results.text("--png", o.png, "FILE",
-               "draws |p|: on a plane with a bar in Pa, along a line as a curve; axes are in mm");
-  setup::add_drive_options(app, o.task.drive);
-  setup::add_air_options(app, o.task.air);
-  setup::add_spread_options(app, o.task.spread);
-}
+using FieldCommand = setup::FieldLine;
 
 /// Values computed in single precision are printed in single precision.
 void write_csv(const std::string& file, const setup::FieldResult& field) {
@@ -173,7 +151,7 @@ void add_field(Program& program) {
        "--layout --drive --focus --plane --centre --size --line --points --csv --png",
        "Coordinates are in the layout's own frame. Pressures are peak values in free air, without a finger in the "
        "way (time factor e^-iwt)."},
-      add_options_of_field, run_field);
+      setup::add_options, run_field);
 }
 
 }  // namespace palpa::cli

@@ -1,6 +1,7 @@
 #include "cli/help.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -9,6 +10,8 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "setup/manual.hpp"
+#include "setup/option_table.hpp"
 #include "setup/parse.hpp"
 
 namespace palpa::cli {
@@ -42,16 +45,18 @@ std::string group_page(const CLI::App& group) {
   return page + fmt::format("\nMore help: palpa help {} {}\n", name, inside(group).front()->get_name());
 }
 
-constexpr const char* first_lines =
-    "Examples:\n"
+constexpr const char* first_examples =
     "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
-    "  palpa run --scene assets/cube.glb\n"
+    "  palpa run --scene assets/cube.glb";
+
+constexpr const char* more_help =
     "\n"
     "More help:\n"
     "  palpa help touch          what people use of touch, with examples; the same as palpa touch --help\n"
     "  palpa help touch all      every option of touch; the same as palpa touch --help all\n"
     "  palpa help all            options of all subcommands, units, exit codes, words\n"
-    "  palpa --version           the version\n";
+    "  palpa help man touch      the same as a page for man; palpa help bash, zsh or fish: completion\n"
+    "  palpa --version           the version, the build and its libraries\n";
 
 constexpr const char* last_lines =
     "Units:\n"
@@ -67,12 +72,50 @@ constexpr const char* last_lines =
 
 }  // namespace
 
+namespace {
+
+setup::HelpText text_of(const Program& program, const CLI::App& command) {
+  const CommandText& text = program.texts.at(setup::command_name(command));
+  return {.name = "palpa " + setup::command_name(command),
+          .arguments = text.arguments,
+          .summary = text.summary,
+          .usual = text.usual,
+          .examples = text.examples,
+          .notes = text.notes,
+          .common = "palpa help all"};
+}
+
+std::vector<setup::ManualCommand> manual_of(const Program& program) {
+  std::vector<setup::ManualCommand> commands;
+  for (const CLI::App* command : commands_of(program))
+    commands.push_back({text_of(program, *command), setup::option_table(*command)});
+  return commands;
+}
+
+/// `palpa help man [SUBCOMMAND]` and `palpa help bash`, `zsh` and `fish`; empty for other words.
+std::optional<std::string> manual_asked(const Program& program, const std::vector<std::string>& words) {
+  if (words.size() == 1) {
+    if (const auto shell = setup::shell_of(words.front()))
+      return setup::completion(*shell, "palpa", manual_of(program));
+  }
+  if (words.empty() || words.front() != "man") return std::nullopt;
+  const std::vector<setup::ManualCommand> commands = manual_of(program);
+  if (words.size() == 1) return setup::man_page("palpa", summary, first_examples, commands);
+  const std::string name = fmt::format("palpa {}", fmt::join(words.begin() + 1, words.end(), " "));
+  for (const setup::ManualCommand& command : commands) {
+    if (command.text.name == name) return setup::man_page(command);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::string overview(const Program& program, HelpLength length) {
   std::string page = fmt::format("palpa: {}\n\nUsage: palpa SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", summary);
   for (const CLI::App* command : commands_of(program))
     page += setup::help_row(setup::command_name(*command), command->get_description());
   page += "\n";
-  page += first_lines;
+  page += fmt::format("Examples:\n{}\n{}", first_examples, more_help);
   if (length == HelpLength::usual) return page;
   page += "\nCommon options (most subcommands take them; --allow-outside if they read scenes or recordings):\n";
   return page + setup::common_help() + "\n" + last_lines;
@@ -80,16 +123,7 @@ std::string overview(const Program& program, HelpLength length) {
 
 std::string page_of(const Program& program, const CLI::App& command, HelpLength length) {
   if (!inside(command).empty()) return group_page(command);
-  const CommandText& text = program.texts.at(setup::command_name(command));
-  return setup::help_page(command,
-                          {.name = "palpa " + setup::command_name(command),
-                           .arguments = text.arguments,
-                           .summary = text.summary,
-                           .usual = text.usual,
-                           .examples = text.examples,
-                           .notes = text.notes,
-                           .common = "palpa help all"},
-                          length);
+  return setup::help_page(command, text_of(program, command), length);
 }
 
 std::optional<std::string> help_asked(const Program& program, int argc, const char* const* argv) {
@@ -99,6 +133,9 @@ std::optional<std::string> help_asked(const Program& program, int argc, const ch
   const bool all = !words.empty() && words.back() == "all";
   if (all) words.pop_back();
   const HelpLength length = all ? HelpLength::all : HelpLength::usual;
+  if (!all) {
+    if (std::optional<std::string> page = manual_asked(program, words)) return page;
+  }
   if (words.empty()) return overview(program, length);
   const std::string name = fmt::format("{}", fmt::join(words, " "));
   const CLI::App* group = nullptr;

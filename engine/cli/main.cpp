@@ -8,6 +8,7 @@
 
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
+#include "base/version.hpp"
 #include "cli/commands.hpp"
 #include "cli/help.hpp"
 #include "setup/parse.hpp"
@@ -20,7 +21,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   CLI::App app("", "palpa");
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "show this help and exit");
-  app.set_version_flag("--version", "palpa " PALPA_VERSION, "show the version and exit");
+  app.set_version_flag("--version", version(), "show the version and exit");
   Program program{app, extensions, {}, nullptr};
   add_doctor(program);
   add_touch(program);
@@ -34,6 +35,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_simulate(program);
   add_decompose(program);
   add_study(program);
+  add_sweep(program);
   add_bench(program);
   for (const auto& add : extensions.commands)
     add(program);
@@ -48,7 +50,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     write_file("-", help_of_line(program, argc, argv));
     return;
   } catch (const CLI::CallForVersion&) {
-    write_file("-", "palpa " PALPA_VERSION "\n");
+    write_file("-", about_program("palpa"));
     return;
   }
   setup::apply_logging(*program.common);

@@ -25,36 +25,6 @@
 namespace palpa::cli {
 namespace {
 
-constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices}, {"cameras", setup::Skin::cameras}};
-
-void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
-  const setup::Group group(app, "What touches what");
-  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  setup::add_gltf_scene(group, o.gltf_scene);
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y");
-  add_allow_outside(group, o.common);
-  group.quantity("--penetration", o.task.penetration_m, Quantity::length,
-                 {-setup::most_penetration_m, setup::most_penetration_m},
-                 "how far the finger's lowest point is below the solids' top");
-  group.choice("--skin", o.task.skin, skin_words,
-               "which skin touches, the mesh's vertices or what the rig's cameras would see of the mesh");
-  group.flag("--noise-free", o.task.noise_free, "with --skin cameras: cameras without the sensor's noise");
-  group.flag("--figure6", o.figure6,
-             "simulates the paper's four objects with the paper's finger and every method, instead of --scene");
-  group.flag("--force", o.force, "also takes a finger whose faces are too coarse for the wavelength");
-  const setup::Group results(app, "Results");
-  results.text("--csv", o.csv, "FILE|-", "writes every face: face,x,y,z,area,langevin,squared, time averages in Pa");
-  results.text("--vtu", o.vtu, "FILE", "writes the same on the finger, for ParaView");
-  results.text("--png", o.png, "FILE", "draws the finger from below, with its foci and its pressure");
-  setup::add_solid_options(app, o.solids);
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.in_time);
-  setup::add_rig_options(app, o.task.rig);
-  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
-  setup::add_air_options(app, o.task.air);
-}
-
 std::string spot_line(const char* name, const acoustics::Spot& spot) {
   const Vec3 at = spot.peak_at * 1e3;
   return fmt::format(
@@ -73,23 +43,6 @@ std::string summary_of_simulate(const setup::SimulateResult& result) {
          spot_line("radiation pressure", result.langevin) + spot_line("|p|^2 / (4 rho c^2)", result.squared) +
          fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", force.x, force.y, force.z) +
          felt_lines(result.fingers, result.spectra) + (result.beyond_linear() ? setup::linear_line() : "");
-}
-
-void check_simulate(const SimulateCommand& o) {
-  setup::check(o.task);
-  if (o.figure6) {
-    if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
-        o.task.touch.method.method != touch::Method{})
-      throw bad_usage(
-          "--figure6 computes the paper's objects by every method: --scene, --method, --csv and --vtu belong to a "
-          "single touch");
-    if (o.solids.surface != geometry::SurfaceKind::mesh || o.solids.parts || o.solids.internal_faces)
-      throw bad_usage("--surface, --parts and --internal-faces go with --scene: --figure6 uses the meshes themselves");
-    return;
-  }
-  if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched, or --figure6");
-  if (o.finger.empty())
-    throw bad_usage("--finger is missing: give the finger's closed mesh, such as assets/finger.ply");
 }
 
 void run_one(const SimulateCommand& o) {
@@ -113,8 +66,7 @@ void run_one(const SimulateCommand& o) {
 
 void run_simulate(const SimulateCommand& given) {
   SimulateCommand o = given;
-  o.task.compute = o.common;
-  check_simulate(o);
+  setup::settle(o);
   if (o.figure6 && o.finger.empty()) o.finger = setup::find_asset("finger.ply");
   if (o.figure6) {
     run_figure6(o);
@@ -139,7 +91,7 @@ void add_simulate(Program& program) {
        "--scene --finger --penetration --method --foci --layout --skin --spectrum --csv --png",
        "The finger is rigid and the sound linear. Pressures are averages over the schedule. Coordinates are in the "
        "world."},
-      add_options_of_simulate, run_simulate);
+      setup::add_options, run_simulate);
 }
 
 }  // namespace palpa::cli

@@ -15,6 +15,7 @@
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/lines.hpp"
 #include "setup/tasks/touch.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/values.hpp"
@@ -23,22 +24,7 @@
 namespace palpa::cli {
 namespace {
 
-struct TouchCommand {
-  setup::CommonOptions common;
-  setup::TouchInputOptions input;
-  setup::TouchTask task;
-  std::string csv;
-};
-
-void add_options_of_touch(CLI::App& app, TouchCommand& o) {
-  setup::add_touch_input(app, o.input);
-  const setup::Group group(app, "What touches what");
-  add_allow_outside(group, o.common);
-  group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.felt);
-  setup::add_array_options(app, o.task.array);
-}
+using TouchCommand = setup::TouchLine;
 
 const char* plural(std::size_t count) {
   return count == 1 ? "" : "s";
@@ -100,9 +86,7 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
 
 void run_touch(const TouchCommand& given) {
   TouchCommand o = given;
-  o.task.compute = o.common;
-  check(o.input);
-  setup::check(o.task, !o.input.depths.empty());
+  setup::settle(o);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const setup::Stopwatch start;
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
@@ -127,7 +111,7 @@ void add_touch(Program& program) {
        "              --camera assets/depth/camera.toml",
        "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
        "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
-      add_options_of_touch, run_touch);
+      setup::add_options, run_touch);
 }
 
 }  // namespace palpa::cli

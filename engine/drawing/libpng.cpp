@@ -134,8 +134,8 @@ void append(png_structp png, png_bytep data, std::size_t bytes) {
 
 void flush_nothing(png_structp) {}
 
-bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint32_t height, int bits,
-                png_bytepp rows) {
+bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint32_t height, int bits, png_bytepp rows,
+                const char* keyword, const char* text) {
   if (setjmp(png_jmpbuf(writer.png))) return false;
   png_set_write_fn(writer.png, &out, append, flush_nothing);
   png_set_IHDR(writer.png, writer.info, width, height, bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
@@ -143,6 +143,13 @@ bool write_rows(Writer& writer, std::string& out, std::uint32_t width, std::uint
   // A recording must keep up with the cameras.
   png_set_compression_level(writer.png, 1);
   png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  if (keyword) {
+    png_text entry = {};
+    entry.compression = PNG_TEXT_COMPRESSION_NONE;
+    entry.key = const_cast<char*>(keyword);
+    entry.text = const_cast<char*>(text);
+    png_set_text(writer.png, writer.info, &entry, 1);
+  }
   png_write_info(writer.png, writer.info);
   if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(writer.png);
   png_write_image(writer.png, rows);
@@ -160,13 +167,16 @@ std::vector<png_bytep> rows_of(const Pixel* pixels, std::uint32_t width, std::ui
 }
 
 template <typename Value>
-std::string encode_values(std::uint32_t width, std::uint32_t height, std::span<const Value> values) {
+std::string encode_values(std::uint32_t width, std::uint32_t height, std::span<const Value> values,
+                          const PngText* text = nullptr) {
   Writer writer;
   if (!writer.info) throw failure("out of memory");
   std::vector<png_bytep> rows = rows_of(values.data(), width, height);
   std::string bytes;
   bytes.reserve(most_png_bytes(width, height, sizeof(Value)));
-  if (!write_rows(writer, bytes, width, height, 8 * sizeof(Value), rows.data())) throw PngFault(writer.fault.text);
+  if (!write_rows(writer, bytes, width, height, 8 * sizeof(Value), rows.data(), text ? text->keyword.c_str() : nullptr,
+                  text ? text->text.c_str() : nullptr))
+    throw PngFault(writer.fault.text);
   return bytes;
 }
 
@@ -214,6 +224,15 @@ std::string PngValues::kind() const {
   return fmt::format("{}-bit {}", header.bits, colour);
 }
 
+std::string PngValues::text(const char* keyword) const {
+  png_textp texts = nullptr;
+  const int count = png_get_text(reader_->png, reader_->info, &texts, nullptr);
+  for (int i = 0; i < count; ++i) {
+    if (std::strcmp(texts[i].key, keyword) == 0) return {texts[i].text, texts[i].text_length};
+  }
+  return {};
+}
+
 void PngValues::read_grey(std::span<std::uint8_t> values) {
   if (!is_grey(8) || values.size() != std::size_t{width()} * height()) throw failure("the values do not fit the image");
   std::vector<png_bytep> rows = rows_of(values.data(), width(), height());
@@ -233,6 +252,11 @@ std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<c
 
 std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> values) {
   return encode_values(width, height, values);
+}
+
+std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> values,
+                          const PngText& text) {
+  return encode_values(width, height, values, &text);
 }
 
 struct PngPicture::Image {

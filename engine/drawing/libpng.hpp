@@ -44,6 +44,8 @@ class PngValues {
   bool is_grey(int bits) const;
   /// "16-bit grey", "8-bit colour with alpha", ...
   std::string kind() const;
+  /// The text that the file has under this keyword; empty if it has none.
+  std::string text(const char* keyword) const;
   /// Call once. Rows from the top, width() x height() values of 1 or 2 bytes each. Throws PngFault if the file ends
   /// early or is corrupt.
   void read_grey(std::span<std::uint8_t> values);
@@ -54,10 +56,18 @@ class PngValues {
   std::unique_ptr<Reader> reader_;
 };
 
+/// A text that a PNG carries beside its image, in a tEXt chunk: at most a few kilobytes.
+struct PngText {
+  std::string keyword;  ///< 1 to 79 letters
+  std::string text;
+};
+
 /// Grey, optimised for speed rather than size. Rows from the top; width and height are not 0. Throws PngFault; failure
 /// if memory is short.
 std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> values);
 std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> values);
+std::string png_of_values(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> values,
+                          const PngText& text);
 
 /// A PNG of any kind as a picture, converted to red, green, blue and alpha as on the screen. `bytes` must outlive it.
 class PngPicture {

@@ -264,6 +264,7 @@ Device::Device(const DeviceOptions& options) {
                                      driver_advice("install libvulkan1 and a driver such as mesa-vulkan-drivers"));
   }
   if (!drivers_fit()) throw Error(Exit::no_device, "no Vulkan driver can be loaded: " + driver_advice());
+  keeps_pipelines_ = options.keep_pipelines;
   validation_ = options.validation ? *options.validation : validation_from_environment();
   const std::vector<int> before = threads_of_process();
   try {
@@ -286,7 +287,16 @@ Device::~Device() {
   destroy();
 }
 
+std::shared_ptr<const void> Device::kept_pipeline(const PipelineKey& key,
+                                                  const std::function<std::shared_ptr<const void>()>& make) const {
+  const std::lock_guard lock(kept_mutex_);
+  std::shared_ptr<const void>& kept = kept_[key];
+  if (!kept) kept = make();
+  return kept;
+}
+
 void Device::destroy() {
+  kept_.clear();
   if (device_abandoned) return;
   const std::lock_guard lock(loader_mutex);
   if (device_) vkDestroyDevice(device_, nullptr);

@@ -5,10 +5,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/words.hpp"
@@ -38,7 +41,13 @@ struct DeviceOptions {
   /// Instance extensions that a window needs (from GLFW). If there are any, the device must also offer
   /// VK_KHR_swapchain.
   std::vector<const char*> window_extensions;
+  /// Compute pipelines stay until the device ends, and passes that are made later share them. For programs that make
+  /// many sessions on one device: making a pipeline again takes milliseconds.
+  bool keep_pipelines = false;
 };
+
+/// What distinguishes compute pipelines: the kernel, the bytes of its push constants, its specialization constants.
+using PipelineKey = std::tuple<const void*, std::uint32_t, std::vector<std::uint32_t>>;
 
 struct DeviceDescription {
   std::uint32_t index = 0;
@@ -92,6 +101,11 @@ class Device {
   /// Guards the queue: vkQueueSubmit and vkQueuePresent need external synchronization.
   std::mutex& queue_mutex() const { return queue_mutex_; }
 
+  bool keeps_pipelines() const { return keeps_pipelines_; }
+  /// The kept object of that key, made by `make` if there is none yet. For ComputePipeline only. Any thread.
+  std::shared_ptr<const void> kept_pipeline(const PipelineKey& key,
+                                            const std::function<std::shared_ptr<const void>()>& make) const;
+
   void name(VkObjectType type, std::uint64_t object, const char* name) const;
 
   /// Counters that prove a loop's steady state: they do not change after its first frame.
@@ -124,6 +138,9 @@ class Device {
   std::uint64_t timestamp_mask_ = ~std::uint64_t{0};
   mutable std::mutex queue_mutex_;
   mutable std::atomic<bool> lost_{false};
+  bool keeps_pipelines_ = false;
+  mutable std::mutex kept_mutex_;
+  mutable std::map<PipelineKey, std::shared_ptr<const void>> kept_;
 };
 
 }  // namespace palpa::gpu

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <memory>
 #include <vector>
 
 #include "base/error.hpp"
@@ -24,12 +25,23 @@ std::uint32_t texels_of(const Kernel& kernel) {
 
 ComputePipeline::ComputePipeline(const Device& device, const char* name, const Kernel& kernel, std::size_t push_bytes,
                                  std::span<const std::uint32_t> constants)
-    : name_(name),
-      kernel_(&kernel),
-      set_(device, name, static_cast<std::uint32_t>(kernel.bindings.size()), VK_SHADER_STAGE_COMPUTE_BIT,
-           most_in_flight, texels_of(kernel)),
-      push_bytes_(static_cast<std::uint32_t>(push_bytes)) {
-  const VkDescriptorSetLayout set_layout = set_.layout();
+    : name_(name), kernel_(&kernel), push_bytes_(static_cast<std::uint32_t>(push_bytes)) {
+  if (!device.keeps_pipelines()) {
+    made_ = make(device, name, constants);
+    return;
+  }
+  const PipelineKey key{&kernel, push_bytes_, {constants.begin(), constants.end()}};
+  made_ = std::static_pointer_cast<const Made>(
+      device.kept_pipeline(key, [&] { return std::shared_ptr<const void>(make(device, name, constants)); }));
+}
+
+std::shared_ptr<const ComputePipeline::Made> ComputePipeline::make(const Device& device, const char* name,
+                                                                   std::span<const std::uint32_t> constants) const {
+  const Kernel& kernel = *kernel_;
+  auto made = std::make_shared<Made>();
+  made->set = BufferSet(device, name, static_cast<std::uint32_t>(kernel.bindings.size()), VK_SHADER_STAGE_COMPUTE_BIT,
+                        most_in_flight, texels_of(kernel));
+  const VkDescriptorSetLayout set_layout = made->set.layout();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.setLayoutCount = 1;
@@ -38,7 +50,7 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, const K
   info.pPushConstantRanges = &range;
   VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
   PALPA_VK(vkCreatePipelineLayout(device.get(), &info, nullptr, &pipeline_layout));
-  layout_ = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
+  made->layout = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
 
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module_info.codeSize = kernel.words.size_bytes();
@@ -63,8 +75,9 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, const K
   VkPipeline pipeline = VK_NULL_HANDLE;
   PALPA_VK(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &create, nullptr, &pipeline));
   ++device.pipelines_created;
-  pipeline_ = Handle<VkPipeline>(device.get(), pipeline, vkDestroyPipeline);
+  made->pipeline = Handle<VkPipeline>(device.get(), pipeline, vkDestroyPipeline);
   device.name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
+  return made;
 }
 
 void ComputePipeline::check(const KernelBuffers& buffers) const {
@@ -81,14 +94,14 @@ void ComputePipeline::check(const KernelBuffers& buffers) const {
 }
 
 void ComputePipeline::bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const {
-  if (!pipeline_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass first");
+  if (!made_) throw failure("a pipeline that was not made cannot be dispatched: prepare its pass first");
   check_push_bytes(name_, push_bytes_, push);
   check(buffers);
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
-  set_.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(),
-            std::span(buffers.refs).first(kernel_->bindings.size()));
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made_->pipeline.get());
+  made_->set.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, made_->layout.get(),
+                  std::span(buffers.refs).first(kernel_->bindings.size()));
   if (push_bytes_ != 0) {
-    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push.data());
+    vkCmdPushConstants(commands, made_->layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_, push.data());
   }
 }
 

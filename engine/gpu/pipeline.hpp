@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -33,10 +34,11 @@ class ComputePipeline {
   ComputePipeline() = default;
   /// `kernel` is one of namespace palpa::spirv and must outlive the pipeline; the entry point is main. `push_bytes` is
   /// the size of its push constant block, a multiple of 4, at most 128. `constants` are the values of its
-  /// specialization constants with ids 0, 1, ...
+  /// specialization constants with ids 0, 1, ... On a device that keeps its pipelines (DeviceOptions::keep_pipelines),
+  /// one with the same kernel, size and constants is made once and shared.
   ComputePipeline(const Device& device, const char* name, const Kernel& kernel, std::size_t push_bytes,
                   std::span<const std::uint32_t> constants = {});
-  explicit operator bool() const { return static_cast<bool>(pipeline_); }
+  explicit operator bool() const { return made_ != nullptr; }
 
   /// `buffers`: palpa::spirv::NAME_buffers(...) of the pipeline's kernel, not null. Those read as texels must
   /// have a texel view. At most 65,535 groups per axis. Throws failure for other buffers, for another size of push
@@ -48,14 +50,21 @@ class ComputePipeline {
                          BufferRef arguments) const;
 
  private:
+  /// What the device made; shared by equal pipelines of a device that keeps them.
+  struct Made {
+    BufferSet set;
+    Handle<VkPipelineLayout> layout;
+    Handle<VkPipeline> pipeline;
+  };
+
+  std::shared_ptr<const Made> make(const Device& device, const char* name,
+                                   std::span<const std::uint32_t> constants) const;
   void bind(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push) const;
   void check(const KernelBuffers& buffers) const;
 
   std::string name_;
   const Kernel* kernel_ = nullptr;
-  BufferSet set_;
-  Handle<VkPipelineLayout> layout_;
-  Handle<VkPipeline> pipeline_;
+  std::shared_ptr<const Made> made_;
   std::uint32_t push_bytes_ = 0;
 };
 

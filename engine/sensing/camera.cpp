@@ -43,4 +43,13 @@ std::uint32_t first_valid_depth(const Camera& camera) {
   return static_cast<std::uint32_t>(std::clamp(steps, 1.0, 65536.0));
 }
 
+std::uint16_t nearer_than_background(const Camera& camera, std::size_t pixel) {
+  if (!camera.background || camera.background->depth[pixel] == 0) return 65535;
+  const double z = camera.background->depth[pixel] * camera.depth_unit_m;
+  const double margin = camera.background->margin_m * std::max(1.0, z * z);
+  // The slack keeps a margin that is a whole number of units from being lost to the rounding of the division.
+  const double limit = std::ceil((z - margin) / camera.depth_unit_m - 1e-6) - 1;
+  return static_cast<std::uint16_t>(std::clamp(limit, 0.0, 65534.0));
+}
+
 }  // namespace palpa::sensing

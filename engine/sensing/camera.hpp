@@ -19,6 +19,15 @@ struct Mask {
   std::vector<std::uint8_t> pixels;  ///< width * height of the camera, rows from the top; 0: ignored
 };
 
+/// What a camera saw without a hand. Whatever is not nearer is no skin.
+struct Background {
+  std::string file;                  ///< where it came from; also its name in a TOML
+  std::vector<std::uint16_t> depth;  ///< width * height of the camera, in its depth unit; 0: nothing is known
+  /// By how much skin is nearer than the background, at distances up to a metre. Farther away, it grows with the square
+  /// of the distance, like a stereo camera's noise.
+  double margin_m = 0;
+};
+
 /// Settings that a real camera gets when it is opened. They do not affect frames from other sources.
 struct DeviceSetting {
   bool own_lens = false;               ///< the calibration stored in the camera replaces the file's fx fy cx cy
@@ -37,8 +46,9 @@ struct Camera {
   double min_range_m = 0;                 ///< nearer depths are no data
   double rate_hz = 0;                     ///< frames per second
   Transform T_world_camera{1.0};
-  std::optional<PixelBox> roi;       ///< pixels outside are ignored; never empty, always inside the image
-  std::shared_ptr<const Mask> mask;  ///< may be null; never changes, copies of a camera share it
+  std::optional<PixelBox> roi;                     ///< pixels outside are ignored; never empty, always inside the image
+  std::shared_ptr<const Mask> mask;                ///< may be null; never changes, copies of a camera share it
+  std::shared_ptr<const Background> background{};  ///< likewise
   DeviceSetting device{};
 };
 
@@ -66,6 +76,10 @@ std::optional<Vec2> find_blind_pixel(const Camera& camera);
 /// The smallest valid raw depth: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535 if the
 /// camera cannot represent any valid depth.
 std::uint32_t first_valid_depth(const Camera& camera);
+
+/// The largest raw depth of a pixel (rows from the top) that is nearer than the camera's background; 65535 if nothing
+/// is known about that pixel.
+std::uint16_t nearer_than_background(const Camera& camera, std::size_t pixel);
 
 /// Pixels of one image.
 inline std::uint64_t pixel_count(const Camera& camera) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace palpa::sensing {
@@ -18,9 +19,13 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
 void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                std::vector<std::uint8_t>& out);
 
+/// A 16-bit image that says of which camera it is: `camera` is the text that write_png16 was given, or empty.
+void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
+                std::vector<std::uint16_t>& out, std::string& camera);
+
 /// Optimised for speed rather than size. Throws failure() if the file cannot be written completely.
 void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
-                 std::span<const std::uint16_t> pixels);
+                 std::span<const std::uint16_t> pixels, const std::string& camera = {});
 void write_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::span<const std::uint8_t> pixels);
 

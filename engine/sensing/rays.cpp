@@ -147,9 +147,14 @@ RayTables make_rays(std::span<const Camera> cameras) {
       throw bad_usage(fmt::format("camera {}: its mask has {} pixels, but its image has {} x {}", camera.name,
                                   camera.mask->pixels.size(), camera.width, camera.height));
     }
+    if (camera.background && camera.background->depth.size() != pixel_count(camera)) {
+      throw bad_usage(fmt::format("camera {}: its background has {} pixels, but its image has {} x {}", camera.name,
+                                  camera.background->depth.size(), camera.width, camera.height));
+    }
     CameraTable& table = tables.cameras.emplace_back();
     table.width = camera.width;
     table.height = camera.height;
+    table.background = camera.background != nullptr;
     table.pinhole = !is_distorted(camera) && !ignores_pixels(camera);
     table.cx = static_cast<float>(camera.cx);
     table.cy = static_cast<float>(camera.cy);
@@ -166,6 +171,7 @@ RayTables make_rays(std::span<const Camera> cameras) {
                                 most_pixels));
   }
   tables.rays.assign(tables.padded_pixels, glm::vec2(no_ray));
+  if (std::ranges::any_of(tables.cameras, &CameraTable::background)) tables.limits.assign(tables.padded_pixels, 65535);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     CameraTable& table = tables.cameras[i];
     table.tiles_x = round_up(table.width, tile_pixels) / tile_pixels;
@@ -174,6 +180,13 @@ RayTables make_rays(std::span<const Camera> cameras) {
     fill_rays(cameras[i], table,
               std::span(tables.rays).subspan(table.first_pixel, std::size_t{table.pitch} * table.height));
     table.tile_rows = bound_rows(table);
+    if (!table.background) continue;
+    for (std::uint32_t v = 0; v < table.height; ++v) {
+      for (std::uint32_t u = 0; u < table.width; ++u) {
+        tables.limits[table.first_pixel + std::size_t{v} * table.pitch + u] =
+            nearer_than_background(cameras[i], std::size_t{v} * table.width + u);
+      }
+    }
   }
   return tables;
 }
@@ -250,7 +263,8 @@ std::uint64_t count_valid(std::span<const Camera> cameras, std::span<const Depth
     const std::uint32_t first = first_valid_depth(camera);
     const std::vector<std::uint16_t>& depth = frames[i].depth;
     for (std::uint32_t pixel = 0; pixel < std::min<std::uint64_t>(depth.size(), pixel_count(camera)); ++pixel)
-      valid += depth[pixel] >= first && !is_ignored(camera, pixel % camera.width, pixel / camera.width);
+      valid += depth[pixel] >= first && !is_ignored(camera, pixel % camera.width, pixel / camera.width) &&
+               depth[pixel] <= nearer_than_background(camera, pixel);
   }
   return valid;
 }

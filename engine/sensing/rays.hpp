@@ -29,8 +29,9 @@ struct CameraTable {
   std::uint32_t pitch = 0;        ///< pixels from row to row, a multiple of block_pixels
   std::uint64_t first_pixel = 0;  ///< of the padded arrangement, a multiple of block_pixels
   std::uint64_t first_index = 0;  ///< of the skin points' indices: number of pixels of the earlier cameras
-  bool pinhole = false;  ///< no distortion, no ignored pixels: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in
-                         ///< float
+  bool pinhole = false;     ///< no distortion, no ignored pixels: the ray is ((u - cx) * per_fx, (v - cy) * per_fy), in
+                            ///< float
+  bool background = false;  ///< RayTables::limits hold something for it
   float cx = 0, cy = 0, per_fx = 0, per_fy = 0;
   float reach = 0;  ///< the square of the image's longest ray, including ignored pixels
   std::uint32_t tiles_x = 0, tiles_y = 0;
@@ -43,6 +44,9 @@ struct CameraTable {
 struct RayTables {
   std::vector<CameraTable> cameras;
   std::vector<glm::vec2> rays;  ///< size padded_pixels
+  /// Size padded_pixels, or empty if no camera has a background: the largest raw depth of each pixel that is nearer
+  /// than the camera's background, 65535 if nothing is known there.
+  std::vector<std::uint16_t> limits;
   std::uint64_t padded_pixels = 0;
   std::uint64_t pixels = 0;  ///< without padding: the maximum number of skin points
 };
@@ -56,8 +60,8 @@ inline constexpr std::uint64_t most_pixels = 1u << 23;
 /// RayTables::padded_pixels for these cameras.
 std::uint64_t padded_pixels(std::span<const Camera> cameras);
 
-/// Throws bad_usage if the cameras together have more than `most_pixels` pixels, or if a mask's size differs from its
-/// camera's.
+/// Throws bad_usage if the cameras together have more than `most_pixels` pixels, or if the size of a mask or of a
+/// background differs from its camera's.
 RayTables make_rays(std::span<const Camera> cameras);
 
 /// The part of one camera's image that can show a point of the box, and everything needed to turn its depths into
@@ -84,7 +88,8 @@ void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const 
 /// there is one frame of the right size per camera.
 void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed);
 
-/// The number of pixels with data that are not ignored: "points" in the output of `palpa touch` with depth frames.
+/// The number of pixels with data that are neither ignored nor background: "points" in the output of `palpa touch` with
+/// depth frames.
 std::uint64_t count_valid(std::span<const Camera> cameras, std::span<const DepthFrame> frames);
 
 }  // namespace palpa::sensing

@@ -30,17 +30,25 @@ std::string mask_name(std::size_t camera) {
   return fmt::format("mask-{}.png", camera);
 }
 
-/// The camera as in the recording's TOML: its mask is in the folder.
+std::string background_name(std::size_t camera) {
+  return fmt::format("background-{}.png", camera);
+}
+
+/// The camera as in the recording's TOML: its mask and background are in the folder.
 Camera kept_camera(const Camera& camera, std::size_t index) {
   Camera kept = camera;
   if (camera.mask) kept.mask = std::make_shared<Mask>(Mask{mask_name(index), camera.mask->pixels});
+  if (camera.background) {
+    kept.background = std::make_shared<Background>(
+        Background{background_name(index), camera.background->depth, camera.background->margin_m});
+  }
   return kept;
 }
 
 /// The files of a recording that this writer wrote, `recording.toml` last: what is left after an interrupted deletion
 /// is still a folder that can be replaced. Throws bad_usage if there is anything else.
 std::vector<std::filesystem::path> files_to_replace(const std::filesystem::path& folder) {
-  static const std::regex ours(R"(times\.csv|mask-[0-9]+\.png|[0-9]{6,}-[0-9]+\.png)");
+  static const std::regex ours(R"(times\.csv|mask-[0-9]+\.png|background-[0-9]+\.png|[0-9]{6,}-[0-9]+\.png)");
   std::vector<std::filesystem::path> files;
   bool has_toml = false;
   std::error_code fault;
@@ -96,6 +104,7 @@ void RecordingWriter::begin() {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const Camera kept = kept_camera(cameras_[i], i);
     if (kept.mask) write_png8(folder_ / kept.mask->file, kept.width, kept.height, kept.mask->pixels);
+    if (kept.background) write_background(folder_ / kept.background->file, kept);
     text += to_toml(kept) + "\n";
   }
   write_file(folder_ / "recording.toml", text);
@@ -133,8 +142,10 @@ void RecordingWriter::discard() {
   std::error_code ignored;
   for (const char* file : {"recording.toml", "times.csv"})
     std::filesystem::remove(folder_ / file, ignored);
-  for (std::size_t i = 0; i < cameras_.size(); ++i)
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
     std::filesystem::remove(folder_ / mask_name(i), ignored);
+    std::filesystem::remove(folder_ / background_name(i), ignored);
+  }
   if (made_folder_) std::filesystem::remove(folder_, ignored);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig_toml.hpp"
@@ -88,7 +89,37 @@ void read_mask(TomlTable& table, const std::filesystem::path& folder, Camera& ca
   }
 }
 
+/// The words by which a background's image names its camera.
+std::string camera_of_background(const Camera& camera) {
+  return fmt::format("{} with depth_unit_m = {}", camera.name, toml_number(camera.depth_unit_m));
+}
+
+void read_background(TomlTable& table, const std::filesystem::path& folder, Camera& camera) {
+  auto background = std::make_shared<Background>();
+  background->file = resolve(folder, table.text("background"));
+  background->margin_m = table.number("background_margin_m", 0, 1);
+  std::string learned_by;
+  try {
+    read_png16(background->file, camera.width, camera.height, background->depth, learned_by);
+  } catch (const Error& error) {
+    if (error.code() != Exit::bad_input) throw;
+    throw table.fault("background", fmt::format("background {}", error.what()));
+  }
+  const std::string own = camera_of_background(camera);
+  if (!learned_by.empty() && learned_by != own) {
+    throw table.fault("background",
+                      fmt::format("background {}: is of the camera {}, and this is {}; name its own image, or learn a "
+                                  "new one with palpa calibrate --background",
+                                  background->file, printable(learned_by, 80), printable(own, 80)));
+  }
+  camera.background = std::move(background);
+}
+
 }  // namespace
+
+void write_background(const std::filesystem::path& file, const Camera& camera) {
+  write_png16(file, camera.width, camera.height, camera.background->depth, camera_of_background(camera));
+}
 
 /// Without its mask, which is only read once the total number of pixels has been checked.
 static Camera read_camera(TomlTable& table, std::size_t place) {
@@ -135,6 +166,12 @@ std::vector<Camera> read_cameras(TomlTable& root, const std::filesystem::path& f
       if (references != nullptr) references->find(table.text("mask"), "mask");
       read_mask(table, folder, cameras.back());
     }
+    if (table.has("background")) {
+      if (references != nullptr) references->find(table.text("background"), "background");
+      read_background(table, folder, cameras.back());
+    } else if (table.has("background_margin_m")) {
+      throw table.fault("background_margin_m", "background_margin_m goes with background, the image without a hand");
+    }
     table.done();
   }
   return cameras;
@@ -166,6 +203,21 @@ Rig load_rig(const std::filesystem::path& file) {
     }
     table->done();
   }
+  if (auto table = root.table("room")) {
+    Room& room = rig.room.emplace();
+    room.where = table->place("");
+    const std::vector<double> low = table->numbers("low_m", 3), high = table->numbers("high_m", 3);
+    for (int i = 0; i < 3; ++i) {
+      room.box.low[i] = low[i];
+      room.box.high[i] = high[i];
+      if (!(low[i] < high[i]))
+        throw table->fault(
+            "high_m", fmt::format("high_m must be above low_m in x, y and z, but {} is not above {}", high[i], low[i]));
+      if (std::max(std::abs(low[i]), std::abs(high[i])) > most_metres)
+        throw table->fault("high_m", fmt::format("the room reaches more than {} m away", most_metres));
+    }
+    table->done();
+  }
   root.done();
   return rig;
 }
@@ -187,6 +239,10 @@ std::string to_toml(const Camera& camera) {
   if (camera.device.exposure_s) text += fmt::format("exposure_s = {}\n", toml_number(*camera.device.exposure_s));
   if (camera.device.preset) text += fmt::format("hardware_preset = {}\n", *camera.device.preset);
   if (camera.mask) text += fmt::format("mask = {}\n", toml_string(camera.mask->file));
+  if (camera.background) {
+    text += fmt::format("background = {}\nbackground_margin_m = {}\n", toml_string(camera.background->file),
+                        toml_number(camera.background->margin_m));
+  }
   return text;
 }
 
@@ -204,6 +260,12 @@ std::string to_toml(const Rig& rig) {
     text += fmt::format("[screen]\nwidth_m = {}\nheight_m = {}\nT_world_screen = {}\neye_m = [{}, {}, {}]\n",
                         toml_number(screen.width_m), toml_number(screen.height_m), toml_pose(screen.T_world_screen),
                         toml_number(screen.eye_m.x), toml_number(screen.eye_m.y), toml_number(screen.eye_m.z));
+  }
+  if (rig.room) {
+    const Box& box = rig.room->box;
+    text += fmt::format("{}[room]\nlow_m = [{}, {}, {}]\nhigh_m = [{}, {}, {}]\n", rig.screen ? "\n" : "",
+                        toml_number(box.low.x), toml_number(box.low.y), toml_number(box.low.z), toml_number(box.high.x),
+                        toml_number(box.high.y), toml_number(box.high.z));
   }
   return text;
 }

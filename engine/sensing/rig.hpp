@@ -23,19 +23,27 @@ struct Screen {
   bool operator==(const Screen&) const = default;
 };
 
+/// The part of the world in which there may be skin.
+struct Room {
+  Box box;            ///< world, metres
+  std::string where;  ///< "FILE: line N" of the table, for messages
+};
+
 struct Rig {
   std::string file;
   std::vector<Camera> cameras;
   std::optional<ArrayPlacement> array;
   std::optional<Screen> screen;
+  std::optional<Room> room;
 };
 
 /// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above
 /// 16384, more pixels of all cameras than make_rays() accepts, distortion that cannot be undone somewhere in the image,
 /// negative focal lengths, units or ranges, poses that are not rigid (4 rows of 4, last row 0 0 0 1, rotation
-/// orthonormal to 1e-4), a `roi` that is not inside the image, a `mask` that read_png8 rejects or that leaves no pixel.
+/// orthonormal to 1e-4), a `roi` that is not inside the image, a `mask` that read_png8 rejects or that leaves no pixel,
+/// a `background` that is not a 16-bit image of this camera, a room without an inside.
 Rig load_rig(const std::filesystem::path& file);
-/// The text that load_rig reads; doubles round-trip. Masks are named, not written.
+/// The text that load_rig reads; doubles round-trip. Masks and backgrounds are named, not written.
 std::string to_toml(const Rig& rig);
 
 }  // namespace palpa::sensing

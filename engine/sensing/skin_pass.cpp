@@ -55,34 +55,58 @@ std::uint32_t skin_groups(const RayTables& tables) {
 
 }  // namespace
 
-gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables) {
-  const std::uint64_t bytes = tables.rays.size() * sizeof(glm::vec2);
-  gpu::Buffer rays(device, bytes, "rays");
-  if (bytes == 0) return rays;
-  const gpu::Upload upload(device, bytes, "rays upload");
-  std::memcpy(upload.data(), tables.rays.data(), bytes);
-  const gpu::Recorder recorder(device, "rays upload");
+namespace {
+
+/// `name`: of the upload, for the driver's messages.
+gpu::Buffer upload(const gpu::Device& device, std::span<const std::byte> bytes, const char* name) {
+  gpu::Buffer buffer(device, bytes.size(), name);
+  if (bytes.empty()) return buffer;
+  const gpu::Upload from(device, bytes.size(), name);
+  std::memcpy(from.data(), bytes.data(), bytes.size());
+  const gpu::Recorder recorder(device, name);
   const VkCommandBuffer commands = recorder.begin();
-  upload.record(commands);
-  const VkBufferCopy region{upload.ref().offset, 0, bytes};
-  vkCmdCopyBuffer(commands, upload.ref().buffer, rays.ref().buffer, 1, &region);
-  gpu::transfer_to_use(commands);  // later submits read the rays in compute
-  gpu::Timeline timeline(device, "rays upload");
+  from.record(commands);
+  const VkBufferCopy region{from.ref().offset, 0, bytes.size()};
+  vkCmdCopyBuffer(commands, from.ref().buffer, buffer.ref().buffer, 1, &region);
+  gpu::transfer_to_use(commands);  // later submits read them in compute
+  gpu::Timeline timeline(device, name);
   timeline.wait(timeline.submit(recorder.end()));
-  return rays;
+  return buffer;
 }
 
-SkinPass::Kernels SkinPass::make(const char* count, const char* scatter, std::uint32_t rays_from_table) const {
-  const std::span<const std::uint32_t> constants(&rays_from_table, 1);
-  return {{*device_, count, spirv::skin_count_comp, sizeof(shader::SkinPush), constants},
-          {*device_, scatter, spirv::skin_scatter_comp, sizeof(shader::SkinPush), constants}};
+}  // namespace
+
+gpu::Buffer upload_rays(const gpu::Device& device, const RayTables& tables) {
+  return upload(device, std::as_bytes(std::span(tables.rays)), "rays");
 }
 
-void SkinPass::prepare(const RayTables& tables) {
+gpu::Buffer upload_limits(const gpu::Device& device, const RayTables& tables) {
+  // At least one block, so that there is something to bind.
+  static constexpr std::uint16_t nothing[block_pixels] = {};
+  if (tables.limits.empty()) return upload(device, std::as_bytes(std::span(nothing)), "background limits");
+  return upload(device, std::as_bytes(std::span(tables.limits)), "background limits");
+}
+
+void SkinPass::make(Kernels& kernels, std::uint32_t rays_from_table, std::uint32_t drops) const {
+  const std::uint32_t constants[] = {rays_from_table, drops};
+  static constexpr const char* names[] = {"skin count", "skin count in surroundings", "skin count before a background",
+                                          "skin count in surroundings before a background"};
+  if (!kernels.count[drops]) {
+    kernels.count[drops] = {*device_, names[drops], spirv::skin_count_comp, sizeof(shader::SkinPush), constants};
+  }
+  if (!kernels.scatter) {
+    kernels.scatter = {*device_, "skin scatter", spirv::skin_scatter_comp, sizeof(shader::SkinPush),
+                       std::span(constants).first(1)};
+  }
+}
+
+void SkinPass::prepare(const RayTables& tables, bool surrounded) {
   if (!scan_) scan_.emplace(*device_);
   for (const CameraTable& camera : tables.cameras) {
-    if (camera.pinhole && !pinhole_.count) pinhole_ = make("skin count pinhole", "skin scatter pinhole", 0);
-    if (!camera.pinhole && !table_.count) table_ = make("skin count", "skin scatter", 1);
+    Kernels& kernels = camera.pinhole ? pinhole_ : table_;
+    const std::uint32_t drops = camera.background ? shader::skin_drops_background : 0;
+    make(kernels, camera.pinhole ? 0 : 1, drops);
+    if (surrounded) make(kernels, camera.pinhole ? 0 : 1, drops | shader::skin_drops_volumes);
   }
 }
 
@@ -96,19 +120,27 @@ std::vector<gpu::ScratchBuffer> SkinPass::scratch(const RayTables& tables) {
 
 void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu::Scratch& s, const RayTables& tables,
                       const Box& box, std::span<const Crop> crops, const shader::ScanGroups& cut,
-                      gpu::Timestamps* times) const {
+                      gpu::Timestamps* times, std::size_t volumes) const {
   if (!scan_) throw failure("the skin pass was not prepared for its cameras");
   const auto kernels = [&](const Crop& crop) -> const Kernels& {
     return tables.cameras[crop.camera].pinhole ? pinhole_ : table_;
   };
+  const auto counting = [&](const Crop& crop) -> const gpu::ComputePipeline& {
+    return kernels(crop).count[(volumes > 0 ? shader::skin_drops_volumes : 0) |
+                               (tables.cameras[crop.camera].background ? shader::skin_drops_background : 0)];
+  };
   Buffers buffers{b};
+  if (volumes > 0) buffers.volumes.size = volumes * sizeof(shader::SkinVolume);  // its length in the kernel
   buffers.runs = s[runs];
   buffers.counts = s[counts];
+  gpu::writes_to_transfer(commands);  // an earlier submit may have counted here
+  vkCmdFillBuffer(commands, b.dropped.buffer, b.dropped.offset, b.dropped.size, 0);
+  gpu::transfer_to_use(commands);
   std::uint32_t groups = 0;
   for (const Crop& crop : crops) {
     shader::SkinPush push = push_of(crop, tables.cameras[crop.camera], box);
     push.first_group = groups;
-    kernels(crop).count.dispatch(commands, spirv::skin_count_buffers(buffers), push, crop_groups(crop));
+    counting(crop).dispatch(commands, spirv::skin_count_buffers(buffers), push, crop_groups(crop));
     groups += crop_groups(crop);
   }
   gpu::compute_to_compute(commands);  // counts -> scan

@@ -3,15 +3,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 
 namespace palpa::sensing {
 namespace {
 
+bool drops_point(const shader::SkinVolume& volume, const glm::vec3& p) {
+  if (volume.kind == shader::skin_room) {
+    return p.x < volume.x.x || p.y < volume.x.y || p.z < volume.x.z || p.x > volume.y.x || p.y > volume.y.y ||
+           p.z > volume.y.z;
+  }
+  const auto along = [&](const shader::vec4& row) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w; };
+  const float x = along(volume.x), y = along(volume.y), z = along(volume.z);
+  return std::abs(x) <= volume.half_width && std::abs(y) <= volume.half_height && z >= -shader::skin_behind_m &&
+         z <= shader::skin_before_m;
+}
+
+/// `limit`: of the point's pixel.
+std::uint32_t why_dropped(std::span<const shader::SkinVolume> volumes, const glm::vec3& point, std::uint16_t raw,
+                          std::uint16_t limit) {
+  for (const shader::SkinVolume& volume : volumes) {
+    if (drops_point(volume, point)) return volume.kind;
+  }
+  return raw > limit ? shader::skin_background : shader::skin_kept;
+}
+
+/// `limits`: of the camera's padded pixels; empty if it has no background.
 void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const glm::vec2> rays,
                   std::span<const std::uint16_t> depth, const glm::vec3& low, const glm::vec3& high,
-                  std::vector<SkinPoint>& out) {
+                  std::span<const shader::SkinVolume> volumes, std::span<const std::uint16_t> limits,
+                  SkinOfFrame& out) {
+  const bool all_skin = volumes.empty() && limits.empty();
   const auto& pose = crop.rows_of_pose;
   const std::uint32_t span = crop.depth_high - crop.depth_low;
   const std::uint32_t end_column = std::min(crop.first_column + crop.blocks_per_row * block_pixels, table.width);
@@ -30,7 +54,17 @@ void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const gl
           world.z > high.z) {
         continue;
       }
-      out.push_back({world, static_cast<std::uint32_t>(table.first_index) + v * table.width + u});
+      const SkinPoint point{world, static_cast<std::uint32_t>(table.first_index) + v * table.width + u};
+      if (!all_skin) {
+        const std::uint16_t limit = limits.empty() ? 65535 : limits[std::size_t{v} * table.pitch + u];
+        const std::uint32_t why = why_dropped(volumes, world, row[u], limit);
+        if (why != shader::skin_kept) {
+          ++out.dropped.counts[why];
+          if (out.wants_leavings) out.leavings.push_back(point);
+          continue;
+        }
+      }
+      out.points.push_back(point);
     }
   }
 }
@@ -38,8 +72,10 @@ void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const gl
 }  // namespace
 
 void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
-               std::vector<SkinPoint>& out) {
-  out.clear();
+               std::span<const shader::SkinVolume> volumes, SkinOfFrame& out) {
+  out.points.clear();
+  out.leavings.clear();
+  out.dropped = {};
   for (std::size_t i = 0; i < tables.cameras.size(); ++i) {
     const CameraTable& table = tables.cameras[i];
     if (frames.size() != tables.cameras.size() || frames[i].depth.size() != std::size_t{table.width} * table.height) {
@@ -48,8 +84,19 @@ void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, cons
   }
   const glm::vec3 low(box.low), high(box.high);
   for (const Crop& crop : crops) {
-    find_in_crop(crop, tables.cameras[crop.camera], tables.rays, frames[crop.camera].depth, low, high, out);
+    const CameraTable& table = tables.cameras[crop.camera];
+    const auto limits =
+        table.background ? std::span(tables.limits).subspan(table.first_pixel) : std::span<const std::uint16_t>();
+    find_in_crop(crop, table, tables.rays, frames[crop.camera].depth, low, high, volumes, limits, out);
   }
+}
+
+void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
+               std::vector<SkinPoint>& out) {
+  SkinOfFrame found;
+  found.points.swap(out);
+  find_skin(tables, frames, box, crops, {}, found);
+  out.swap(found.points);
 }
 
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box) {

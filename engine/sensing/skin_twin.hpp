@@ -6,6 +6,7 @@
 
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "sensing/surroundings.hpp"
 
 namespace palpa::sensing {
 
@@ -14,6 +15,16 @@ namespace palpa::sensing {
 /// right size per camera.
 void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
                std::vector<SkinPoint>& out);
+/// What a frame has of skin, and of other things. The vectors keep their storage.
+struct SkinOfFrame {
+  std::vector<SkinPoint> points;
+  Dropped dropped;                  ///< points that are no skin
+  std::vector<SkinPoint> leavings;  ///< these points, if they are wanted
+  bool wants_leavings = false;
+};
+/// The same in surroundings: `volumes` come from plan_drops for the same box.
+void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
+               std::span<const shader::SkinVolume> volumes, SkinOfFrame& out);
 /// The same for a single call. It builds the tables and crops itself.
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box);
 

@@ -90,6 +90,7 @@ StillImage StillFrames::finish() const {
   Camera whole = camera_;
   whole.roi.reset();
   whole.mask.reset();
+  whole.background.reset();
   const RayTables tables = make_rays(std::span(&whole, 1));
   for (std::uint32_t v = 0; v < image.height; ++v) {
     for (std::uint32_t u = 0; u < image.width; ++u) {

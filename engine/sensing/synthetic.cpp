@@ -47,6 +47,7 @@ static std::vector<Camera> seeing_all(std::vector<Camera> cameras) {
   for (Camera& camera : cameras) {
     camera.roi.reset();
     camera.mask.reset();
+    camera.background.reset();
   }
   return cameras;
 }

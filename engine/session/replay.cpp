@@ -9,6 +9,7 @@
 #include "base/json_writer.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
+#include "session/predict/capture_times.hpp"
 
 namespace palpa::session {
 namespace {
@@ -32,6 +33,8 @@ class Player {
     const double slots = std::ceil((time_s - begin_s_) / setting_.slot_s - 1e-6);
     return std::max(slot_, static_cast<std::uint64_t>(std::max(slots, 0.0)));
   }
+
+  std::uint64_t next_slot() const { return slot_; }
 
   /// The plan sounds from here on.
   void tell(const Plan& plan) {
@@ -104,6 +107,7 @@ std::string to_json(const ReplayStats& stats) {
       .member("silent_drives", stats.silent_drives)
       .member("slot_s", stats.slot_s)
       .member("duration_s", stats.duration_s);
+  if (stats.dropped) write_dropped(*stats.dropped, json);
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
   return json.take();
@@ -122,12 +126,14 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   constexpr double patience_s = 1;
   session.warm_up();
   ReplayStats stats;
+  if (drops_points(setting)) stats.dropped.emplace();
   stats.slot_s = session.link_setting().slot_s;
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety}, stats);
   stats.solids = session.solid_names();
   PressureLog pressures(session.solid_names());
   try {
     sensing::FrameSet set;
+    CaptureTimes times;
     double time_s = 0;
     while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
       if (set.frames.empty()) continue;
@@ -137,9 +143,11 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
         time_s = std::max(time_s, set.time_s);
         player.play_until(player.slot_at(time_s), session.plan(), stop);
       }
-      const touch::Touch& touch = session.touch(set.frames, time_s);
+      times.see(set.time_s);
+      const touch::Touch& touch = session.touch(set.frames, time_s, player.next_slot());
       ++stats.frames;
       stats.touching += touch.finger_count > 0 ? 1 : 0;
+      if (stats.dropped) *stats.dropped += touch.dropped;
       player.tell(session.plan());
       pressures.planned(session.schedule());
       if (options.planned) options.planned(session.report());

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ struct ReplayOptions {
 struct ReplayStats {
   std::uint64_t frames = 0, touching = 0;
   std::uint64_t drives = 0, silent_drives = 0;  ///< slots whose drive was sent
+  std::optional<sensing::Dropped> dropped;      ///< if something could be dropped
   double slot_s = 0;
   double duration_s = 0;                ///< duration of all slots, on the source's clock
   std::vector<FingerPressure> fingers;  ///< filled if pressures were requested

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "session/loop/loop.hpp"
 #include "session/plan/tuning_thread.hpp"
+#include "session/previews/live_fingers.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
@@ -21,6 +22,10 @@ void check_times(const SessionSetting& setting) {
   const double dwell_s = setting.schedule.voice.dwell_s;
   if (!(dwell_s > 0 && dwell_s <= 10)) throw bad_usage(fmt::format("a dwell of {} s: give 0 to 10 s", dwell_s));
   check_safety(setting.safety);
+  const double latency_s = setting.predict.latency_s.value_or(0);
+  if (!(latency_s >= 0 && latency_s <= most_ahead_s)) {
+    throw bad_usage(fmt::format("a latency of {} s to predict: give 0 to {} s", latency_s, most_ahead_s));
+  }
 }
 
 /// Empty without an array, and if a spot or another field replaces it.
@@ -46,6 +51,7 @@ struct Session::State {
   std::optional<acoustics::ArrayField> field;
   Scheduler scheduler;
   EventTracker tracker;
+  std::unique_ptr<LiveFingers> fingers;  ///< if the setting has a finger
   std::unique_ptr<Planner> planner;
 
   // Frame by frame.
@@ -65,7 +71,11 @@ struct Session::State {
     if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
       throw bad_usage(
           "the solver greedy drives all transducers in full: it cannot give a pressure; use gs-pat or naive");
-    planner = device ? make_gpu_planner(*device, setting, scheduler) : make_host_planner(setting, scheduler);
+    if (setting.finger && !setting.live())
+      throw bad_usage("a session computes foci on fingers only while it runs, from the images of depth cameras");
+    if (setting.finger) fingers = std::make_unique<LiveFingers>(setting);
+    planner = device ? make_gpu_planner(*device, setting, scheduler, fingers.get())
+                     : make_host_planner(setting, scheduler, fingers.get());
   }
 
   const acoustics::FocusField* felt_by() const { return setting.field ? setting.field : field ? &*field : nullptr; }
@@ -114,22 +124,35 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (s.setting.schedule.tune == Tune::all) {
     throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
   }
+  if (s.fingers && options.every_frame) {
+    throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
+  }
   const bool tells = options.events != nullptr;
   if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
   PressureLog pressures(s.names);
   RunOptions loop = options;
   loop.planned = [&](const FrameReport& report, const Plan& plan) {
     pressures.planned(plan.schedule);
+    if (s.fingers) s.fingers->planned(report, plan.schedule);
     if (options.planned) options.planned(report, plan);
     if (tells) options.events(s.tracker.update(*report.touch, report.time_s));
   };
+  if (s.fingers) {
+    s.fingers->begin();
+    loop.started = [&](const SkinFrame& frame) {
+      s.fingers->saw(frame.images, frame.sequence);
+      if (options.started) options.started(frame);
+    };
+  }
   loop.expired = [&] {
     if (options.expired) options.expired();
     if (tells) options.events(s.tracker.expire());
   };
   LoopStats stats;
+  if (drops_points(s.setting)) stats.dropped.emplace();
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
   // result on all machines.
+  s.planner->list_standing(link.plays_plans());
   const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,
@@ -149,6 +172,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     const TuningThread* const tuning = s.scheduler.tuning();
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
+  if (s.fingers) stats.finger_sounds = s.fingers->stats();
   stats.fingers = pressures.fingers();
   stats.solids = s.names;
   return stats;
@@ -174,6 +198,14 @@ const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, 
     throw bad_usage("a session without cameras takes skin points, not depth frames");
   }
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s,
+                                   std::uint64_t first_slot) {
+  if (state_->setting.cameras.empty()) {
+    throw bad_usage("a session without cameras takes skin points, not depth frames");
+  }
+  return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 std::span<const Event> Session::events() const {

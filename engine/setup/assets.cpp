@@ -4,10 +4,25 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "setup/asset_folder.hpp"
 
 namespace palpa::setup {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Set once, when a program starts.
+std::string& asset_folder() {
+  static std::string folder;
+  return folder;
+}
+
+}  // namespace
+
+void set_asset_folder(const std::string& folder) {
+  asset_folder() = folder;
+}
 
 std::string find_asset(const std::string& name) {
   std::error_code ignored;
@@ -16,6 +31,8 @@ std::string find_asset(const std::string& name) {
     if (fs::exists(file, ignored)) return file.string();
     throw bad_input(file.string(), "not found; PALPA_ASSETS should name palpa's assets folder");
   }
+  if (const fs::path own = fs::path(asset_folder()) / name; !asset_folder().empty() && fs::exists(own, ignored))
+    return own.string();
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
   const fs::path installed = program.parent_path().parent_path() / "share/palpa/assets" / name;
   if (fs::exists(installed, ignored)) return installed.string();

@@ -24,6 +24,7 @@ geometry::Mesh body_of(const std::string& name, const geometry::Mesh& mesh, cons
   geometry::Mesh body = acoustics::body_mesh(name, mesh);
   acoustics::check_fineness(name, body, 1 / air.medium.turns_per_metre(), force);
   acoustics::warn_of_needles(name, body);
+  acoustics::warn_of_bends(name, body);
   acoustics::check_memory(body, air.wave_number());
   return body;
 }

@@ -11,8 +11,8 @@
 namespace palpa::setup {
 
 /// Makes a mesh a body that scatters sound: welded, closed, facing outwards, fine enough for the tone unless `force`,
-/// and not too large for the memory. Warns of needles (acoustics/bodies/body_mesh.hpp). Messages call it `name`. Throws
-/// bad_input and failure.
+/// and not too large for the memory. Warns of needles and of bends (acoustics/bodies/body_mesh.hpp). Messages call it
+/// `name`. Throws bad_input and failure.
 geometry::Mesh body_of(const std::string& name, const geometry::Mesh& mesh, const acoustics::Air& air, bool force);
 
 /// The same for the triangles of a file (geometry/files/load_triangles.hpp).

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,15 @@
 #include "session/links/sources.hpp"
 
 namespace palpa::setup {
+
+/// Calls `take` with frames from the source until there were `frames` of them or the source ends; returns their number.
+/// Throws failure if the source ends before the first frame, or if no frame comes for 5 s.
+std::uint64_t take_frames(sensing::DepthSource& source, std::uint64_t frames,
+                          const std::function<void(const sensing::FrameSet&)>& take);
+
+/// Throws bad_input if the numbers or sizes of the cameras differ.
+void check_same_cameras(const std::vector<sensing::Camera>& rig, const std::vector<sensing::Camera>& source,
+                        const std::string& rig_file);
 
 /// For each camera, collects the still parts of its view from `frames` frames, or from as many as the source has.
 /// `done` is called after each frame with the number so far. Throws failure if the source ends before the first frame,
@@ -35,8 +45,8 @@ std::vector<CalibratedCamera> calibrate_cameras(const std::vector<sensing::Camer
                                                 const std::vector<sensing::StillFrames>& seen,
                                                 const Transform& T_world_target, const std::string& rig_file);
 
-/// The source kind "synthetic[:MESH]" for calibration: the rig's cameras see the target on its mount, the boards, and
-/// the objects of the mesh, all at rest in the world.
-session::SourceKind rehearsal(const Transform& T_world_target);
+/// The source kind "synthetic[:MESH]" for calibration: the rig's cameras see the target on its mount, if it is there,
+/// the boards, and the objects of the mesh, all at rest in the world.
+session::SourceKind rehearsal(const std::optional<Transform>& T_world_target);
 
 }  // namespace palpa::setup

@@ -28,16 +28,33 @@ struct FrameOptions {
   SolidOptions solids;
   TouchOptions touch;
   DriveOptionsGroup drive;
+  std::string finger;  ///< mesh for --transfer finger; empty: the asset
   session::Safety safety;
   double hold_s = 0.1;
   bool hold_auto = false;  ///< the hold may be lengthened
   std::uint64_t frames = 0;
   bool noise_free = false;
+  bool keep_boards = false;  ///< points on the array's boards count as skin
   std::string events;
   bool watched = false;  ///< contacts and events are used, even if no events are written
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  std::optional<touch::Hysteresis> hysteresis;
+
+  /// Unless it is given, it is off for frames that stand alone as in the paper.
+  touch::Hysteresis chosen_hysteresis() const {
+    const bool alone = axes == touch::Axes::covariance && smoothing == touch::Smoothing::none;
+    return hysteresis.value_or(alone ? touch::Hysteresis::off : touch::Hysteresis::on);
+  }
+  std::optional<session::Predict> predict;  ///< default: automatic
+  std::optional<double> predict_latency_s;
+
+  /// For frames without a latency that could be measured. The first throws bad_usage if a prediction without a latency
+  /// is asked for; `who` names the frames. The second turns such a prediction off, which is the default.
+  void refuse_unmeasured_prediction(const char* who) const;
+  void leave_out_unmeasured_prediction();
+  session::OwnMethod own_method{};  ///< instead of --method
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.
@@ -51,8 +68,9 @@ void add_loop_options(const Group& group, FrameOptions& options);
 void add_safety(const Group& group, session::Safety& safety);
 /// Adds the options for following fingers.
 void add_following_options(CLI::App& app, FrameOptions& options);
-/// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci.
-void add_session_options(CLI::App& app, FrameOptions& options, const char* foci = "--foci");
+/// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci. `mesh`:
+/// `known` for a session that runs live, which can compute foci on the fingers that touch.
+void add_session_options(CLI::App& app, FrameOptions& options, FingerMesh mesh, const char* foci = "--foci");
 /// Throws bad_usage if options are missing or unused.
 void check(const FrameOptions& options);
 
@@ -64,7 +82,9 @@ struct Prepared {
 };
 /// Loads and opens all of it, shows the progress of long steps, and warns of unusual values. `sources` are added to
 /// palpa's own and replace those of the same name. `paced`: frames in real time.
-Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced);
+/// `mesh` as in add_session_options.
+Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced,
+                 FingerMesh mesh = FingerMesh::unknown);
 /// Lines about the pressures of fingers that requested one; empty if none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
 /// Flushes the sink. After an error, that error is reported and not another one of the sink.

@@ -143,14 +143,17 @@ std::string help_page(const CLI::App& app, const HelpText& text, HelpLength leng
   return page;
 }
 
-HelpLength help_length(int argc, const char* const* argv) {
+std::string word_after_help(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
-    if (word == "--help=all") return HelpLength::all;
-    if ((word == "--help" || word == "-h") && i + 1 < argc && std::string_view(argv[i + 1]) == "all")
-      return HelpLength::all;
+    if (word.starts_with("--help=")) return std::string(word.substr(7));
+    if ((word == "--help" || word == "-h") && i + 1 < argc) return argv[i + 1];
   }
-  return HelpLength::usual;
+  return {};
+}
+
+HelpLength help_length(int argc, const char* const* argv) {
+  return word_after_help(argc, argv) == "all" ? HelpLength::all : HelpLength::usual;
 }
 
 }  // namespace palpa::setup

@@ -44,6 +44,8 @@ std::string help_row(std::string_view name, std::string_view text);
 /// `text` in lines of at most help_columns, each indented by this many spaces. Words longer than that are not divided.
 std::string wrapped(std::string_view text, std::size_t indent);
 
+/// The word that follows --help on a command line, or --help=; empty if there is none.
+std::string word_after_help(int argc, const char* const* argv);
 /// What follows --help on a command line: HelpLength::all for the word "all" (or --help=all), else usual.
 HelpLength help_length(int argc, const char* const* argv);
 

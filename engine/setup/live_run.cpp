@@ -40,6 +40,7 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   session::check_board_files(options.link, links, options.board_files);
   take_layout_of_link(options.rig, options.link, links);
   take_method_of_link(options, links);
+  if (options.every_frame) options.leave_out_unmeasured_prediction();
   return options;
 }
 
@@ -47,7 +48,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
   if (options.hold_auto && options.every_frame)
     throw bad_usage("--hold auto and --every-frame exclude each other: with --every-frame, no frame is late");
   if (!options.every_frame) session::go_first();  // before the device starts its threads
-  return prepare(options, sources, !options.every_frame);
+  return prepare(options, sources, !options.every_frame, FingerMesh::known);
 }
 
 }  // namespace
@@ -77,6 +78,9 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
 
 void check(const LiveOptions& o) {
   check(static_cast<const FrameOptions&>(o));
+  if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
+  if (const std::string asks = asks_for_finger(o.drive); !asks.empty() && o.every_frame)
+    throw bad_usage(asks + " follows fingers as time allows, so --every-frame cannot have it: leave one of them out");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 
@@ -190,7 +194,14 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";
-  return text + session::to_text(stats.output.hand_over) + "\n" + shed + pressures_summary(stats.fingers, stats.solids);
+  std::string ahead;
+  if (stats.prediction && stats.prediction->distance_m.quantile(1) > 0) {
+    ahead =
+        fmt::format("foci played up to {:.1f} mm ahead of their fingers, for a latency of {:.0f} ms (median)\n",
+                    stats.prediction->distance_m.quantile(1) * 1e3, stats.prediction->latency_s.quantile(0.5) * 1e3);
+  }
+  return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
+         session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);
 }
 
 }  // namespace palpa::setup

@@ -89,6 +89,12 @@ gpu::DeviceOptions device_options(const ComputeOptions& options) {
   return device;
 }
 
+UsedDevice::UsedDevice(const ComputeOptions& options) {
+  if (options.backend == Backend::cpu) return;
+  if (!options.device) own_ = std::make_unique<gpu::Device>(device_options(options));
+  device_ = options.device ? options.device : own_.get();
+}
+
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {
   const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
   if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));
@@ -258,8 +264,8 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
       mesh == FingerMesh::known
           ? "how foci that sound together share the array; adjoint is naive with --transfer finger [naive; for "
             "the method multi-focus gs-pat]"
-          : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive and "
-            "simulate have [naive; for the method multi-focus gs-pat]");
+          : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive, "
+            "simulate and run have [naive; for the method multi-focus gs-pat]");
   Group(app, mesh == FingerMesh::known ? "Drives" : "")
       .choice("--transfer", options.transfer, transfer_words,
               "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
@@ -294,7 +300,7 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
   if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
     throw bad_usage("--solver adjoint means naive with --transfer finger: leave --transfer free out");
   if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {
-    throw bad_usage(asks + ": this command has no finger's mesh; palpa drive --mesh and palpa simulate have one");
+    throw bad_usage(asks + ": this command has no finger's mesh; palpa drive --mesh, simulate and run have one");
   }
   if (options.pressure_pa) refuse_beside_pressure(options, "--pressure sets how loud foci are");
   array::DriveOptions drive;

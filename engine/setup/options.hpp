@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,6 +36,9 @@ struct ComputeOptions {
   Backend backend = Backend::gpu;
   std::uint64_t seed = 0;
   std::optional<gpu::Validation> validation;
+  /// An open device, which then computes instead of one that is opened for this computation alone; not with the backend
+  /// cpu.
+  const gpu::Device* device = nullptr;
 };
 
 /// Every subcommand has these.
@@ -56,6 +60,18 @@ void add_board_files(const Group& group, std::string& folder);
 /// log::release_warnings() once their input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const ComputeOptions& options);
+/// The device of a computation: that of the options, or one that is opened and lives as long as this object. None with
+/// the backend cpu.
+class UsedDevice {
+ public:
+  UsedDevice() = default;  ///< none
+  explicit UsedDevice(const ComputeOptions& options);
+  const gpu::Device* get() const { return device_; }
+
+ private:
+  std::unique_ptr<gpu::Device> own_;
+  const gpu::Device* device_ = nullptr;
+};
 /// Throws bad_usage if a GPU option is given although no GPU is used. `why` is the reason: "palpa scatter computes on
 /// the processor".
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why);

@@ -70,6 +70,8 @@ std::vector<sensing::Camera> load_rig_cameras(const TouchInputOptions& options) 
   return cameras;
 }
 
+}  // namespace
+
 std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
   if (options.cameras.empty()) return load_rig_cameras(options);
   std::vector<sensing::Camera> cameras;
@@ -87,6 +89,8 @@ std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
   }
   return cameras;
 }
+
+namespace {
 
 TouchInput load_depths(const TouchInputOptions& options) {
   TouchInput input;

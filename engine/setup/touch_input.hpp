@@ -47,6 +47,10 @@ TouchInput skin_points(const std::string& file, std::span<const Vec3> positions)
 /// file and fault.
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);
 
+/// The cameras of the depth images that the options name, one for each: from --camera, otherwise from the rig. Throws
+/// as load_touch_input does.
+std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options);
+
 /// The shift along y for --penetration: afterwards, the lowest point lies that far below the highest point of the
 /// solids. There must be at least one point.
 double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration_m);

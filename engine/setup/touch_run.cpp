@@ -43,6 +43,7 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
                                   .solids = std::move(solids),
                                   .cameras = input.cameras,
                                   .layout = std::move(array.layout),
+                                  .keep_boards = true,  // the array of a single touch need not stand in the images
                                   .touch = touch.parameters,
                                   .schedule = schedule_options(touch, felt),
                                   .drive = array.drive,
@@ -53,9 +54,9 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
   setting.schedule.voice.pressure_pa = array.pressure_pa;
   const bool on_gpu = compute.backend == Backend::gpu;
   if (on_gpu) check_points(input);
-  std::unique_ptr<gpu::Device> device = on_gpu ? std::make_unique<gpu::Device>(device_options(compute)) : nullptr;
+  UsedDevice device(compute);
   session::Session session =
-      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+      device.get() ? session::Session(*device.get(), std::move(setting)) : session::Session(std::move(setting));
   times.emplace_back("setup", watch.lap_ms());
   const touch::Touch& found = input.cameras.empty() ? session.touch(input.points, 0) : session.touch(input.frames, 0);
   if (on_gpu) times.emplace_back("submit to result", watch.lap_ms());

@@ -20,7 +20,7 @@ using StepTimes = std::vector<std::pair<std::string, double>>;
 
 /// A session and the touch of its frame.
 struct OneTouch {
-  std::unique_ptr<gpu::Device> device;  ///< null on the CPU
+  UsedDevice device;
   session::Session session;
   const touch::Touch& touch;  ///< the session's
 };

@@ -45,6 +45,27 @@ void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid>
   }
 }
 
+void warn_of_surroundings(const sensing::Surroundings& surroundings, std::span<const geometry::Solid> solids) {
+  for (const geometry::Solid& solid : solids) {
+    std::size_t boards = 0, screens = 0;
+    for (const sensing::Slab& slab : surroundings.slabs) {
+      if (sensing::reaches_into(solid.mesh, slab)) ++(slab.kind == sensing::NoSkin::board ? boards : screens);
+    }
+    if (boards + screens == 0) continue;
+    const std::string what = boards == 0   ? "the screen"
+                             : boards == 1 ? "a board of the array"
+                                           : fmt::format("{} boards of the array", boards);
+    log::warning(
+        fmt::format("{}: mesh \"{}\" reaches into {}{}: palpa drops the points that cameras see there, from {:g} mm "
+                    "before its face "
+                    "to {:g} mm behind it, so nobody can touch that part{}",
+                    solid.file, printable(solid.name, 60), what, boards > 0 && screens > 0 ? " and the screen" : "",
+                    sensing::slab_before_m * 1e3, sensing::slab_behind_m * 1e3,
+                    boards > 0 ? "; move the object or the array, or give --keep-boards" : ""));
+    return;
+  }
+}
+
 std::string linear_line() {
   return fmt::format(
       "above {} kPa, linear acoustics no longer holds: the real pressure is lower, and partly at multiples of the "

@@ -7,6 +7,7 @@
 #include "array/drive.hpp"
 #include "array/layout.hpp"
 #include "geometry/solid.hpp"
+#include "sensing/surroundings.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::setup {
@@ -23,6 +24,10 @@ void warn_of_frequency(const array::Layout& layout, const array::Medium& medium)
 
 /// For solids on which every focus would be out of the array's reach. All values are in the world.
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids);
+
+/// For the first solid that reaches into a board or into the screen, where points are no skin. All values are in the
+/// world.
+void warn_of_surroundings(const sensing::Surroundings& surroundings, std::span<const geometry::Solid> solids);
 
 /// The line of a summary if a focus has more pressure than array::linear_pressure_pa.
 std::string linear_line();

@@ -1,6 +1,5 @@
 #include "touch/host_stage.hpp"
 
-#include "sensing/skin_twin.hpp"
 #include "touch/bridge/bridge_cameras.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/contacts_twin.hpp"
@@ -8,6 +7,8 @@
 #include "touch/depths.hpp"
 #include "touch/fingers/fingers_twin.hpp"
 #include "touch/foci/foci_twin.hpp"
+#include "touch/known/admit_twin.hpp"
+#include "touch/known/keep_twin.hpp"
 #include "touch/sections/sections_twin.hpp"
 #include "touch/split/split_twin.hpp"
 
@@ -23,6 +24,7 @@ HostStage::HostStage(const std::vector<geometry::Solid>& solids, std::span<const
   check_parameters(setting.parameters, solids_);
   if (setting.follow) tracks_.emplace();
   if (setting.glides()) homes_.emplace();
+  if (setting.knows(!cameras.empty())) known_ = std::make_unique<shader::KnownTable>();
 }
 
 std::uint32_t HostStage::most_pixel_stride() const {
@@ -33,13 +35,16 @@ void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, d
   const Box box = touchable_box(solids_);
   sensing::plan_crops(cameras_, tables_, box, crops_);
   set_stride(crops_, stride_);
-  sensing::find_skin(tables_, images, box, crops_, points_);
+  sensing::plan_drops(setting_.surroundings, box, volumes_);
+  sensing::find_skin(tables_, images, box, crops_, volumes_, skin_);
   if (mark) mark("skin");
   const Sight sight{bridge_cameras_, tables_, images};
-  touch(points_, &sight, out, time_s, mark);
+  out.dropped = skin_.dropped;
+  touch(skin_.points, &sight, out, time_s, mark);
 }
 
 void HostStage::touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s, const Mark& mark) {
+  out.dropped = {};
   touch(points, nullptr, out, time_s, mark);
 }
 
@@ -51,19 +56,33 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
   const Parameters parameters = at_stride(setting_.parameters, stride_);
   find_contacts(points, solids_, parameters, out);
   done("contacts");
-  find_fingers(parameters, solids_, out);
+  find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
+  ClaimList claims{};
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   if (setting_.looks_again(sight != nullptr)) {
-    split_fingers(*sight, parameters, out);
+    const bool has_before = known_ && elapsed_us <= setting_.memory_us();
+    const Known known{{elapsed_us, known_ ? setting_.hysteresis_rules : 0U},
+                      has_before ? known_.get() : nullptr,
+                      static_cast<float>(parameters.finger_width_m)};
+    split_fingers(*sight, parameters, known, out);
     done("split");
-    bridge_fingers(*sight, parameters, out);
+    bridge_fingers(*sight, parameters, known, out);
     done("bridge");
+    if (known_) {
+      claims = admit_fingers(*sight, parameters, known, *known_, out);
+      done("admit");
+    }
   }
   find_sections(out);
   done("sections");
   if (tracks_) {
-    follow_fingers(*tracks_, time_s, setting_, out);
+    follow_fingers(*tracks_, elapsed_us, setting_, out);
     done("follow");
+  }
+  if (known_) {
+    keep_fingers(*sight, parameters, *tracks_, claims, out, *known_);
+    done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);
   done("foci");

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,7 +12,9 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
 #include "shaders/touch/bridge/bridge.h"
+#include "shaders/touch/known/known.h"
 #include "touch/bridge/bridge_twin.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/follow/follow_twin.hpp"
@@ -24,7 +27,7 @@ namespace palpa::touch {
 class HostStage {
  public:
   /// Called after each part with its name: "skin", "contacts", "fingers", "split", "bridge", "sections", "follow",
-  /// "foci", "glide".
+  /// "foci", "glide"; and, with hysteresis, "admit" after "bridge" and "keep" after "follow".
   using Mark = std::function<void(const char*)>;
 
   /// Without cameras, every frame is a set of skin points. There is room for any frame, and contacts are always filled
@@ -33,6 +36,8 @@ class HostStage {
                      const StageSetting& setting = {});
 
   const StageSetting& setting() const { return setting_; }
+  const std::vector<sensing::Camera>& cameras() const { return cameras_; }
+  const sensing::RayTables& rays() const { return tables_; }
   const PreparedSolids& solids() const { return solids_; }
   /// Takes effect from the next touch(); see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
@@ -58,9 +63,11 @@ class HostStage {
   PreparedSolids solids_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
+  std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
   std::uint32_t stride_ = 1;
-  std::vector<sensing::Crop> crops_;        // scratch
-  std::vector<sensing::SkinPoint> points_;  // scratch
+  std::vector<sensing::Crop> crops_;         // scratch
+  std::vector<shader::SkinVolume> volumes_;  // scratch
+  sensing::SkinOfFrame skin_;                // scratch
 };
 
 }  // namespace palpa::touch

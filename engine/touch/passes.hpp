@@ -12,6 +12,7 @@
 #include "touch/foci/foci_pass.hpp"
 #include "touch/follow/follow_pass.hpp"
 #include "touch/follow/glide_pass.hpp"
+#include "touch/known/known_pass.hpp"
 #include "touch/sections/sections_pass.hpp"
 #include "touch/split/split_pass.hpp"
 #include "touch/stage_setting.hpp"
@@ -42,6 +43,7 @@ class Passes {
   std::optional<SplitPass> split_;
   std::optional<BridgePass> bridge_;
   SectionsPass sections_;
+  std::optional<KnownPass> known_;
   std::optional<FollowPass> follow_;
   FociPass foci_;
   std::optional<GlidePass> glide_;

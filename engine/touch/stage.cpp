@@ -26,12 +26,14 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
       cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
       rays_(sensing::upload_rays(passes.device(), tables_)),
+      limits_(sensing::upload_limits(passes.device(), tables_)),
       solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
       solids_memory_(passes.device(), solids_) {
   const gpu::Device& device = passes.device();
   passes.prepare(solids_, tables_, setting);
   if (setting.follow) tracks_.emplace(device);
   if (setting.glides()) homes_.emplace(device);
+  if (setting.looks_again(!cameras.empty())) known_.emplace(device);
   const std::vector<shader::BridgeCamera> seeing = bridge_cameras(cameras, tables_);
   const std::vector<shader::Border> borders = sector_borders();
   const gpu::Recorder recorder(device, "stage");
@@ -51,13 +53,22 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
   const Box box = touchable_box(solids_);
   sensing::plan_crops(cameras_, tables_, box, memory.crops_);
   set_stride(memory.crops_, stride_);
+  sensing::plan_drops(setting_.surroundings, box, memory.drops_);
+  if (!memory.drops_.empty()) {
+    const std::size_t bytes = memory.drops_.size() * sizeof(shader::SkinVolume);
+    std::memcpy(memory.volumes_.data(), memory.drops_.data(), bytes);
+    memory.volumes_.record(commands, bytes);
+  }
   passes_.skin_.record(commands,
                        {.depth = memory.depth_.ref(),
                         .rays = rays_.ref(),
                         .points = memory.seen_.ref(),
-                        .total = memory.seen_total_.ref()},
+                        .total = memory.seen_total_.ref(),
+                        .volumes = memory.volumes_.ref(),
+                        .limits = limits_.ref(),
+                        .dropped = memory.dropped_.ref()},
                        memory.skin_scratch_, tables_, box, memory.crops_,
-                       ContactsPass::groups(passes_.device(), memory.room_, solids_), times);
+                       ContactsPass::groups(passes_.device(), memory.room_, solids_), times, memory.drops_.size());
   gpu::compute_to_compute(commands);
 }
 
@@ -104,8 +115,24 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .fingers = m.fingers_.ref(),
                            .deep_total = m.deep_total_.ref(),
                            .deep = m.deep_.ref()},
-                          m.fingers_scratch_, m.room_, parameters, times);
+                          m.fingers_scratch_, m.room_, setting_.searched(parameters, cameras), times);
   gpu::compute_to_compute(commands);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : shader::follow_restart;
+  const bool knows = setting_.knows(cameras);
+  const KnownFrame frame{knows && elapsed_us <= setting_.memory_us() ? elapsed_us : shader::known_restart,
+                         knows ? setting_.hysteresis_rules : 0U};
+  const auto known_bindings = [&] {
+    return KnownBindings{.depth = m.depth_.ref(),
+                         .rays = rays_.ref(),
+                         .cameras = bridge_cameras_.ref(),
+                         .total = m.total_.ref(),
+                         .contacts = m.contacts_.ref(),
+                         .parents = m.parents_.ref(),
+                         .header = m.header_.ref(),
+                         .fingers = m.fingers_.ref(),
+                         .known = known_->ref(),
+                         .tracks = tracks_->ref()};
+  };
   if (setting_.looks_again(cameras)) {
     passes_.split_->record(commands,
                            {.depth = m.depth_.ref(),
@@ -116,8 +143,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                             .parents = m.parents_.ref(),
                             .clusters = m.clusters_.ref(),
                             .header = m.header_.ref(),
-                            .fingers = m.fingers_.ref()},
-                           m.split_scratch_, m.room_, parameters);
+                            .fingers = m.fingers_.ref(),
+                            .known = known_->ref()},
+                           m.split_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("split");
     passes_.bridge_->record(commands,
@@ -129,10 +157,16 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                              .parents = m.parents_.ref(),
                              .clusters = m.clusters_.ref(),
                              .header = m.header_.ref(),
-                             .fingers = m.fingers_.ref()},
-                            m.bridge_scratch_, m.room_, parameters);
+                             .fingers = m.fingers_.ref(),
+                             .known = known_->ref()},
+                            m.bridge_scratch_, m.room_, parameters, frame);
     gpu::compute_to_compute(commands);
     mark("bridge");
+    if (knows) {
+      passes_.known_->admit(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
+      gpu::compute_to_compute(commands);
+      mark("admit");
+    }
   }
   passes_.sections_.record(commands,
                            {.total = m.total_.ref(),
@@ -146,9 +180,14 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
   if (tracks_) {
     passes_.follow_->record(commands,
                             {.header = m.header_.ref(), .fingers = m.fingers_.ref(), .tracks = tracks_->ref()},
-                            tracks_->clock.elapsed_us(time_s), setting_);
+                            elapsed_us, setting_);
     mark("follow");
     gpu::compute_to_compute(commands);
+    if (knows) {
+      passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters);
+      gpu::compute_to_compute(commands);  // the foci's kernels write into the fingers that it reads
+      mark("keep");
+    }
   }
   passes_.foci_.record(commands,
                        {.grouped = m.grouped_texels_.ref(),
@@ -169,6 +208,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     mark("glide");
   }
   if (setting_.detail == Detail::contacts) m.contacts_.record(commands);
+  if (cameras) m.dropped_.record(commands);
   m.header_.record(commands);
   m.fingers_.record(commands);
   m.foci_.record(commands);

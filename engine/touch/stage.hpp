@@ -23,6 +23,8 @@
 //                 header (how many fingers; points and contacts in all), fingers' first, solid, contacts
 //   SplitPass     split_*: rewrites parents, clusters, header, fingers if a cluster is several fingers, or no finger
 //   BridgePass    bridge_*: the same if several clusters are one finger
+//   KnownPass     known_claim, known_admit: rewrites header and fingers by the fingers of the frame before;
+//                 known_keep, after follow: known
 //   SectionsPass  sections_*: contacts' finger, grouped (contacts by finger); fingers' centre, mean, axes, turn, lean,
 //                 point_like, id (its index); Eq. (2)-(4)
 //   FollowPass    follow: fingers' id, axes, turn; tracks
@@ -70,6 +72,7 @@ class Stage {
 
   const StageSetting& setting() const { return setting_; }
   const std::vector<sensing::Camera>& cameras() const { return cameras_; }
+  const sensing::RayTables& rays() const { return tables_; }
   const PreparedSolids& solids() const { return solids_; }
   /// Takes effect from the next record(); see touch::set_pose.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { touch::set_pose(solids_, solid, T_world_rest); }
@@ -83,8 +86,8 @@ class Stage {
   /// Records all passes that turn the frame's input, captured at `time_s`, into foci, and the readback that the setting
   /// requests. If fingers are followed, record frames in the order of their capture and submit them in the order of
   /// recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass, "split",
-  /// "bridge", SectionsPass, "follow", "foci" and "glide", as far as they run. Barriers: the previous submit that used
-  /// `memory` must have completed. Allocates nothing.
+  /// "bridge", "admit", SectionsPass, "follow", "keep", "foci" and "glide", as far as they run. Barriers: the previous
+  /// submit that used `memory` must have completed. Allocates nothing.
   void record(VkCommandBuffer commands, StageMemory& memory, double time_s = 0, gpu::Timestamps* times = nullptr);
 
  private:
@@ -95,12 +98,13 @@ class Stage {
   StageSetting setting_;
   std::vector<sensing::Camera> cameras_;
   sensing::RayTables tables_;
-  gpu::Buffer rays_;
+  gpu::Buffer rays_, limits_;
   gpu::Upload bridge_cameras_, borders_;
   PreparedSolids solids_;
   SolidsMemory solids_memory_;
   std::optional<TracksMemory> tracks_;
   std::optional<HomesMemory> homes_;
+  std::optional<KnownMemory> known_;  // if depth frames decide which clusters are fingers
   std::uint32_t stride_ = 1;
 };
 
@@ -131,10 +135,14 @@ class StageMemory {
   gpu::Upload depth_;           // depth frames
   gpu::Upload points_, given_;  // or points, and their total
   std::vector<sensing::Crop> crops_;
+  std::vector<shader::SkinVolume> drops_;
+  gpu::Upload volumes_;
+  gpu::Readback dropped_;
   gpu::Upload solids_;             // their poses
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, parents_, clusters_, grouped_;
-  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, split_scratch_, bridge_scratch_, sections_scratch_;
+  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_, split_scratch_, bridge_scratch_, known_scratch_,
+      sections_scratch_;
   gpu::Readback contacts_, deep_, deep_total_, header_, fingers_, foci_;
   gpu::TexelView contact_texels_, solid_texels_, grouped_texels_;
 };

@@ -53,6 +53,10 @@ void StageMemory::make(const Room& room) {
   room_ = room;
   if (cameras) {
     crops_.reserve(tables.cameras.size());
+    const std::size_t volumes = std::max<std::size_t>(sensing::most_drops(stage_->setting_.surroundings), 1);
+    drops_.reserve(volumes);
+    volumes_ = gpu::Upload(device, volumes * sizeof(shader::SkinVolume), "surroundings");
+    dropped_ = gpu::Readback(device, shader::skin_kept * sizeof(std::uint32_t), "dropped points");
     depth_ = gpu::Upload(device, sensing::packed_bytes(tables), "depth frames");
     // One for every pixel, so that the total counts all points; read() reports if it exceeds the room.
     seen_ = gpu::Buffer(device, tables.pixels * sizeof(sensing::SkinPoint), "skin points");
@@ -61,6 +65,7 @@ void StageMemory::make(const Room& room) {
     if (stage_->setting_.looks_again(cameras)) {
       split_scratch_ = gpu::Scratch(device, SplitPass::scratch(), "split");
       bridge_scratch_ = gpu::Scratch(device, BridgePass::scratch(), "bridge");
+      if (stage_->setting_.knows(cameras)) known_scratch_ = gpu::Scratch(device, KnownPass::scratch(), "known");
     }
   } else {
     points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
@@ -132,6 +137,9 @@ void read(const StageMemory& memory, Touch& out) {
     const shader::ContactRecord& record = memory.deep_.as<shader::ContactRecord>()[i];
     out.deep[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
   }
+  out.dropped = {};
+  if (const auto counts = memory.dropped_.as<std::uint32_t>(); !counts.empty())
+    std::ranges::copy(counts.first(shader::skin_kept), out.dropped.counts.begin());
   out.cluster_count = header.clusters;
   out.finger_count = header.fingers;
   if (out.fingers.size() < header.fingers) out.fingers.resize(header.fingers);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "sensing/surroundings.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -15,13 +16,19 @@ struct StageSetting {
   Parameters parameters;
   Detail detail = Detail::contacts;
   /// Fingers keep their ids from frame to frame; frames must come in the order of their capture. If false, each frame
-  /// stands alone and the next three members have no effect.
+  /// stands alone and the next five members have no effect.
   bool follow = false;
   Axes axes = Axes::steady;
   Smoothing smoothing = Smoothing::one_euro;
+  /// Needs `follow` and cameras. Unless it is off, the rules of known.h are on.
+  Hysteresis hysteresis = Hysteresis::off;
+  /// The rules that are on, for tools that compare them; bits of known.h.
+  std::uint32_t hysteresis_rules = ~0U;
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
   double memory_s = 0;
+  /// With depth frames: points on these things, and outside the room, are no skin.
+  sensing::Surroundings surroundings{};
 
   std::uint32_t memory_us() const {
     return static_cast<std::uint32_t>(std::clamp(memory_s, 0.3, longest_memory_s) * 1e6);
@@ -30,6 +37,15 @@ struct StageSetting {
   /// Whether depth frames, if there are `cameras`, decide which clusters are fingers: clusters of several fingers are
   /// split, and patches are joined across hidden skin.
   bool looks_again(bool cameras) const { return cameras && parameters.finger_width_m > 0; }
+
+  /// Whether the fingers of the frame before decide with the depth frames.
+  bool knows(bool cameras) const { return follow && hysteresis == Hysteresis::on && looks_again(cameras); }
+  /// With known fingers, clusters with half as many contacts may be fingers.
+  Parameters searched(const Parameters& given, bool cameras) const {
+    Parameters p = given;
+    if (knows(cameras) && (hysteresis_rules & 1U) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
+    return p;
+  }
 
   // On the device only: the maximum numbers of one frame. If a frame has more, read() reports an error. 0: the stage
   // decides. With cameras, it has room for every pixel and for 262,144 contacts. For points from another source, there

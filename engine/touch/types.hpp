@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/words.hpp"
+#include "sensing/no_skin.hpp"
 
 namespace palpa::touch {
 
@@ -38,6 +39,11 @@ enum class Smoothing {
   none,
 };
 inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
+
+/// For fingers that are followed through depth frames: whether a decision about a finger holds from frame to frame
+/// until the evidence against it is strong.
+enum class Hysteresis { on, off };
+inline constexpr Word<Hysteresis> hysteresis_words[] = {{"on", Hysteresis::on}, {"off", Hysteresis::off}};
 
 struct Parameters {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
@@ -118,6 +124,7 @@ struct Touch {
   /// The number of clusters of at least min_points contacts. If there are more than max_fingers, only the largest are
   /// fingers; among equally large ones, those with the smallest first contacts.
   std::uint32_t cluster_count = 0;
+  sensing::Dropped dropped;  ///< with depth frames: points near the solids that are no skin
 };
 
 }  // namespace palpa::touch

@@ -2,14 +2,20 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sensing/skin.h"
 
-// Finds the pixels of a crop with a point inside the box, and their number per group: the first half of the compaction.
+// Finds the pixels of a crop with a point of skin inside the box, and their number per group: the first half of the
+// compaction. Counts the points inside the box that are no skin.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Depth { uvec4 depth[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Rays { vec2 rays[]; };
 layout(std430, set = 0, binding = 2) writeonly buffer Runs { SkinRun runs[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 4) readonly buffer Volumes { SkinVolume volumes[]; };
+layout(std430, set = 0, binding = 5) readonly buffer Limits { uvec4 limits[]; };
+layout(std430, set = 0, binding = 6) buffer Dropped { uint dropped[]; };
 layout(push_constant) uniform Push { SkinPush push; };
+
+layout(constant_id = 1) const uint drops = 0u;
 
 #include "shaders/sensing/skin_point.glsl"
 
@@ -24,6 +30,43 @@ uint wanted_pixels(uvec2 pixel, uint stride) {
     if ((pixel.x + i) % stride == 0u) wanted |= 1u << i;
   }
   return wanted;
+}
+
+bool drops_point(SkinVolume volume, vec3 p) {
+  if (volume.kind == skin_room) return any(lessThan(p, volume.x.xyz)) || any(greaterThan(p, volume.y.xyz));
+  precise const float x = ((volume.x.x * p.x + volume.x.y * p.y) + volume.x.z * p.z) + volume.x.w;
+  precise const float y = ((volume.y.x * p.x + volume.y.y * p.y) + volume.y.z * p.z) + volume.y.w;
+  precise const float z = ((volume.z.x * p.x + volume.z.y * p.y) + volume.z.z * p.z) + volume.z.w;
+  return abs(x) <= volume.half_width && abs(y) <= volume.half_height && z >= -skin_behind_m && z <= skin_before_m;
+}
+
+// The points of a block, and the points of the run that are no skin, by their reasons.
+vec3 seen[8];
+uint gone[4] = uint[4](0u, 0u, 0u, 0u);
+
+// Those pixels of `block` whose point in `seen` is no skin. A volume is loaded once for all of them.
+uint find_dropped(uint block, uint place, uvec4 words) {
+  uint left = block;
+  if ((drops & skin_drops_volumes) != 0u) {
+    const uint count = volumes.length();
+    for (uint v = 0u; v < count && left != 0u; ++v) {
+      const SkinVolume volume = volumes[v];
+      const uint before = left;
+      for (uint i = 0u; i < 8u; ++i) {
+        if ((left >> i & 1u) != 0u && drops_point(volume, seen[i])) left ^= 1u << i;
+      }
+      gone[volume.kind] += bitCount(before ^ left);
+    }
+  }
+  if ((drops & skin_drops_background) != 0u && left != 0u) {
+    const uvec4 limit = limits[place];
+    const uint before = left;
+    for (uint i = 0u; i < 8u; ++i) {
+      if ((left >> i & 1u) != 0u && raw_depth(words, i) > raw_depth(limit, i)) left ^= 1u << i;
+    }
+    gone[skin_background] += bitCount(before ^ left);
+  }
+  return block ^ left;
 }
 
 uint find_survivors(uint first_block) {
@@ -47,12 +90,22 @@ uint find_survivors(uint first_block) {
       const uint raw = raw_depth(words, i);
       if (raw - depth_low <= depth_span) {
         const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
-        if (inside(lens, skin_point(lens, raw, ray))) survivors |= bit;
+        const vec3 point = skin_point(lens, raw, ray);
+        if (inside(lens, point)) {
+          survivors |= bit;
+          if (drops != 0u) seen[i] = point;
+        }
       }
       bit <<= 1;
     }
-    if (stride > 1u) survivors &= ~(0xffu << (8u * (block - first_block))) | wanted_pixels(pixel, stride) << (8u * (block - first_block));
+    const uint shift = 8u * (block - first_block);
+    if (stride > 1u) survivors &= ~(0xffu << shift) | wanted_pixels(pixel, stride) << shift;
+    if (drops != 0u) survivors ^= find_dropped(survivors >> shift & 0xffu, place, words) << shift;
     pixel = next_block(pixel);
+  }
+  for (uint why = 0u; drops != 0u && why < 4u; ++why) {
+    // The order of integer additions does not matter.
+    if (gone[why] != 0u) atomicAdd(dropped[why], gone[why]);
   }
   return survivors;
 }

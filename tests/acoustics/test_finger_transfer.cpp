@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <vector>
 
 #include "acoustics/bodies/body_places.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/bodies/tracked_finger.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/loudness.hpp"
@@ -99,6 +101,40 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
       for (std::size_t i = 0; i < 2; ++i)
         EXPECT_LE(std::abs(direct.pressures[i] + scattered[i] - sounds[2 + i][t]), 1e-3 * loudest) << t;
     }
+  }
+}
+
+// Sources at vertices instead of three samples a face: nearly the same sound, and the same phases.
+TEST(TrackedFinger, HearsNearlyTheSame) {
+  const array::Layout layout = shell(60);
+  const Air air = without_absorption(air_of({}));
+  const auto body = std::make_shared<const RigidBody>(geometry::icosphere(radius, 9), air.wave_number());
+  const TrackedFinger tracked(body, air_of({}), array::Directivity::t4010a1);
+  FingerTransfer exact(*body, layout, air, array::Directivity::t4010a1);
+  const std::vector<Vec3> foci{{1e-3, 2e-3, -7e-3}, {0, 8.5e-3, 0}, {-6e-3, 1e-3, 4e-3}};
+  const std::vector<Vec3> places = exact.aim(std::span(foci).first(1));
+  const auto heard = tracked.hear(foci, layout);
+  ASSERT_EQ(heard.size(), foci.size());
+  EXPECT_LE(glm::distance(heard[0].place, places[0]), 1e-9);
+  EXPECT_NEAR(heard[1].moved_m, 0.5e-3, 0.1e-3);
+  // On the skin, so that neither moves a focus.
+  std::vector<Vec3> skin;
+  for (const auto& one : heard)
+    skin.push_back(one.place);
+  exact.aim(skin);
+  for (std::size_t j = 0; j < skin.size(); ++j) {
+    const std::vector<Complex> right = transfer_of(exact, layout, skin[j]);
+    double wrong = 0, all = 0;
+    Complex in_phase = 0;
+    double best = 0;
+    for (std::size_t t = 0; t < right.size(); ++t) {
+      wrong += std::norm(heard[j].sound[t] - right[t]);
+      all += std::norm(right[t]);
+      in_phase += right[t] * std::conj(heard[j].sound[t]) / std::abs(heard[j].sound[t]);
+      best += std::abs(right[t]);
+    }
+    EXPECT_LE(std::sqrt(wrong / all), 0.04) << j;
+    EXPECT_GE(std::abs(in_phase), 0.999 * best) << j;
   }
 }
 

@@ -143,14 +143,14 @@ std::vector<Kind> spheres() {
                           {"geodesic, 180", geometry::icosphere(radius, 3), 0.03},
                           {"geodesic, 320", geometry::icosphere(radius, 4), 0.02},
                           {"geodesic, 500", geometry::icosphere(radius, 5), 0.02},
-                          {"uneven, 500", uneven(5, 1), 0.035},
+                          {"uneven, 500", uneven(5, 1), 0.03},
                           {"globe, 880", test::sphere(radius, 16, 30), 0.02}};
   if (test::instrumented()) return test::the_first(2, kinds);
   kinds.push_back({"geodesic, 980", geometry::icosphere(radius, 7), 0.02});
-  kinds.push_back({"uneven, 980", uneven(7, 2), 0.035});
+  kinds.push_back({"uneven, 980", uneven(7, 2), 0.03});
   if (test::exhaustive()) {
     kinds.push_back({"geodesic, 2000", geometry::icosphere(radius, 10), 0.02});
-    kinds.push_back({"uneven, 2000", uneven(10, 3), 0.035});
+    kinds.push_back({"uneven, 2000", uneven(10, 3), 0.03});
     kinds.push_back({"geodesic, 4500", geometry::icosphere(radius, 15), 0.02});
   }
   return kinds;
@@ -158,8 +158,9 @@ std::vector<Kind> spheres() {
 
 TEST(RadiationForce, IsTheSeriesOnEverySphereThatIsFineEnough) {
   for (const Kind& kind : spheres()) {
-    // As coarse as no warning says, and finer.
-    const double finest = 2 * pi / mean_side(kind.mesh) / 6 * radius;
+    // As coarse as no warning says, and finer. Only the first two kinds bend so much that there is one in any case.
+    const double finest = 2 * pi * radius * std::min(1 / mean_side(kind.mesh) / 6, 1 / long_side(kind.mesh) / 5.5);
+    EXPECT_EQ(mean_bend(kind.mesh) > 12 * pi / 180, kind.mesh.triangles.size() <= 180) << kind.name;
     for (const double ka : {1.0, 0.6 * finest, 0.85 * finest, 0.999 * finest}) {
       if (ka < 1 || ka > 12) continue;
       const Pushed sphere(kind.mesh, ka / radius);

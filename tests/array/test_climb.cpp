@@ -110,14 +110,14 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
       ClimbScratch scratch;
       const double weakest = climb(columns, targets, {10, 30, 0, 1000, 1e-4}, shares, does, scratch);
       const auto after = heard_of(columns, does);
-      EXPECT_NEAR(weakest, *std::ranges::min_element(after), 1e-9 * weakest);
+      EXPECT_NEAR(weakest, *std::ranges::min_element(after), 1e-6 * weakest);
       EXPECT_GE(weakest, *std::ranges::min_element(before));
       for (std::size_t n = 0; n < does.size(); ++n)
         ASSERT_NEAR(std::abs(does[n]), std::abs(first[n]), 1e-12) << n;
       // Lowering costs the weakest next to nothing, and no focus becomes less even.
       std::vector<Complex> lowered = first;
       std::ranges::fill(shares, 1);
-      EXPECT_GE(climb(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, lowered, scratch), climb_keep * weakest);
+      EXPECT_GE(climb(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, lowered, scratch), 0.996 * weakest);
       const auto last = heard_of(columns, lowered);
       EXPECT_LE(*std::ranges::max_element(last), 1.01 * *std::ranges::max_element(after));
     }

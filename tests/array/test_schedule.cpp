@@ -93,6 +93,29 @@ TEST(Schedule, SlotsFollowTheOrder) {
   }
 }
 
+TEST(Schedule, FociThatAdvanceAreWhereTheirVelocityTakesThem) {
+  Schedule schedule = schedule_of(voice_of(10));
+  schedule.voices[0].velocity = {0, 2, 0};
+  std::vector<SlotFocus> foci;
+  foci_of_slot(schedule, 3, foci);
+  EXPECT_EQ(foci[0].position.y, 0) << "without times they stand";
+  EXPECT_EQ(schedule.advance.time_of(3, schedule.slot_s), 0);
+  for (const std::uint32_t cycles : {2U, 5U}) {
+    schedule.advance = {.first_slot = 24, .cycle = 10, .cycles = cycles, .first_s = -0.003, .most_s = 0.02};
+    for (std::uint64_t slot = 0; slot < 120; ++slot) {
+      const std::uint32_t number = schedule.advance.number_of(slot);
+      ASSERT_LT(number, schedule.advance.listed());
+      EXPECT_EQ((number + 24) % 10, slot % 10) << "the same place in the cycle";
+      if (slot >= 24 && slot < 24 + 10 * cycles) {
+        EXPECT_EQ(number, slot - 24);
+      }
+      foci_of_slot(schedule, slot, foci);
+      EXPECT_NEAR(foci[0].position.y, 2 * std::min(-0.003 + number * schedule.slot_s, 0.02), 1e-12);
+      EXPECT_EQ(foci[0].position.x, fill_order(10, 3)[slot % 10]);
+    }
+  }
+}
+
 TEST(Schedule, TogetherPlaysAllInEverySlot) {
   Voice voice = voice_of(10);
   fill_order(10, 1, voice.order);

@@ -109,16 +109,17 @@ Served serve(const Backend& backend, const Layout& layout, const std::vector<std
   return served;
 }
 
-TEST_P(SolverOn, FociOfAnyDistanceAreEvenInTheTunnel) {
+TEST_P(SolverOn, FociOfAnyDistanceAreEvenOrLoudInTheTunnel) {
   const Layout layout = load_layout("paper");
   const auto sets = test::the_first(8, crowds({}));
   const Served greedy = serve(GetParam(), layout, sets, with(Solver::greedy));
   for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
     const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
     for (std::size_t s = 0; s < sets.size(); ++s) {
-      EXPECT_GE(served.evenness[s], 0.95) << s << " " << static_cast<int>(constraint);
+      // Where amplitudes are bounded, loudness comes before the evenness of foci that the array does not resolve.
+      EXPECT_GE(served.evenness[s], constraint == Constraint::normalise ? 0.95 : 0.6) << s;
       if (constraint == Constraint::uniform) {
-        EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
+        EXPECT_GE(served.weakest[s], 0.99 * greedy.weakest[s]) << s;
       }
     }
   }
@@ -162,7 +163,7 @@ TEST_P(SolverOn, TiltedRingsHaveTheirBestPhases) {
     EXPECT_GE(served.weakest[s], 0.95 * greedy.weakest[s]) << s;
 }
 
-TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
+TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysOrLouderAboveABoard) {
   for (const char* name : {"openmpd", "autd3"}) {
     const Layout layout = load_layout(name);
     const auto sets = crowds({0, 0, 0.15});
@@ -170,10 +171,12 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysAboveABoard) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
       const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
       for (std::size_t s = 0; s < sets.size(); ++s) {
-        EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s << " " << static_cast<int>(constraint);
-        // Evening out does not weaken the weakest: it has 1.1 times greedy's pressure in the worst of 600 sets.
-        if (constraint == Constraint::uniform) {
-          EXPECT_GE(served.weakest[s], greedy.weakest[s]) << name << " " << s;
+        // Where amplitudes are bounded, loudness comes first.
+        if (constraint == Constraint::normalise) {
+          EXPECT_GE(served.evenness[s], greedy.evenness[s]) << name << " " << s;
+        } else {
+          EXPECT_GE(served.weakest[s], 1.05 * greedy.weakest[s])
+              << name << " " << s << " " << static_cast<int>(constraint);
         }
       }
     }

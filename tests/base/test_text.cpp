@@ -49,5 +49,11 @@ TEST(Text, MessagesLoseWhatEndsThem) {
   EXPECT_EQ(one_line("version 1.2.", 9), "version 1...");
 }
 
+TEST(Text, CellsAreQuotedIfTheyWouldBeSplit) {
+  EXPECT_EQ(csv_cell("plain text"), "plain text");
+  EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
+  EXPECT_EQ(csv_cell("a\"b\nc"), "\"a\"\"b\nc\"");
+}
+
 }  // namespace
 }  // namespace palpa

@@ -89,7 +89,7 @@ class Hands : public testing::TestWithParam<std::string> {
                                                    : session::Session(std::move(setting));
     const touch::Touch& found = session.touch(input.frames, 0);
     const setup::TouchResult result{
-        .one = {nullptr, std::move(session), found}, .points = input.point_count, .times = {{"in all", 0.0}}};
+        .one = {{}, std::move(session), found}, .points = input.point_count, .times = {{"in all", 0.0}}};
     return read_touch(to_json(result), delta);
   }
 };

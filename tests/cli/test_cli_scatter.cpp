@@ -371,7 +371,8 @@ TEST(DriveOnAFinger, RefusesWhatHasNoFinger) {
            "--transfer", "finger"},
           2, unknown);
   const std::string scene = source_file("assets/cube.glb");
-  refused({"run", "--scene", scene, "--frames", "1", "--solver", "adjoint"}, 2, unknown);
+  const std::string drives = scratch_folder("no-finger") / "drives.bin";
+  refused({"export", "--scene", scene, "--frames", "1", "--drives", drives, "--solver", "adjoint"}, 2, unknown);
   refused({"touch", "--scene", scene, "--points", source_file("assets/finger.ply"), "--layout", "paper", "--transfer",
            "finger"},
           2, unknown);

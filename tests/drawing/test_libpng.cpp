@@ -33,6 +33,20 @@ void expect_back(std::uint32_t width, std::uint32_t height) {
   EXPECT_EQ(back, values);
 }
 
+TEST(Libpng, ATextComesBackBesideTheValues) {
+  const std::vector<std::uint16_t> values = ramp<std::uint16_t>(21);
+  const std::string bytes =
+      png_of_values(7, 3, std::span<const std::uint16_t>(values), {"Camera", "front left; \xc3\xa9"});
+  PngValues png(bytes);
+  EXPECT_EQ(png.text("Camera"), "front left; \xc3\xa9");
+  EXPECT_EQ(png.text("Title"), "");
+  std::vector<std::uint16_t> back(values.size());
+  png.read_grey(back);
+  EXPECT_EQ(back, values);
+  const std::string plain = png_of_values(7, 3, std::span<const std::uint16_t>(values));
+  EXPECT_EQ(PngValues(plain).text("Camera"), "");
+}
+
 TEST(Libpng, ValuesComeBackAsTheyWere) {
   expect_back<std::uint8_t>(7, 3);
   expect_back<std::uint16_t>(7, 3);

@@ -64,6 +64,23 @@ TEST(ComputePipeline, RefusesTheBuffersOfAnotherKernelAndMissingOnes) {
   EXPECT_EQ(dispatch({}), "pipeline 'scan' was given the buffers of kernel '': its own is 'scan'");
 }
 
+TEST(ComputePipeline, IsMadeOnceOnADeviceThatKeepsPipelines) {
+  const Device device({.keep_pipelines = true});
+  const auto make = [&](std::vector<std::uint32_t> constants) {
+    EXPECT_TRUE(ComputePipeline(device, "scan", spirv::scan_comp, sizeof(shader::ScanPush), constants));
+    return device.pipelines_created.load();
+  };
+  EXPECT_EQ(make({}), 1u);
+  EXPECT_EQ(make({}), 1u);
+  EXPECT_EQ(make({7}), 2u) << "other constants";
+  EXPECT_EQ(make({7}), 2u);
+  Device& other = test::test_device();
+  const std::uint64_t before = other.pipelines_created;
+  for (int i = 0; i < 2; ++i)
+    ComputePipeline(other, "scan", spirv::scan_comp, sizeof(shader::ScanPush));
+  EXPECT_EQ(other.pipelines_created, before + 2);
+}
+
 // In any order in a pass's struct: each buffer gets the number of the shader's binding with that name.
 TEST(Kernel, BindsBuffersByTheNamesThatTheShaderGivesThem) {
   const struct { BufferRef total, counts, more, length; } from{{.size = 1}, {.size = 2}, {.size = 3}, {.size = 4}};

@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base drawing gpu geometry sensing touch array acoustics study session setup bench cli", floor_names)
+  split("base drawing gpu geometry sensing touch array acoustics study session setup sweep bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.
@@ -20,10 +20,10 @@ BEGIN {
 
   # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
-  order("touch", "types stage_setting room contacts fingers bridge split sections follow foci .")
+  order("touch", "types stage_setting room contacts fingers bridge split sections follow known foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
-  order("session", "clock newest threads links watch plan loop previews .")
+  order("session", "clock newest threads links watch predict plan loop previews .")
   order("study", "statistics tables files . report")
   order("setup", ". tasks")
   order("cli", ". study")

@@ -97,10 +97,10 @@ walks() { python3 tests/house/walks.py; }
 words() { files | xargs -r -d '\n' python3 tests/house/words.py; }
 
 # Each source includes what it uses: tests/house/includes.py.
-includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
+includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'python/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
 
 # Files are opened only where the register of files sees it: tests/house/files.py.
-registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' | xargs -r python3 tests/house/files.py; }
+registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'python/*.?pp' | xargs -r python3 tests/house/files.py; }
 
 # Files are small and have one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
@@ -203,7 +203,7 @@ tree() {
   awk '/^    [a-z]/ && !done { inside = 1 } inside && !/^ / { done = 1; inside = 0 }
        inside { match($0, /^ +/); depth = (RLENGTH - 4) / 2; folder[depth] = $1; path = ""
                 for (i = 0; i <= depth; i++) path = path folder[i]; print path }' docs/architecture.md | sort |
-    diff - <(files 'engine/*' 'viewer/*' 'driver/*' 'shaders/*' 'assets/*' 'examples/*' 'tests/*' | tree_of) && return
+    diff - <(files 'engine/*' 'viewer/*' 'driver/*' 'python/*' 'shaders/*' 'assets/*' 'examples/*' 'tests/*' | tree_of) && return
   echo "   the tree in docs/architecture.md (left) is not that of the folders (right)"
   return 1
 }

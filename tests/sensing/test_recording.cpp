@@ -99,9 +99,14 @@ TEST(Recording, KeepsWhatItsCamerasIgnore) {
   std::vector<std::uint8_t> pixels(pixel_count(right), 255);
   pixels.back() = 0;
   right.mask = std::make_shared<Mask>(Mask{"/somewhere/else.png", pixels});
+  left.background = std::make_shared<Background>(
+      Background{"/somewhere/empty.png", std::vector<std::uint16_t>(pixel_count(left), 4321), 0.0035});
   write(folder, take);
   const Recording back = load_recording(folder);
-  ASSERT_TRUE(back.cameras[0].roi && back.cameras[1].mask);
+  ASSERT_TRUE(back.cameras[0].roi && back.cameras[1].mask && back.cameras[0].background);
+  EXPECT_EQ(back.cameras[0].background->depth, left.background->depth);
+  EXPECT_EQ(back.cameras[0].background->margin_m, 0.0035);
+  EXPECT_EQ(back.cameras[0].background->file, fs::absolute(folder / "background-0.png").string());
   EXPECT_EQ(back.cameras[0].roi->x0, 1u);
   EXPECT_EQ(back.cameras[0].roi->x1, left.width);
   EXPECT_FALSE(back.cameras[0].mask || back.cameras[1].roi);

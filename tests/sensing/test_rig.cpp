@@ -4,10 +4,12 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <memory>
 #include <random>
 
 #include "random_rig.hpp"
 #include "sensing/grey_png.hpp"
+#include "sensing/rig_toml.hpp"
 #include "support/bits.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -254,6 +256,61 @@ TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
   EXPECT_REFUSED(mask(), "line 14: mask " + mask_file() + ": leaves this camera no pixel; pixels of 0 are ignored");
   write_mask(848, 480, [](std::uint32_t u, auto) { return u < 8; });
   EXPECT_REFUSED(mask("roi = [0, 0, 8, 8]\n"), "no pixel; pixels of 0 are ignored, and so are those outside roi");
+}
+
+std::string background_file() {
+  return (std::filesystem::path(scratch()).parent_path() / "empty table.png").string();
+}
+
+TEST(Rig, WhatACameraSawWithoutAHand) {
+  const std::string keys = "background = \"empty table.png\"\nbackground_margin_m = 0.004\n";
+  Camera camera = load_text(camera_text).cameras[0];
+  EXPECT_EQ(camera.background, nullptr);
+  Background learned{"elsewhere.png", std::vector<std::uint16_t>(848 * 480, 7000), 0.004};
+  learned.depth[5] = 0;
+  camera.background = std::make_shared<Background>(learned);
+  write_background(background_file(), camera);
+  const Rig rig = load_text(camera_text + keys);
+  ASSERT_NE(rig.cameras[0].background, nullptr);
+  EXPECT_EQ(rig.cameras[0].background->file, background_file());
+  EXPECT_EQ(rig.cameras[0].background->depth, learned.depth);
+  EXPECT_EQ(rig.cameras[0].background->margin_m, 0.004);
+  EXPECT_FALSE(ignores_pixels(rig.cameras[0]));
+  EXPECT_EQ(to_toml(load_text(to_toml(rig))), to_toml(rig));
+
+  EXPECT_REFUSED(load_text(camera_text + "background_margin_m = 0.004\n"),
+                 "line 14: background_margin_m goes with background");
+  EXPECT_REFUSED(load_text(camera_text + "background = \"empty table.png\"\n"), "background_margin_m");
+  EXPECT_REFUSED(load_text(with("name", "name = \"two\"") + keys),
+                 "line 14: background " + background_file() +
+                     ": is of the camera one with depth_unit_m = 0.0001, and this is two with depth_unit_m = 0.0001");
+  EXPECT_REFUSED(load_text(with("depth_unit_m", "depth_unit_m = 0.001") + keys),
+                 "this is one with depth_unit_m = 0.001");
+  EXPECT_REFUSED(load_text(with("width", "width = 640") + keys),
+                 "empty table.png: is 848x480 pixels, but its camera is 640x480");
+  write_png8(background_file(), 848, 480, std::vector<std::uint8_t>(848 * 480, 1));
+  EXPECT_REFUSED(load_text(camera_text + keys), "is a 8-bit grey PNG, but a background must be 16-bit grey");
+  write_png16(background_file(), 848, 480, learned.depth);  // of any program: it does not say of which camera
+  EXPECT_EQ(load_text(camera_text + keys).cameras[0].background->depth, learned.depth);
+  std::filesystem::remove(background_file());
+  EXPECT_REFUSED(load_text(camera_text + keys), "line 14: background " + background_file() + ": no such file");
+}
+
+TEST(Rig, TheRoom) {
+  const Rig rig = load_text(camera_text + "[room]\nlow_m = [-0.3, -0.1, -0.25]\nhigh_m = [0.3, 0.5, 0.125]\n");
+  ASSERT_TRUE(rig.room.has_value());
+  EXPECT_EQ(rig.room->box.low, Vec3(-0.3, -0.1, -0.25));
+  EXPECT_EQ(rig.room->box.high, Vec3(0.3, 0.5, 0.125));
+  EXPECT_EQ(rig.room->where, scratch() + ": line 14");
+  EXPECT_EQ(to_toml(load_text(to_toml(rig))), to_toml(rig));
+  EXPECT_FALSE(load_text(camera_text).room.has_value());
+  EXPECT_REFUSED(load_text(camera_text + "[room]\nlow_m = [0, 0, 0]\nhigh_m = [1, 0, 1]\n"),
+                 "line 16: high_m must be above low_m in x, y and z, but 0 is not above 0");
+  EXPECT_REFUSED(load_text(camera_text + "[room]\nlow_m = [0, 0]\nhigh_m = [1, 1, 1]\n"), "low_m must be 3");
+  EXPECT_REFUSED(load_text(camera_text + "[room]\nlow_m = [0, 0, 0]\nhigh_m = [1, 1, 1e9]\n"),
+                 "line 16: the room reaches");
+  EXPECT_REFUSED(load_text(camera_text + "[room]\nlow_m = [0, 0, 0]\n"), "high_m");
+  EXPECT_REFUSED(load_text(camera_text + "[room]\nsize = 3\n"), "low_m");
 }
 
 TEST(Rig, HostileFilesAreRefusedAtOnce) {

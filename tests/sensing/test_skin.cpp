@@ -3,81 +3,28 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <iterator>
 #include <set>
 #include <string>
 
 #include "base/error.hpp"
-#include "gpu/barrier.hpp"
 #include "random_rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "shaders/sensing/skin.h"
+#include "skin_run.hpp"
 #include "spirv/skin_count.comp.hpp"
 #include "spirv/skin_scatter.comp.hpp"
-#include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::sensing {
 namespace {
 
-using test::GuardedBuffer;
-
-struct Scene {
-  std::vector<Camera> cameras;
-  std::vector<DepthFrame> frames;
-};
-
-Scene random_scene(std::mt19937_64& random, std::uint32_t cameras) {
-  Scene scene;
-  for (std::uint32_t i = 0; i < cameras; ++i) {
-    scene.cameras.push_back(test::random_camera(random));
-    scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
-  }
-  return scene;
-}
-
-struct DeviceResult {
-  std::vector<SkinPoint> points;
-  shader::ScanTotal total{};
-};
-
-/// One run of the pass with room for `room` points; every buffer lies between guard words.
-DeviceResult run_pass(const Scene& scene, const Box& box, std::uint64_t room = ~0ull, std::uint32_t stride = 1) {
-  gpu::Device& device = test::test_device();
-  const RayTables tables = make_rays(scene.cameras);
-  std::vector<Crop> crops;
-  plan_crops(scene.cameras, tables, box, crops);
-  for (Crop& crop : crops)
-    crop.stride = stride;
-
-  std::vector<std::uint16_t> packed(tables.padded_pixels);
-  pack_depth(tables, scene.frames, packed);
-  auto depth = GuardedBuffer::of<std::uint16_t>(device, packed);
-  auto rays = GuardedBuffer::of<glm::vec2>(device, tables.rays);
-  GuardedBuffer points(device, std::min(room, tables.pixels) * sizeof(SkinPoint));
-  GuardedBuffer total(device, sizeof(shader::ScanTotal));
-
-  const test::GuardedScratch scratch(device, SkinPass::scratch(tables));
-  static SkinPass pass(device);
-  pass.prepare(tables);
-  test::run_on_device([&](VkCommandBuffer commands) {
-    pass.record(commands, {depth.ref(), rays.ref(), points.ref(), total.ref()}, scratch, tables, box, crops,
-                gpu::groups_of_64);
-    gpu::writes_to_transfer(commands);
-  });
-  for (GuardedBuffer* buffer : {&depth, &rays, &points, &total})
-    EXPECT_TRUE(buffer->intact());
-  EXPECT_TRUE(scratch.intact());
-
-  DeviceResult result;
-  result.total = total.read<shader::ScanTotal>()[0];
-  result.points = points.read<SkinPoint>();
-  EXPECT_LE(result.total.total, result.points.size());
-  result.points.resize(std::min<std::size_t>(result.total.total, result.points.size()));
-  return result;
-}
+using test_skin::DeviceResult;
+using test_skin::random_scene;
+using test_skin::run_pass;
+using test_skin::same_bytes;
+using test_skin::Scene;
 
 double outside_by(const Box& box, const Vec3& p) {
   double worst = -1e300;
@@ -117,10 +64,6 @@ void expect_brute_force(const std::vector<Vec3>& all, const Box& box, const std:
     }
   }
   ASSERT_EQ(next, found.size());
-}
-
-bool same_bytes(const std::vector<SkinPoint>& a, const std::vector<SkinPoint>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(SkinPoint)) == 0);
 }
 
 TEST(Skin, TwinFindsWhatBruteForceInDoubleFindsForAnyBoxAndDistortion) {
@@ -188,7 +131,7 @@ TEST(Skin, AStrideTakesEveryNthPixelOfEveryNthRow) {
       std::vector<SkinPoint> twin;
       find_skin(tables, scene.frames, box, crops, twin);
       EXPECT_TRUE(same_bytes(expected, twin)) << "round " << round << ", stride " << stride;
-      EXPECT_TRUE(same_bytes(twin, run_pass(scene, box, ~0ull, stride).points)) << round << ", stride " << stride;
+      EXPECT_TRUE(same_bytes(twin, run_pass(scene, box, {.stride = stride}).points)) << round << ", stride " << stride;
       if (stride == 3) kept_points += twin.size();
     }
     all_points += all.size();
@@ -298,7 +241,7 @@ TEST(Skin, TooLittleRoomKeepsTheFirstPointsAndStaysInside) {
   auto twin = find_skin(scene.cameras, scene.frames, box);
   ASSERT_GT(twin.size(), 100u);
   twin.resize(100);
-  const DeviceResult device = run_pass(scene, box, 100);
+  const DeviceResult device = run_pass(scene, box, {.room = 100});
   EXPECT_EQ(device.total.total, 100u);
   EXPECT_TRUE(same_bytes(twin, device.points));
 }
@@ -388,6 +331,11 @@ TEST(Skin, ShadersAgreeWithTheSharedHeader) {
     EXPECT_EQ(push.at("pinhole"), offsetof(shader::SkinPush, pinhole));
     EXPECT_EQ(push.at("depth_range"), offsetof(shader::SkinPush, depth_range));
     EXPECT_EQ(push.at("width"), offsetof(shader::SkinPush, width));
+    if (kernel == &spirv::skin_count_comp) {
+      const auto& volume = module.structs.at("SkinVolume").offsets;
+      EXPECT_EQ(volume.at("half_width"), offsetof(shader::SkinVolume, half_width));
+      EXPECT_EQ(volume.at("kind"), offsetof(shader::SkinVolume, kind));
+    }
     EXPECT_EQ(module.structs.at("SkinRun").offsets.at("before"), offsetof(shader::SkinRun, before));
   }
 }

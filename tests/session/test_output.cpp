@@ -155,11 +155,12 @@ std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
       phases.tried_across, phases.normal, phases.rest, phases.miss, phases.tried_miss);
   const array::SearchScratch& search = work.gs_pat.search;
   add(work.gs_pat.shares, search.part.cosine, search.part.sine, search.part.loud, search.part.asked, search.starts,
-      search.factors, search.pressure, search.does, search.merits, search.shares);
+      search.single.entries, search.does, search.merits, search.shares, work.gs_pat.near.re, work.gs_pat.near.im);
   for (const array::ClimbScratch* climb : {&search.climb, &work.gs_pat.climb}) {
-    add(climb->tried, climb->pressure, climb->tried_pressure, climb->pull, climb->stiff_pull, climb->turn,
-        climb->growth, climb->loud, climb->tried_loud, climb->tried_shares, climb->change, climb->slopes, climb->counts,
-        climb->step.normal, climb->step.ones, climb->step.rest, climb->step.takes, climb->step.returns);
+    add(climb->columns.re, climb->columns.im, climb->does.re, climb->does.im, climb->tried.re, climb->tried.im,
+        climb->pressure, climb->tried_pressure, climb->pull, climb->stiff_pull, climb->turn, climb->growth, climb->loud,
+        climb->tried_loud, climb->tried_shares, climb->change, climb->counts, climb->step.normal, climb->step.ones,
+        climb->step.rest, climb->step.takes, climb->step.returns);
   }
   add(work.pressures.gains, work.pressures.targets, work.pressures.weights);
   add_even(work.pressures.even);

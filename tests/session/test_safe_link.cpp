@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -177,6 +178,34 @@ TEST(SafeLink, ACeilingOfZeroIsSilence) {
   safe.send(0, p.loud);
   EXPECT_EQ(p.spy.plans[0].gain, 0.0);
   EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.0f}));
+}
+
+TEST(SafeLink, TheCeilingMayChangeWhileItPlays) {
+  for (const double ramp_s : {0.0, 10 * slot_s}) {
+    Player p;
+    std::atomic<double> ceiling{1.0};
+    SafeLink safe(p.spy, 3, {.ceiling = 0.1, .ramp_s = ramp_s, .ceiling_now = &ceiling});
+    safe.plan(p.at(p.touch, 0));
+    std::uint64_t slot = 0;
+    const auto plays = [&](double value) {
+      ceiling = value;
+      safe.plan(p.at(p.touch, slot));
+      for (int i = 0; i < 15; ++i)
+        safe.send(slot++, p.loud);
+      return p.spy.loudest.back();
+    };
+    EXPECT_EQ(plays(1), 1.0f) << "not the one of the beginning";
+    EXPECT_EQ(p.spy.plans.back().gain, 1.0);
+    EXPECT_EQ(plays(0.25), 0.25f);
+    EXPECT_EQ(p.spy.plans.back().gain, 0.25);
+    EXPECT_EQ(p.spy.plans.back().loudest, 0.25f);
+    EXPECT_EQ(plays(0.5), 0.5f);
+    EXPECT_EQ(plays(7), 1.0f);
+    EXPECT_EQ(plays(-7), 0.0f);
+    EXPECT_EQ(plays(std::numeric_limits<double>::quiet_NaN()), 0.0f);
+    safe.finish();
+    EXPECT_TRUE(p.spy.ended_silent());
+  }
 }
 
 TEST(SafeLink, GoesUpTheRampAndDownAgainAndThenIsSilent) {

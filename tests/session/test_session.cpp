@@ -198,7 +198,8 @@ TEST(SessionGrows, WithTheCloudItIsGiven) {
 struct Live {
   SessionSetting setting{.solids = cube(0.003),
                          .cameras = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras,
-                         .layout = array::load_layout("autd3")};
+                         .layout = array::load_layout("autd3"),
+                         .keep_boards = true};  // the board is not rendered, and the finger is where it would stand
   test::SpyLink link;
   std::atomic<bool> stop{false};
   std::vector<Event> told;
@@ -229,6 +230,23 @@ TEST(SessionRuns, ToTheEndOfItsSourceAndLetsGo) {
   EXPECT_EQ(live.told.back().kind, EventKind::release) << "the source ended in the middle of a touch";
   EXPECT_GT(*std::max_element(live.link.loudest.begin(), live.link.loudest.end()), 0.0F);
   EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionRuns, PointsOnItsBoardsAndOutsideTheRoomAreNoSkin) {
+  Live live;
+  EXPECT_FALSE(live.run().dropped.has_value()) << "nothing can be dropped";
+  live.setting.keep_boards = false;
+  LoopStats stats = live.run();
+  ASSERT_TRUE(stats.dropped.has_value());
+  EXPECT_GT((*stats.dropped)[sensing::NoSkin::board], 1000U);
+  EXPECT_EQ((*stats.dropped)[sensing::NoSkin::board], stats.dropped->total());
+  EXPECT_EQ(stats.touching, 0U) << "the whole fingertip is over the board";
+  live.setting.keep_boards = true;
+  live.setting.surroundings.room = Box{Vec3(-1), Vec3(1, 1, 0)};
+  stats = live.run();
+  ASSERT_TRUE(stats.dropped.has_value());
+  EXPECT_GT((*stats.dropped)[sensing::NoSkin::room], 100U) << "half of the finger";
+  EXPECT_GT(stats.touching, 0U);
 }
 
 TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {

@@ -21,7 +21,8 @@ namespace palpa::viewer {
 namespace {
 
 constexpr double toast_s = 6;
-constexpr double tend_s = 1;  ///< a live run is looked after at least this often, see LiveSession::look
+constexpr double lull_s = 0.1;  ///< the strip notices silence this soon, even if no frame comes
+constexpr double tend_s = 1;    ///< a live run is looked after at least this often, see LiveSession::look
 
 /// Keys that repeat while they are held down. Any other key would switch something on and off again and again.
 bool goes_on(const WindowEvent& event) {
@@ -57,7 +58,7 @@ App::App(const ViewerOptions& options, const Size& size, Surroundings around)
   desk_.state = first_state(options_);
   desk_.edit = LiveEdit(options_.given);
   desk_.live = options_.is_live();
-  desk_.panels = around_.panels;
+  desk_.panels = around_.panels && !options_.no_panels;
   recall();
   if (around_.panels) {
     ui_ = std::make_unique<Ui>(desk_.state.dark, around_.copy, around_.paste);
@@ -161,6 +162,11 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   // Before any picture, even if something lies over the button.
   if (press && desk_.places.all_off && here(*desk_.places.all_off)) switch_off();
   const bool escape = event.kind == WindowEvent::Kind::key && event.down && event.key == Key::escape;
+  if (escape && ui_ && ui_->let_go()) {
+    desk_.ceiling.reset();
+    run_.set_ceiling(desk_.edit.options().safety.ceiling);
+    return stale_.redraw();
+  }
   if (escape && ui_ && ui_->close_list()) return stale_.redraw();
   const bool taken =
       ui_ && ui_->take(event, press && event.button == Button::left && std::ranges::any_of(desk_.places.texts, here));
@@ -168,6 +174,10 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   if (taken && event.kind != WindowEvent::Kind::release) return;
   if (event.repeat && !goes_on(event)) return;
   if (escape && (desk_.picker || desk_.help)) return close_innermost();
+  // The first move onto a panel comes before a picture in which the panels notice the pointer.
+  if (press) held_ = true;
+  if (event.kind == WindowEvent::Kind::release) held_ = false;
+  if (event.kind == WindowEvent::Kind::move && !held_ && !picture_area(whole_size).holds(event.x, event.y)) return;
   handle_in_picture(in_area(event, picture_area(whole_size)), size);
 }
 
@@ -252,6 +262,7 @@ void App::do_asked(double now_s, const Size& size) {
   const Desk::Asked asked = std::exchange(desk_.asked, {});
   if (desk_.live && ui_) do_placing(now_s);
   if (asked.all_off) switch_off();
+  if (desk_.ceiling) run_.set_ceiling(*desk_.ceiling);  // while its slider is held
   do_views(asked, size);
   for (const OptionText& option : asked.options)
     set_option(option, now_s);
@@ -319,6 +330,7 @@ std::optional<double> App::next_s() const {
   if (desk_.opening) sooner(now_s_ + 0.1);
   if (desk_.participant.says_how_to_leave) sooner(leave_line_until_s_);
   if (sounds_.busy()) sooner(now_s_ + 0.03);
+  if (desk_.sounding) sooner(now_s_ + lull_s);
   if (run_.under_way()) sooner(now_s_ + (desk_.live_state == LiveState::loading ? 0.1 : tend_s));
   return next;
 }

@@ -233,6 +233,8 @@ class App {
   double leave_line_until_s_ = 0;  ///< the participant's window says how to leave it
   std::string stretched_;          ///< the warning about that window's shape that was given
   double quit_asked_s_ = -1e9;     ///< when somebody wanted to quit while the array sounded
+  bool held_ = false;              ///< a button was pressed in the picture and is still held down
+  bool told_of_finger_ = false;    ///< the user knows what the pointer does
   bool quitting_ = false;
 };
 

@@ -11,6 +11,7 @@
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/options/touch_edit.hpp"
+#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -23,6 +24,8 @@ std::string free_folder() {
     if (!std::filesystem::exists(name, ignored)) return name;
   }
 }
+
+constexpr double room_for_finger = 0.03;  ///< above an object
 
 /// What errors are about.
 constexpr const char *about_options = "options", *about_run = "run";
@@ -38,6 +41,9 @@ void App::begin_run() {
   if (!lines) return void(quitting_ = true);
   for (const std::string& line : *lines)
     say(log::Level::info, line, now_s_);
+  if (HeldFinger::is_held(run_.options().source) && !std::exchange(told_of_finger_, true))
+    say(log::Level::info,
+        "The pointer holds a fingertip: move it down onto the object. M lets go of it, and H shows all keys.", now_s_);
   moved_.begin_run(*run_.session(), run_.options().scene);
   desk_.live_state = LiveState::loading;
 }
@@ -50,6 +56,7 @@ void App::change_run(LiveEdit edit, bool again) {
   settled(about_options);
   desk_.edit = std::move(edit);
   if (other) run_.change(desk_.edit.options());
+  run_.set_ceiling(desk_.edit.options().safety.ceiling);
 }
 
 /// If not, shows the reason.
@@ -115,12 +122,23 @@ void App::set_touch_option(const LiveEdit& edit, const OptionText& asked) {
   opening_.begin_touch(touch.options(), touch.options().input.scene == options_.input.scene);
 }
 
-/// The first object is seen as the command line says, another one from the same side.
+/// The first object is seen as the command line says, another one from the same side. If the pointer holds the finger,
+/// objects are seen from near, because the pointer has to hit them.
 void App::frame_object(const Size& size) {
   const std::string& scene = run_.options().scene;
-  if (live_.framed.empty()) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
-  if (!live_.framed.empty() && live_.framed != scene) desk_.asked.frame = true;
+  const bool first = live_.framed.empty(), other = live_.framed != scene;
+  const auto given = [&](const char* option) { return options_.given.contains(option); };
+  const bool as_given = first && (given("--view") || given("--eye") || given("--frame"));
   live_.framed = scene;
+  if (first) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+  if (!other || as_given) return;
+  if (!HeldFinger::is_held(run_.options().source)) {
+    desk_.asked.frame = !first;
+    return;
+  }
+  Box box = extent(picture(), Extent::objects, desk_.state);
+  box.add(Vec3(box.centre().x, box.high.y + room_for_finger, box.centre().z));
+  fit(desk_.state.viewpoint, box, static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
 }
 
 void App::advance_live(double now_s, const Size& size) {
@@ -163,7 +181,7 @@ void App::advance_live(double now_s, const Size& size) {
 void App::show_link(double now_s) {
   const LiveSession& session = *run_.session();
   const LinkWatch& link = session.link();
-  const bool sounding = link.sounding;
+  const bool sounding = link.sounding();
   const LiveState state = session.state();
   if (desk_.sounding != sounding || desk_.live_state != state) stale_.redraw();
   desk_.sounding = sounding;
@@ -171,6 +189,7 @@ void App::show_link(double now_s) {
   desk_.drives = link.drives;
   desk_.silent_drives = link.silent;
   desk_.live_state = state;
+  desk_.fault = state == LiveState::failed ? session.fault() : std::string();
   desk_.playback = player_.now();
   show_recording(now_s);
 }
@@ -179,8 +198,11 @@ void App::show_link(double now_s) {
 void App::show_recording(double now_s) {
   const LiveSession& session = *run_.session();
   std::string folder = session.recording();
-  if (folder != desk_.recording && !desk_.recording.empty())
-    say(log::Level::info, fmt::format("{}: {} frames", desk_.recording, session.recorded()), now_s);
+  if (folder != desk_.recording && !desk_.recording.empty()) {
+    const std::uint64_t frames = session.recorded();
+    say(log::Level::info, fmt::format("{}: {}", desk_.recording, counted(frames, "frame")), now_s);
+    if (frames > 0) remember_file(desk_.made = desk_.recording);
+  }
   desk_.recording = std::move(folder);
   desk_.recorded = session.recorded();
 }

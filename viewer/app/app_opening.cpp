@@ -28,9 +28,6 @@ void App::open(const std::string& path, double now_s) {
                about_opening);
   if (!desk_.live && !around_.goes_live)
     return say(log::Level::warning, "a recording needs --source: start palpa-viewer with it", now_s);
-  if (desk_.edit.options().scene.empty())
-    return say(log::Level::warning, fmt::format("{}: open the object first that the recording touches", path), now_s,
-               about_opening);
   stale_.redraw();
   opening_.begin_recording(path);
 }
@@ -116,11 +113,15 @@ void App::cancel_opening() {
   say(log::Level::info, "loading was cancelled", now_s_);
 }
 
-/// A live run goes on with the recording. A touch becomes a live run.
+/// A live run goes on with the recording. A touch becomes a live run. An empty window waits for the object.
 void App::play_recording(const std::string& path) {
   LiveEdit edit = desk_.edit;
+  if (desk_.live && !desk_.playback) desk_.before = edit.options().source;
+  desk_.made.clear();
   edit.play_recording(path);
-  if (desk_.live) return change_run(std::move(edit));
+  const bool waits = edit.options().scene.empty();
+  if (waits) say(log::Level::info, path + ": plays with the object that you open next", now_s_);
+  if (desk_.live || waits) return change_run(std::move(edit));
   go_live(std::move(edit));
 }
 

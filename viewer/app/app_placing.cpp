@@ -98,6 +98,7 @@ void App::save_scene(const std::string& file, double now_s) {
     return say(log::Level::error, error.what(), now_s);
   }
   say(log::Level::info, file + ": is now the scene", now_s);
+  remember_file(file);
   moved_.forget_scene();
   LiveEdit edit = desk_.edit;
   edit.replace_scene(file);

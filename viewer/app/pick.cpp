@@ -60,6 +60,9 @@ std::optional<Reading> mark_at(const Picture& picture, const ViewState& state, d
   for (const glm::vec3& point : picture.skin_points) {
     if (state.layers.shows(Layer::points)) points.offer("skin point", point);
   }
+  for (const glm::vec3& point : picture.dropped_points) {
+    if (state.layers.shows(Layer::points)) points.offer("point that is no skin", point);
+  }
   return points.reading();
 }
 

@@ -10,7 +10,7 @@ std::string why_off(const Desk& desk) {
     case LiveState::loading:
       return "the run is loading";
     case LiveState::failed:
-      return "the run has failed";
+      return "the run has failed" + (desk.fault.empty() ? "" : ": " + desk.fault);
     case LiveState::ended:
     case LiveState::running:
       break;

@@ -68,6 +68,7 @@ struct Desk {
   bool live = false;
   bool can_start = false;  ///< a run could begin
   LiveState live_state = LiveState::loading;
+  std::string fault;  ///< why the run has failed
   bool sounding = false, link_open = false;
   std::uint64_t drives = 0, silent_drives = 0;
   std::string doing;           ///< while something is loaded
@@ -75,6 +76,8 @@ struct Desk {
   bool opening = false;        ///< a scene is being loaded in the background
   std::string recording;       ///< the folder that frames are written to
   std::uint64_t recorded = 0;  ///< frames written to it
+  std::string made;            ///< the folder of the newest recording that is complete
+  std::string before;          ///< the source before a recording was opened; empty: there was no other
   LiveNumbers numbers;
   std::optional<Playback> playback;
   double picture_ms = 0;  ///< to draw the last picture

@@ -1,6 +1,7 @@
 #include "viewer/desk/file_list.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <tuple>
@@ -38,7 +39,7 @@ void list_files(FilePicker& picker) {
     const bool wanted = picker.endings.empty() ||
                         std::ranges::find(picker.endings, entry->path().extension().string()) != picker.endings.end();
     if (name.starts_with('.') || (!folder && (picker.folders || !wanted))) continue;
-    picker.entries.push_back({name, folder});
+    picker.entries.push_back({name, folder, folder && is_recording(entry->path().string())});
   }
   if (fault) picker.fault = fault.message();
   std::ranges::sort(picker.entries, [](const FilePicker::Entry& a, const FilePicker::Entry& b) {
@@ -46,8 +47,34 @@ void list_files(FilePicker& picker) {
   });
 }
 
+bool is_recording(const std::string& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::path(folder) / "recording.toml", ignored);
+}
+
+std::vector<NamedFolder> usual_folders(const std::string& own) {
+  const char* const home = std::getenv("HOME");
+  std::vector<NamedFolder> folders;
+  for (const NamedFolder& entry :
+       {NamedFolder{"current folder", "."}, {"home", home != nullptr ? home : ""}, {"palpa's objects", own}}) {
+    std::error_code ignored;
+    if (entry.folder.empty() || !fs::is_directory(entry.folder, ignored)) continue;
+    const std::string whole = absolute_folder(entry.folder).string();
+    if (std::ranges::find(folders, whole, &NamedFolder::folder) == folders.end())
+      folders.push_back({entry.name, whole});
+  }
+  return folders;
+}
+
 std::string folder_above(const std::string& folder) {
   return absolute_folder(folder).parent_path().string();
+}
+
+bool is_folder_to_enter(const FilePicker& picker) {
+  std::error_code ignored;
+  const fs::path whole = fs::path(picker.folder) / picker.name;
+  if (picker.folders || picker.name.empty() || !fs::is_directory(whole, ignored)) return false;
+  return picker.is_new || !is_recording(whole.string());
 }
 
 std::string chosen_file(const FilePicker& picker) {

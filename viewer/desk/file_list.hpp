@@ -23,6 +23,7 @@ struct FilePicker {
   struct Entry {
     std::string name;
     bool folder = false;
+    bool recording = false;  ///< a folder that is a recording: it is chosen, not entered
   };
   std::vector<Entry> entries{};
   std::string fault{};   ///< why the folder cannot be listed
@@ -33,8 +34,18 @@ struct FilePicker {
 FilePicker picker_to_open(const std::vector<std::string>& recent);
 /// Fills `entries` if the folder has changed: folders first, by name, without hidden ones.
 void list_files(FilePicker& picker);
+/// Whether the folder has a recording.toml.
+bool is_recording(const std::string& folder);
+/// Folders where people look for files, with their names: the current one, the home folder, and palpa's own if it is
+/// not empty. A folder has one name only.
+struct NamedFolder {
+  std::string name, folder;
+};
+std::vector<NamedFolder> usual_folders(const std::string& own);
 /// The folder above.
 std::string folder_above(const std::string& folder);
+/// Whether the name is that of a folder, but a file is to be chosen.
+bool is_folder_to_enter(const FilePicker& picker);
 /// The chosen file, as short as possible: relative to the current folder if it is below that.
 std::string chosen_file(const FilePicker& picker);
 

@@ -16,6 +16,7 @@ enum class FieldKind {
   rig,       ///< a rig's TOML; palpa's own are in a list
   layout,    ///< a built-in layout, or a TOML
   source,    ///< where frames come from
+  link,      ///< where drives go
   folder,    ///< a folder that exists
   new_file,  ///< a file to be written
   new_folder,

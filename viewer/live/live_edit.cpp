@@ -58,6 +58,13 @@ void LiveEdit::set(const std::string& option, const std::optional<std::string>& 
   line_ = std::move(part);
 }
 
+bool LiveEdit::runs_as(const LiveEdit& other) const {
+  setup::Given mine = line_, theirs = other.line_;
+  mine.erase("--ceiling");
+  theirs.erase("--ceiling");
+  return mine == theirs;
+}
+
 std::string LiveEdit::command() const {
   return run_command(line_, copied_only_);
 }

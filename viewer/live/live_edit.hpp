@@ -40,8 +40,8 @@ class LiveEdit {
 
   /// The options of the run as on a command line.
   const setup::Given& line() const { return line_; }
-  /// Whether a run with either is the same run.
-  bool runs_as(const LiveEdit& other) const { return line_ == other.line_; }
+  /// Whether a run with either is the same run. The ceiling may differ, because it changes while a run continues.
+  bool runs_as(const LiveEdit& other) const;
   /// The command `palpa run` with the same options and those of copied_table().
   std::string command() const;
 

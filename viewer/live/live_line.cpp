@@ -23,7 +23,7 @@ void add_live_options(CLI::App& app, LineOptions& o) {
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end");
   add_link_options(group, o);
   setup::add_stats_option(group, o.stats);
-  add_session_options(app, o);
+  add_session_options(app, o, setup::FingerMesh::known);
   setup::add_common(app, o.common);
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/live/live_picture.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <utility>
@@ -7,18 +8,43 @@
 
 namespace palpa::viewer {
 
+namespace {
+
+/// The schedule with a voice for each finger that was seen, in their order. A finger that is expected to have left when
+/// its foci would sound has a voice without foci.
+array::Schedule by_finger(const Snapshot& snapshot) {
+  const array::Schedule& plan = snapshot.plan.schedule;
+  array::Schedule schedule = plan;
+  schedule.voices.clear();
+  schedule.clear();
+  schedule.advance = plan.advance;
+  const std::span voices = std::span(plan.voices).first(std::min<std::size_t>(plan.voice_count, plan.voices.size()));
+  for (std::uint32_t f = 0; f < snapshot.touch.finger_count; ++f) {
+    array::Voice& voice = schedule.add_voice();
+    const auto own = std::ranges::find(voices, snapshot.touch.fingers[f].id, &array::Voice::id);
+    if (own != voices.end()) voice = *own;
+  }
+  return schedule;
+}
+
+}  // namespace
+
 void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, const Seen& seen, bool depth) {
   std::vector<geometry::Solid> named(scene.solid_names.size());
   for (std::size_t i = 0; i < named.size(); ++i)
     named[i].name = scene.solid_names[i];
-  show_touch(picture, named, seen.points, snapshot.touch);
-  picture.skin_count = seen.points.size();
+  show_touch(picture, named, seen.skin.points, snapshot.touch);
+  picture.skin_count = seen.skin.points.size();
+  picture.dropped_points.clear();
+  for (const sensing::SkinPoint& point : seen.skin.leavings)
+    picture.dropped_points.push_back(point.position);
+  picture.dropped_count = picture.dropped_points.size();
   std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::depth; });
   if (depth && !seen.images.frames.empty()) show_depth(picture, scene.cameras, seen.images.frames);
 
-  const array::Schedule& schedule = snapshot.plan.schedule;
+  const array::Schedule schedule = by_finger(snapshot);
   std::vector<touch::Placement> placements;
-  for (std::uint32_t f = 0; f < snapshot.touch.finger_count && f < schedule.voice_count; ++f) {
+  for (std::uint32_t f = 0; f < schedule.voice_count; ++f) {
     const touch::Finger& finger = snapshot.touch.fingers[f];
     const array::Voice& voice = schedule.voices[f];
     touch::Placement placement;
@@ -29,6 +55,14 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
     placements.push_back(std::move(placement));
   }
   show_schedule(picture, schedule, placements);
+  for (std::uint32_t f = 0; f < schedule.voice_count && f < picture.fingers.size(); ++f) {
+    std::vector<glm::vec3>& places = picture.fingers[f].seen;
+    places.clear();
+    if (schedule.voices[f].velocity == Vec3(0)) continue;
+    for (std::size_t n = 0; n < placements[f].foci.size(); ++n) {
+      if (placements[f].has(n)) places.push_back(placements[f].foci[n].position);
+    }
+  }
 }
 
 namespace {
@@ -36,7 +70,7 @@ namespace {
 /// Whether the plan plays something, and is for this array.
 bool plays(const LiveScene& scene, const session::Plan& plan) {
   const std::size_t transducers = scene.layout.transducers.size();
-  return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.cycle.length * transducers;
+  return plan.schedule.voice_count > 0 && transducers > 0 && plan.drives.size() == plan.listed() * transducers;
 }
 
 }  // namespace
@@ -50,7 +84,7 @@ std::span<const array::TransducerDrive> drive_of(const LiveScene& scene, const s
 
 void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot,
                     session::SlotScratch& scratch) {
-  show_slot(picture, snapshot.plan.schedule, slot);
+  show_slot(picture, by_finger(snapshot), slot);
   const auto drive = drive_of(scene, snapshot.plan, slot, scratch);
   picture.driven = false;
   if (!picture.transducers.empty() && !drive.empty()) show_drive(picture, drive);

@@ -39,9 +39,11 @@ LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bo
     : options_(std::move(options)),
       kinds_(std::move(kinds)),
       stop_(&stop),
+      ceiling_(options_.safety.ceiling),
       wake_(std::move(wake)),
       patience_(patience) {
   options_.watched = true;
+  options_.safety.ceiling_now = &ceiling_;
   ++under_way_;
   try {
     thread_ = start_thread("a live run", [this] { work(); });
@@ -84,7 +86,7 @@ void LiveSession::work() {
     fault = error.what();
     thrown = std::current_exception();
   }
-  link_.open = link_.sounding = false;
+  link_.close();
   gaps_.over();
   close_recorder();  // however the run ended, its recording is complete
   {
@@ -122,6 +124,7 @@ void LiveSession::publish_scene(setup::LiveRun& run) {
   for (const geometry::Solid& solid : run.session().solids())
     boxes_.push_back(solid.bounds);
   rays_ = sensing::make_rays(scene->cameras);
+  surroundings_ = session::surroundings_of(run.session().setting());
   look_around(scene->cameras);
   const std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
@@ -207,6 +210,7 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
     near_.add(here.high + Vec3(skin_reach));
   }
   sensing::plan_crops(cameras, rays_, near_, crops_);
+  sensing::plan_drops(surroundings_, near_, volumes_);
 }
 
 std::string LiveSession::fault() const {
@@ -290,7 +294,8 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   Seen& next = seen_.back();
   next.sequence = set.sequence;
   next.images = set;
-  sensing::find_skin(rays_, set.frames, near_, crops_, next.points);
+  next.skin.wants_leavings = true;
+  sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
   seen_.publish();
   wake_();
 }

@@ -19,6 +19,7 @@
 #include "base/outputs.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
 #include "viewer/live/frame_gaps.hpp"
@@ -74,6 +75,9 @@ class LiveSession {
   /// Silence from the next slot on, and the end of the run. Only sets a flag, which the output thread checks for every
   /// slot. Neither a full disk nor a GPU that hangs delays it.
   void all_off() { *stop_ = true; }
+
+  /// The most that a transducer's amplitude may be from the next drive on, 0..1, instead of what the options say.
+  void set_ceiling(double ceiling) { ceiling_ = ceiling; }
 
   /// The number of sessions whose run's thread has not finished yet.
   static int under_way() { return under_way_; }
@@ -140,6 +144,7 @@ class LiveSession {
   setup::LiveOptions options_;
   Kinds kinds_;
   std::atomic<bool>* stop_;
+  std::atomic<double> ceiling_;
   std::function<void()> wake_;
   Patience patience_;
   std::atomic<LiveState> state_{LiveState::loading};
@@ -162,6 +167,8 @@ class LiveSession {
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
   std::vector<sensing::Crop> crops_;
+  sensing::Surroundings surroundings_;
+  std::vector<shader::SkinVolume> volumes_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;

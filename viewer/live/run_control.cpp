@@ -52,6 +52,11 @@ void RunControl::start(setup::LiveOptions options) {
   if (state_ == RunState::switched_off) state_ = RunState::ready;
 }
 
+void RunControl::set_ceiling(double ceiling) {
+  options_.safety.ceiling = next_.safety.ceiling = ceiling;
+  if (session_) session_->set_ceiling(ceiling);
+}
+
 bool RunControl::switch_off() {
   if (!session_) return false;
   session_->all_off();

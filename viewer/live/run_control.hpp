@@ -53,6 +53,8 @@ class RunControl {
   void change(setup::LiveOptions options);
   /// The same, but starts a run that is switched off, too.
   void start(setup::LiveOptions options);
+  /// Sets the ceiling of the session that is under way, and of those that follow. No session ends or begins.
+  void set_ceiling(double ceiling);
   /// Silence from the next slot on; nothing begins until start(). Returns whether it was not switched off before.
   bool switch_off();
   /// Must be called again and again. Returns each session's fault once, when the session is over; empty if it did not

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sensing/depth_source.hpp"
-#include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
 #include "session/links/plan.hpp"
 #include "touch/types.hpp"
 
@@ -56,7 +56,7 @@ struct Snapshot {
 struct Seen {
   std::uint64_t sequence = 0;
   sensing::FrameSet images;
-  std::vector<sensing::SkinPoint> points;  ///< near the solids; indices ascend
+  sensing::SkinOfFrame skin;  ///< near the solids, and the points there that are no skin; indices ascend
 };
 
 }  // namespace palpa::viewer

@@ -155,7 +155,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   const setup::Group hands(app, "Mouse and keys, panels");
   hands.text("--interact", o.interact, "FILE",
              "does what a script says, which has a line for each move (docs/viewer.md) [no script]");
-  hands.flag("--no-panels", o.no_panels, "shows a window without panels");
+  hands.flag("--no-panels", o.no_panels,
+             "shows a window without panels; in a live run, the strip with the array's state stays");
   hands.flag("--panels", o.panels, "draws panels without a window, too");
 
   const setup::Group how(app, "Without a window");

@@ -11,8 +11,11 @@ struct ImFontAtlas;
 
 namespace palpa::viewer {
 
-/// The bytes of a sans-serif font that the system has at one of the usual places; empty if it has none.
+/// The bytes of a sans-serif font: one of those that distributions have, else the one of fontconfig_file(). Empty if
+/// there is no font. The usual places come first, because fontconfig may take seconds before it has a cache.
 std::string system_font();
+/// The TrueType font that fontconfig takes for "sans". Empty if there is no fontconfig, or if it knows no font.
+std::string fontconfig_file();
 
 /// Replaces the font of `atlas` by this one, for `ratio` pixels per point. Returns its pixels; nullopt if the bytes are
 /// no TrueType font.

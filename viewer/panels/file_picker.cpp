@@ -24,18 +24,50 @@ void choose(Desk& desk) {
   }
 }
 
+/// Buttons that go to folders where people look for files, and a list of the files that were opened before. Returns
+/// whether one of these files was chosen.
+bool draw_folders(Desk& desk, FilePicker& picker) {
+  for (const NamedFolder& place : usual_folders(desk.objects.empty() ? "" : folder_above(desk.objects.front().path))) {
+    if (ImGui::Button(place.name.c_str())) picker.folder = place.folder;
+    tip(place.folder);
+    ImGui::SameLine();
+  }
+  bool chosen = false;
+  if (picker.option.empty() && !desk.recent.empty()) {
+    ImGui::SetNextItemWidth(-1);
+    drop_down("##recent", "opened before", [&] {
+      for (const std::string& file : desk.recent) {
+        if (!ImGui::Selectable(file.c_str())) continue;
+        desk.asked.open = file;
+        chosen = true;
+      }
+    });
+    desk.places.named["opened before"] = last_area();
+  } else {
+    ImGui::NewLine();
+  }
+  return chosen;
+}
+
 /// Returns whether an entry was double-clicked that is to be chosen.
-bool draw_entries(FilePicker& picker, float height) {
+bool draw_entries(Desk& desk, FilePicker& picker, float height) {
   bool chosen = false;
   ImGui::BeginChild("files", {0, height}, true);
   if (!picker.fault.empty()) ImGui::TextWrapped("%s", picker.fault.c_str());
   std::string go_to;
   if (ImGui::Selectable("..")) go_to = folder_above(picker.folder);
   for (const FilePicker::Entry& entry : picker.entries) {
-    const std::string shown = entry.folder ? entry.name + "/" : entry.name;
-    if (!ImGui::Selectable(shown.c_str(), picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick)) continue;
+    const std::string shown = entry.recording ? entry.name + "   (a recording)"
+                              : entry.folder  ? entry.name + "/"
+                                              : entry.name;
+    const bool pressed =
+        ImGui::Selectable(shown.c_str(), picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick);
+    desk.places.named["file " + entry.name] = last_area();
+    if (!pressed) continue;
     const bool twice = ImGui::IsMouseDoubleClicked(0);
-    if (entry.folder && (!picker.folders || twice)) {
+    // A file that is to be written may be put into the folder of a recording.
+    const bool chosen_whole = entry.recording && !picker.is_new;
+    if (entry.folder && !chosen_whole && (!picker.folders || twice)) {
       go_to = (picker.folder == "/" ? "" : picker.folder) + "/" + entry.name;
     } else {
       picker.name = entry.name;
@@ -64,11 +96,14 @@ void draw_file_picker(Desk& desk) {
   bool open = true;
   const std::string title = "Choose " + picker.title + "###picker";
   ImGui::Begin(title.c_str(), &open, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  const bool opened = draw_folders(desk, picker);
   ImGui::TextWrapped("%s", picker.folder.c_str());
   const float below = 2 * ImGui::GetFrameHeightWithSpacing();
-  bool chosen = draw_entries(picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
+  bool chosen = draw_entries(desk, picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
   ImGui::SetNextItemWidth(-1);
-  ImGui::InputTextWithHint("##name", picker.is_new ? "a new name" : "a name", &picker.name);
+  const char* const hint = picker.is_new ? "a new name" : "a name";
+  if (ImGui::InputTextWithHint("##name", hint, &picker.name, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = true;
+  desk.places.named["name"] = last_area();
   if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
   ImGui::BeginDisabled(picker.name.empty() && !picker.folders);
   if (ImGui::Button("Choose", {em(6), 0})) chosen = true;
@@ -78,9 +113,12 @@ void draw_file_picker(Desk& desk) {
   if (ImGui::Button("Cancel", {em(6), 0})) open = false;
   tip("Nothing changes. Key: Escape");
   ImGui::End();
-  if (chosen && (picker.folders || !picker.name.empty())) {
+  if (chosen && is_folder_to_enter(picker)) {
+    picker.folder = chosen_file(picker);
+    picker.name.clear();
+  } else if (chosen && (picker.folders || !picker.name.empty())) {
     choose(desk);
-  } else if (!open) {
+  } else if (!open || opened) {
     desk.picker.reset();
   }
 }

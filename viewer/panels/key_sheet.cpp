@@ -12,7 +12,11 @@
 namespace palpa::viewer {
 namespace {
 
-enum class Need { nothing, scene, touch, slots, recording, live, running, finger, plane, monitor };
+enum class Need { nothing, scene, touch, slots, recording, live, running, finger, no_finger, plane, monitor };
+
+bool holds_finger(const Desk& desk) {
+  return desk.live && HeldFinger::is_held(desk.edit.options().source);
+}
 
 bool is_there(Need need, const Desk& desk) {
   switch (need) {
@@ -31,7 +35,9 @@ bool is_there(Need need, const Desk& desk) {
     case Need::running:
       return desk.live && desk.live_state == LiveState::running;
     case Need::finger:
-      return desk.live && HeldFinger::is_held(desk.edit.options().source);
+      return holds_finger(desk);
+    case Need::no_finger:
+      return !holds_finger(desk);
     case Need::plane:
       return desk.state.layers.shows(Layer::slice);
     case Need::monitor:
@@ -49,7 +55,7 @@ const char* reason(Need need) {
     case Need::slots:
       return "there is no schedule, because nothing touches";
     case Need::recording:
-      return "no recording is played: drop one into the window";
+      return "no recording is played: open one, or drop it into the window";
     case Need::live:
       return "this is one touch: Start begins a live run";
     case Need::running:
@@ -59,6 +65,7 @@ const char* reason(Need need) {
     case Need::monitor:
       return "there is no monitor or no object for a participant";
     case Need::nothing:
+    case Need::no_finger:
     case Need::plane:
       break;
   }
@@ -78,9 +85,12 @@ struct Line {
   Need need = Need::nothing;
 };
 constexpr Line lines[] = {
-    {"", "left drag", "turn around the middle"},
-    {"", "middle or Shift drag", "move along"},
-    {"", "wheel", "nearer to what is under the pointer"},
+    {"", "left drag", "turn the view around the middle"},
+    {"", "middle or Shift drag", "move the view sideways, up and down"},
+    {"", "wheel", "nearer to what is under the pointer, or away", Need::no_finger},
+    {"", "Ctrl wheel", "nearer to what is under the pointer, or away", Need::finger},
+    {"", "wheel", "the finger moves into the picture, or out; Shift: finely", Need::finger},
+    {"", "right drag", "the finger turns", Need::finger},
     {"", "Ctrl click", "read a point's place and depth", Need::scene},
     {"", "a plane's handles", "drag its middle along the arrow, an end to turn it", Need::plane},
     {"", "1 3 7 9", "front, right, top, corner; with Ctrl the other side"},
@@ -88,7 +98,6 @@ constexpr Line lines[] = {
     {"", "F", "frame all"},
     {"t", "T", "frame the touch", Need::touch},
     {"m", "M", "the finger follows the pointer, or stays", Need::finger},
-    {"", "wheel, right drag", "the finger goes deeper into the picture (Shift: finely); turns", Need::finger},
     {"g", "G", "handles to move and turn the next thing; Ctrl in steps", Need::live},
     {"z", "Ctrl Z", "undo the last move", Need::live},
     {arrows, "left right", "step the recording: one frame back, one on", Need::recording},

@@ -37,19 +37,20 @@ void draw_log_panel(const Desk& desk) {
 void draw_toasts(Desk& desk, double now_s) {
   std::erase_if(desk.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; });
   const Area free = free_area(desk);
-  float y = static_cast<float>(free.top) + em(0.5f);
+  // The newest is the lowest. Legend, axes, scale and what is being loaded stay in sight.
+  float y = static_cast<float>(free.bottom) - em(6.5f);
   int number = 0;
-  for (const Toast& toast : desk.toasts) {
-    ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 0});
+  for (auto toast = desk.toasts.rbegin(); toast != desk.toasts.rend(); ++toast) {
+    ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowSize({width_in(free), 0});
-    ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast.level));
+    ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast->level));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, em(0.12f));
     const std::string id = "toast" + std::to_string(number++);
     ImGui::Begin(id.c_str(), nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |
                      ImGuiWindowFlags_NoNav);
-    ImGui::TextWrapped("%s", toast.text.c_str());
-    y += ImGui::GetWindowHeight() + em(0.3f);
+    ImGui::TextWrapped("%s", toast->text.c_str());
+    y -= ImGui::GetWindowHeight() + em(0.3f);
     ImGui::End();
     ImGui::PopStyleVar();
     ImGui::PopStyleColor();

@@ -4,13 +4,14 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <cctype>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "viewer/desk/option_words.hpp"
+#include "viewer/desk/word_meanings.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
@@ -18,14 +19,29 @@
 namespace palpa::viewer {
 namespace {
 
+/// The text, beginning with a capital. Words such as glTF stay.
+std::string sentence(std::string text) {
+  const bool plain = text.size() > 1 && std::islower(static_cast<unsigned char>(text[1])) && !text.starts_with("gl");
+  if (plain) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 /// One option while its row is drawn.
 struct Row {
   Desk& desk;
   const setup::OptionInfo& info;
   const OptionWords words;
   const std::optional<std::string> value;  ///< nullopt: the default
+  float width = 0;                         ///< of its field
 
   std::string usual() const { return shown_default(info); }
+  /// What the option is, what it is set to, and what it would be by default.
+  std::string explained() const {
+    std::string text = sentence(words.about);
+    if (const std::string meaning = meaning_of(info.name, now()); !meaning.empty())
+      text += fmt::format("\n{}: {}", now(), meaning);
+    return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : usual(), info.name);
+  }
   std::string now() const { return value.value_or(usual()); }
   void set(const std::optional<std::string>& text) const { desk.asked.options.push_back({info.name, text}); }
   /// A text that is the default is not stored as the user's.
@@ -38,8 +54,9 @@ struct Row {
     FilePicker picker{.title = title, .option = info.name, .prefix = prefix, .endings = std::move(endings)};
     const std::string last = value.value_or("").substr(value && value->starts_with(prefix) ? prefix.size() : 0);
     picker.folder = last.find('/') != std::string::npos ? folder_above(last) : ".";
-    picker.folders = words.kind == FieldKind::folder || !prefix.empty();
-    picker.is_new = words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder;
+    picker.folders = words.kind == FieldKind::folder || (words.kind == FieldKind::source && picker.endings.empty());
+    picker.is_new =
+        words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder || words.kind == FieldKind::link;
     desk.picker = picker;
   }
 };
@@ -51,13 +68,14 @@ void offer(const Row& row, const std::string& name, const std::string& value) {
 /// Each word once; the default has a note.
 void draw_words(const Row& row) {
   const bool among = std::ranges::find(row.info.words, row.info.initial) != row.info.words.end();
-  ImGui::SetNextItemWidth(-1);
+  ImGui::SetNextItemWidth(row.width);
   drop_down("##value", row.now(), [&] {
     if (!among && ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
     for (const std::string& word : row.info.words) {
       const bool usual = word == row.info.initial;
-      if (!ImGui::Selectable((usual ? word + "  (default)" : word).c_str(), word == row.now())) continue;
-      row.set(usual ? std::nullopt : std::optional(word));
+      const bool chosen = ImGui::Selectable((usual ? word + "  (default)" : word).c_str(), word == row.now());
+      if (const std::string meaning = meaning_of(row.info.name, word); !meaning.empty()) tip(sentence(meaning));
+      if (chosen) row.set(usual ? std::nullopt : std::optional(word));
     }
   });
 }
@@ -95,6 +113,14 @@ void draw_choices(const Row& row) {
       offer(row, "mouse: the pointer holds a fingertip", "mouse");
       offer(row, "synthetic: a fingertip that dips by itself", "synthetic");
       if (ImGui::Selectable("recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
+      if (ImGui::Selectable("bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
+      tip("A recording of RealSense Viewer");
+      break;
+    case FieldKind::link:
+      if (ImGui::Selectable("record: choose a file ...")) row.choose_file("a file for the drives", {}, "record:");
+      tip("Every drive is written into a file");
+      offer(row, "foci:udp: to a program on this computer", "foci:udp:127.0.0.1:9000");
+      tip("A line of JSON with the foci for each frame, to UDP port 9000");
       break;
     case FieldKind::plain:
     case FieldKind::folder:
@@ -107,10 +133,10 @@ void draw_choices(const Row& row) {
 /// A field to type into, with a button to its right: a list, or a file picker.
 void draw_field(const Row& row) {
   const FieldKind kind = row.words.kind;
-  if (kind == FieldKind::plain) return draw_text(row, -1);
+  if (kind == FieldKind::plain) return draw_text(row, row.width);
   const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  draw_text(row, std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
-  tip(row.words.about);
+  draw_text(row, std::max(row.width - button - gap, 1.0f));
+  tip(row.explained());
   ImGui::SameLine(0, gap);
   const bool picks = kind == FieldKind::folder || kind == FieldKind::new_file || kind == FieldKind::new_folder;
   if (picks) {
@@ -136,15 +162,19 @@ void draw_label(const Row& row) {
   }
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(0.55f));
   ImGui::TextUnformatted(label_of(row.words).c_str());
-  tip(row.words.about + ". In the command line: " + row.info.name);
+  tip(row.explained());
 }
 
 void draw_option(Desk& desk, const setup::OptionInfo& info) {
-  const Row row{desk, info, words_of(info), desk.edit.text(info.name)};
+  Row row{desk, info, words_of(info), desk.edit.text(info.name)};
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
   draw_label(row);
   ImGui::TableNextColumn();
+  // Only a changed option has a button that resets it. Its field is shorter.
+  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float whole = ImGui::GetContentRegionAvail().x, right = ImGui::GetCursorPosX() + whole;
+  row.width = std::max(row.value ? whole - button - gap : whole, 1.0f);
   if (info.flag) {
     bool on = row.value.has_value();
     if (ImGui::Checkbox("##value", &on)) row.set(on ? std::optional(std::string()) : std::nullopt);
@@ -154,24 +184,24 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
     draw_field(row);
   }
   desk.places.named.try_emplace(info.name, last_area());
-  tip(row.words.about);
-  ImGui::TableNextColumn();
+  tip(row.explained());
   if (row.value) {
-    if (ImGui::Button("\u00d7", {ImGui::GetFrameHeight(), 0})) row.set(std::nullopt);
+    ImGui::SameLine();
+    ImGui::SetCursorPosX(right - button);
+    if (ImGui::Button("\u00d7", {button, 0})) row.set(std::nullopt);
     desk.places.named[info.name + " reset"] = last_area();
     tip(info.flag ? std::string("Back to the default: off") : "Back to the default: " + row.usual());
   }
   ImGui::PopID();
 }
 
-/// Three columns: names, values, resets.
+/// Two columns: names, and values with their resets.
 void draw_options(Desk& desk, std::span<const setup::OptionInfo> options) {
   ImGui::Unindent();  // names need the room
-  const bool open = ImGui::BeginTable("options", 3);
+  const bool open = ImGui::BeginTable("options", 2);
   if (!open) return ImGui::Indent();
-  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1.15f);
-  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.0f);
-  ImGui::TableSetupColumn("reset", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFrameHeight());
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.1f);
   for (const setup::OptionInfo& info : options)
     draw_option(desk, info);
   ImGui::EndTable();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "viewer/panels/widgets.hpp"
+#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -32,8 +33,13 @@ void draw_tools(Desk& desk) {
   desk.places.named["copy"] = last_area();
   tip("A command line that draws this picture, or that does this run without a window. Key: C, and Ctrl C for the run");
   if (recording) {
-    ImGui::Text("%s: %llu frames", desk.recording.c_str(), static_cast<unsigned long long>(desk.recorded));
+    ImGui::Text("%s: %s", desk.recording.c_str(), counted(desk.recorded, "frame").c_str());
     tip("The folder that is being written, and how many frames it has");
+  }
+  if (!recording && !desk.made.empty()) {
+    if (ImGui::Button(("Play " + desk.made).c_str())) desk.asked.open = desk.made;
+    desk.places.named["play made"] = last_area();
+    tip("The run gets its frames from this recording. Space plays and pauses it, left and right step it");
   }
   if (!desk.doing.empty() && !desk.opening) ImGui::TextWrapped("%s", desk.doing.c_str());
 }
@@ -62,7 +68,7 @@ void draw_headings(Desk& desk) {
 }  // namespace
 
 double panels_width(double width, double line_height) {
-  return std::round(std::min(19 * line_height, 0.45 * width));
+  return std::round(std::min(20.5 * line_height, 0.45 * width));
 }
 
 void draw_panels(Desk& desk, double now_s) {

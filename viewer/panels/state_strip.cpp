@@ -86,14 +86,15 @@ void draw_start(Desk& desk, const ImVec2& size) {
                   "Run");
 }
 
-/// Only by dragging: nothing is typed, so keys stay keys. The run begins again when the slider is released.
+/// Only by dragging: nothing is typed, so keys stay keys. The array follows at once; the option is set when the slider
+/// is released.
 void draw_ceiling(Desk& desk, float width) {
   auto shown = static_cast<float>(desk.ceiling.value_or(desk.edit.options().safety.ceiling) * 100);
   ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0, 0, 0, 0.25f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ImVec4{0, 0, 0, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgActive, ImVec4{0, 0, 0, 0.45f});
-  ImGui::PushStyleColor(ImGuiCol_SliderGrab, ImVec4{1, 1, 1, 0.55f});
-  ImGui::PushStyleColor(ImGuiCol_SliderGrabActive, white);
+  ImGui::PushStyleColor(ImGuiCol_SliderGrab, ImVec4{1, 1, 1, 0.40f});
+  ImGui::PushStyleColor(ImGuiCol_SliderGrabActive, ImVec4{1, 1, 1, 0.55f});
   ImGui::SetNextItemWidth(width);
   const ImGuiSliderFlags flags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
   if (ImGui::SliderFloat("##ceiling", &shown, 0, 100, "ceiling %.0f %%", flags))
@@ -107,7 +108,7 @@ void draw_ceiling(Desk& desk, float width) {
   ImGui::PopStyleColor(5);
   tip("The most that a transducer's amplitude may be. The pressure that skin feels follows its square, so 50 % leaves "
       "a "
-      "quarter. When you release the slider, the run begins again with it");
+      "quarter. The array follows at once, while you drag");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
+#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -39,8 +40,9 @@ void draw_statistics_panel(Desk& desk) {
   ImGui::ProgressBar(std::min(share, 1.0f), {-1, 0}, text.c_str());
   ImGui::PopStyleColor();
   tip("Time from a frame in memory to its drives, and the budget at 90 frames a second");
-  ImGui::Text("%llu frames, %.0f a second, %llu dropped", static_cast<unsigned long long>(n.frames), n.rate_hz,
+  ImGui::Text("%s, %.0f a second, %llu dropped", counted(n.frames, "frame").c_str(), n.rate_hz,
               static_cast<unsigned long long>(n.dropped));
+  tip("Dropped: frames that were left out for newer ones");
   ImGui::Text("median %.1f ms, p99 %.1f ms", n.bins.quantile(0.5) * 1e3, n.bins.quantile(0.99) * 1e3);
   std::vector<float> bars;
   for (const std::uint32_t count : n.bins.counts)
@@ -63,8 +65,9 @@ void draw_statistics_panel(Desk& desk) {
     }
     ImGui::TreePop();
   }
-  ImGui::Text("%llu drives, %llu silent", static_cast<unsigned long long>(desk.drives),
+  ImGui::Text("%s, %llu silent", counted(desk.drives, "drive").c_str(),
               static_cast<unsigned long long>(desk.silent_drives));
+  tip("What has left for the link, a drive for each slot");
   ImGui::Text("picture %.1f ms", desk.picture_ms);
   tip("Time to draw the picture, which gives way to the loop");
 }

@@ -68,6 +68,12 @@ void draw_recording(Desk& desk) {
   changed = ImGui::Checkbox("loop", &play.loop) || changed;
   desk.places.named["loop"] = last_area();
   tip("Plays from the beginning again at the end");
+  if (!desk.before.empty()) {
+    ImGui::SameLine();
+    if (ImGui::Button("close")) desk.asked.options.push_back({"--source", desk.before});
+    desk.places.named["close recording"] = last_area();
+    tip("Closes the recording: frames come from " + desk.before + " again");
+  }
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
   ImGui::SetNextItemWidth(-1);

@@ -172,6 +172,13 @@ bool Ui::close_list() {
   return true;
 }
 
+bool Ui::let_go() {
+  if (!ImGui::IsAnyItemActive() || ImGui::GetIO().WantTextInput) return false;
+  ImGui::ClearActiveID();
+  state_->settle = 2;
+  return true;
+}
+
 void Ui::begin(double width, double height, double ratio, double seconds) {
   State& s = *state_;
   ImGuiIO& io = ImGui::GetIO();

@@ -36,6 +36,8 @@ class Ui {
   bool has_list() const;
   /// Closes the innermost list that has dropped down. Returns false if there is none.
   bool close_list();
+  /// Lets go of what the pointer drags in a panel, such as a slider. Returns false if it drags nothing.
+  bool let_go();
 
   /// Begins a picture of that many pixels, with `ratio` pixels per point, `seconds` after the last. It shows what the
   /// ImGui:: functions called between begin() and end() draw.

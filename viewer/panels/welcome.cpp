@@ -21,7 +21,7 @@ void draw_welcome(Desk& desk) {
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoBringToFrontOnFocus);
-  ImGui::TextWrapped("Touch an object:");
+  if (!desk.objects.empty()) ImGui::TextWrapped("Touch an object:");
   const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
   for (std::size_t i = 0; i < desk.objects.size(); ++i) {
     if (i % 2 == 1) ImGui::SameLine();

@@ -34,6 +34,9 @@ Area last_area() {
 void tip(const std::string& text) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   const ImVec2 whole = ImGui::GetIO().DisplaySize, low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  // The user who has just clicked it knows what it is, and wants to see what it does.
+  const ImVec2 clicked = ImGui::GetIO().MouseClickedPos[0];
+  if (clicked.x >= low.x && clicked.x < high.x && clicked.y >= low.y && clicked.y < high.y) return;
   const ImVec2 padding = ImGui::GetStyle().WindowPadding;
   const float gap = em(0.4f), top = static_cast<float>(strip_height(em(1))) + gap;
   const float panels = whole.x - static_cast<float>(panels_width(whole.x, em(1)));

@@ -15,8 +15,8 @@ float em(float lines);
 
 /// Where the last widget is, without the part that is scrolled out of sight.
 Area last_area();
-/// Explains the last widget while the pointer rests on it. The explanation stands beside the panels, and covers neither
-/// them nor the strip at the top.
+/// Explains the last widget while the pointer rests on it, unless the last click was there. The explanation stands
+/// beside the panels, and covers neither them nor the strip at the top.
 void tip(const std::string& text);
 
 /// A heading that can be folded. Whether it is folded is kept on the desk, under its name. `open`: not folded at first.

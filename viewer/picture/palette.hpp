@@ -16,7 +16,7 @@ using drawing::with_alpha;
 struct Theme {
   Colour background, ink, faint_ink, grid, grid_major;
   Colour solid, solid_rim, edge;
-  Colour skin, skin_rim, skin_point, loose_contact;
+  Colour skin, skin_rim, skin_point, dropped_point, loose_contact;
   Colour board, board_edge, idle_transducer, frustum, tile;
 };
 const Theme& light_theme();

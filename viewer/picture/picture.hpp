@@ -62,6 +62,9 @@ struct FingerMarks {
   std::string solid;  ///< what it touches
   std::uint32_t contacts = 0;
   std::vector<FocusMark> foci;  ///< in playing order; a line joins them in this order
+  /// If the foci play elsewhere, ahead of the finger: the places where they were seen, in the order of their angle. An
+  /// outline joins them, and a line leads from its middle to that of the foci.
+  std::vector<glm::vec3> seen;
   /// Index into `foci` of the focus that sounds now, highlighted.
   std::optional<std::uint32_t> running;
   bool together = false;               ///< all of them sound now
@@ -113,8 +116,9 @@ struct ImageMark {
 /// What a picture shows without its surfaces, points and images. Labels, legend, chart and bars are made from it, so it
 /// stays on the host when the rest is on the device.
 struct PictureNotes {
-  std::string title;             ///< above the legend, may be empty
-  std::uint64_t skin_count = 0;  ///< all skin points, including contacts and distant ones
+  std::string title;                ///< above the legend, may be empty
+  std::uint64_t skin_count = 0;     ///< all skin points, including contacts and distant ones
+  std::uint64_t dropped_count = 0;  ///< points near the solids that are no skin
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
   std::vector<TransducerMark> transducers;
@@ -130,6 +134,7 @@ struct Picture : PictureNotes {
   std::uint32_t tile_solid = 0;                  ///< the solid that has the tile
   std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
   std::vector<glm::vec3> skin_points;            ///< those near the solids that are not contacts
+  std::vector<glm::vec3> dropped_points;         ///< near the solids, but no skin: on boards and the like; drawn grey
   float transducer_radius_m = 4.2e-3f;
   std::vector<BoardMark> boards;
   std::vector<ImageMark> images;

@@ -82,6 +82,19 @@ void add_section(const SectionMark& section, const Colour& colour, Pen& pen, std
     pen.line(section.centre, section_tip(section, i), i == 2 ? 1.4f : 2.2f, colour);
 }
 
+/// Where foci were seen that play ahead of their finger, and the way from there.
+void add_seen(const FingerMarks& finger, const Theme& theme, Pen& pen) {
+  if (finger.seen.empty() || finger.foci.empty()) return;
+  glm::vec3 from(0), to(0);
+  for (std::size_t i = 0; i < finger.seen.size(); ++i) {
+    pen.line(finger.seen[i], finger.seen[(i + 1) % finger.seen.size()], 1.4f, theme.ink);
+    from += finger.seen[i] / static_cast<float>(finger.seen.size());
+  }
+  for (const FocusMark& focus : finger.foci)
+    to += focus.position / static_cast<float>(finger.foci.size());
+  pen.line(from, to, 2.0f, theme.ink);
+}
+
 }  // namespace
 
 void build_marks(const Picture& picture, const ViewState& state, const Box& floor, WorldMarks& marks) {
@@ -116,6 +129,11 @@ void build_marks(const Picture& picture, const ViewState& state, const Box& floo
       marks.tile.push_back(coloured(corners[corner], {0, 1, 0}, theme.tile));
     for (std::size_t i = 0; i < 4; ++i)
       edges.line(corners[i], corners[(i + 1) % 4], 1.5f, theme.edge);
+  }
+  if (state.layers.shows(Layer::foci)) {
+    Pen outlines = pen(Layer::foci);
+    for (const FingerMarks& finger : picture.fingers)
+      add_seen(finger, theme, outlines);
   }
   if (state.layers.shows(Layer::sections)) {
     Pen outlines = pen(Layer::sections);

@@ -158,6 +158,10 @@ void DrawnPicture::add_discs(const Picture& picture, const Theme& theme) {
   const auto end = [&](Items& range) { range.count = static_cast<std::uint32_t>(new_discs_.size()) - range.first; };
   points_ = begin();
   points_box_ = {};
+  for (const glm::vec3& p : picture.dropped_points) {
+    points_box_.add(Vec3(p));
+    new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.dropped_point, 2.2f)});
+  }
   for (const glm::vec3& p : picture.skin_points) {
     points_box_.add(Vec3(p));
     new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.skin_point, 2.2f)});

@@ -18,6 +18,7 @@
 #include "viewer/picture/backing.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/colour_bars.hpp"
+#include "viewer/picture/counted.hpp"
 #include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {
@@ -142,10 +143,6 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::
   }
 }
 
-std::string counted(std::size_t n, std::string_view one) {
-  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
-}
-
 /// A line of the legend: a sign, drawn around its middle, and words.
 struct Entry {
   std::function<void(const Vec2& middle)> sign;
@@ -181,6 +178,10 @@ std::vector<Entry> legend_entries(Ink& ink, const Picture& picture, const Layers
     entries.push_back({[&](const Vec2& at) { ink.swatch(at, theme.skin_rim, theme.skin_point); }, picture.skin->name});
   if (picture.skin_count > 0 && layers.shows(Layer::points))
     entries.push_back({disc(3, theme.skin_point), counted(picture.skin_count, "skin point")});
+  if (picture.dropped_count > 0 && layers.shows(Layer::points)) {
+    entries.push_back(
+        {disc(3, theme.dropped_point), fmt::format("{}, no skin", counted(picture.dropped_count, "point"))});
+  }
   std::size_t loose = 0;
   for (const ContactMark& c : picture.contacts)
     loose += c.finger ? 0 : 1;

@@ -6,7 +6,10 @@
 
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
+#include "base/version.hpp"
 #include "setup/help.hpp"
+#include "setup/manual.hpp"
+#include "setup/option_table.hpp"
 #include "setup/parse.hpp"
 #include "viewer/options/settings.hpp"
 #include "viewer/run/run.hpp"
@@ -32,22 +35,31 @@ setup::HelpText help_text() {
       .common = ""};
 }
 
+/// `--help`; `--help man` is a page for man, and `--help bash`, `zsh` and `fish` complete command lines.
+std::string page_of(const CLI::App& app, int argc, const char* const* argv) {
+  const std::string word = setup::word_after_help(argc, argv);
+  const setup::ManualCommand command{help_text(), setup::option_table(app)};
+  if (word == "man") return setup::man_page(command);
+  if (const auto shell = setup::shell_of(word)) return setup::completion(*shell, "palpa-viewer", {command});
+  return setup::help_page(app, help_text(), setup::help_length(argc, argv));
+}
+
 }  // namespace
 
 std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
   CLI::App app("", "palpa-viewer");
   app.set_help_flag("-h,--help", "show this help and exit");
-  app.set_version_flag("--version", "palpa-viewer " PALPA_VERSION, "show the version and exit");
+  app.set_version_flag("--version", version(), "show the version and exit");
   ViewerOptions options;
   add_options(app, options);
   setup::add_common(app, options.common);
   try {
     setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_file("-", setup::help_page(app, help_text(), setup::help_length(argc, argv)));
+    write_file("-", page_of(app, argc, argv));
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
-    write_file("-", "palpa-viewer " PALPA_VERSION "\n");
+    write_file("-", about_program("palpa-viewer"));
     return std::nullopt;
   }
   setup::apply_logging(options.common);

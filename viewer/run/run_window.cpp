@@ -112,7 +112,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
                  stopper.begin();
                  threads.give_way();
                },
-           .panels = !options.no_panels,
+           .panels = !options.no_panels || options.is_live(),  // the strip with the array's state stays
            .ratio = window.pixel_ratio(),
            .settings = settings});
   // At this point, the threads of a live run have begun, but those of the picture have not.

@@ -48,6 +48,20 @@ double scale_at_first() {
   return ratio_of(x);
 }
 
+/// The size in pixels, reduced to what the first monitor has room for.
+struct FirstSize {
+  int width = 0, height = 0;
+};
+FirstSize fitted(double width, double height) {
+  int x = 0, y = 0, most_wide = 0, most_high = 0;
+  if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+    glfwGetMonitorWorkarea(monitor, &x, &y, &most_wide, &most_high);
+  const auto limited = [](double length, int most) {
+    return static_cast<int>(std::lround(most > 0 ? std::min(length, static_cast<double>(most)) : length));
+  };
+  return {limited(width, most_wide), limited(height, most_high)};
+}
+
 /// Whether a person could take hold of the window there.
 bool is_on_a_monitor(const WindowPlace& place) {
   int count = 0;
@@ -172,11 +186,11 @@ Window::Window(const WindowWish& wish, const char* title) : state_(std::make_uni
   };
   if (!glfwVulkanSupported()) throw refuse("this display has no Vulkan surfaces");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-  const double points = wish.in_points ? scale_at_first() : 1;
-  const auto pixels = [&](std::uint32_t length) { return static_cast<int>(std::lround(length * points)); };
-  const WindowPlace first = wish.before.value_or(WindowPlace{});
-  const int width = wish.before ? static_cast<int>(first.width) : pixels(wish.width);
-  const int height = wish.before ? static_cast<int>(first.height) : pixels(wish.height);
+  const WindowPlace first = wish.before.value_or(WindowPlace{0, 0, wish.width, wish.height});
+  const double points = scale_at_first();
+  const auto [width, height] = !wish.before && wish.in_points
+                                   ? fitted(first.width * points, first.height * points)
+                                   : FirstSize{static_cast<int>(first.width), static_cast<int>(first.height)};
   glfwWindowHint(GLFW_VISIBLE, wish.before ? GLFW_FALSE : GLFW_TRUE);  // it is not seen to move
   state_->window = glfwCreateWindow(width, height, title, nullptr, nullptr);
   glfwDefaultWindowHints();

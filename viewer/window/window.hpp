@@ -18,7 +18,7 @@ namespace palpa::viewer {
 /// How large a window is at first, and where.
 struct WindowWish {
   std::uint32_t width = 0, height = 0;
-  bool in_points = false;  ///< else in pixels
+  bool in_points = false;  ///< and no larger than the monitor; else in pixels
   /// Where a window was before; it replaces the size. If that is off all monitors, only its size counts.
   std::optional<WindowPlace> before{};
 };

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
 #include "acoustics/compressed/body_operator.hpp"
+#include "acoustics/elements/patches.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -30,7 +32,8 @@ using geometry::Mesh;
 
 namespace {
 
-constexpr double fine_sides = 6, coarse_sides = 3;  // per wavelength
+constexpr double fine_sides = 6, fine_long_sides = 5.5, coarse_sides = 3;  // per wavelength
+constexpr double least_bend = 12 * std::numbers::pi / 180;
 /// In sides between a source and the mesh. The error of a sphere's pressure is twice that of a distant source at two
 /// sides, and 10 to 20 % at half a side.
 constexpr double fine_source = 2, coarse_source = 0.5;
@@ -189,9 +192,55 @@ double mean_side(const Mesh& mesh) {
   return sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
+double long_side(const Mesh& mesh) {
+  std::vector<double> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i)
+      sides.push_back(glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
+  }
+  const auto at = static_cast<std::ptrdiff_t>(sides.size() * 95 / 100);
+  std::ranges::nth_element(sides, sides.begin() + at);
+  return sides[static_cast<std::size_t>(at)];
+}
+
+double mean_bend(const Mesh& body) {
+  const std::vector<std::uint32_t> twin = geometry::twins(body);
+  std::vector<Vec3> areas;
+  for (std::uint32_t face = 0; face < body.triangles.size(); ++face)
+    areas.push_back(geometry::area_vector(body, face));
+  double sum = 0, weights = 0;
+  for (std::uint32_t side = 0; side < twin.size(); ++side) {
+    const Vec3 &a = areas[side / 3], &b = areas[twin[side] / 3];
+    const double bend = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+    if (bend > sharp_turn) continue;
+    const double weight = glm::length(a) + glm::length(b);
+    sum += weight * bend * bend;
+    weights += weight;
+  }
+  return weights > 0 ? std::sqrt(sum / weights) : 0;
+}
+
+void warn_of_bends(const std::string& file, const Mesh& body) {
+  const double bend = mean_bend(body);
+  if (bend <= least_bend) return;
+  constexpr double degree = std::numbers::pi / 180;
+  log::warning(fmt::format(
+      "{}: angular: neighbouring faces bend by {:.0f} degrees on average; up to {:.0f} degrees, the radiation pressure "
+      "of each face is within 2 %",
+      file, bend / degree, least_bend / degree));
+}
+
 void check_fineness(const std::string& file, const Mesh& body, double wavelength_m, bool force) {
-  const double side = mean_side(body);
-  if (side <= wavelength_m / fine_sides) return;
+  const double side = mean_side(body), longest = long_side(body);
+  if (side <= wavelength_m / fine_sides && longest <= wavelength_m / fine_long_sides) return;
+  if (side <= wavelength_m / fine_sides) {
+    log::warning(
+        fmt::format("{}: uneven: a twentieth of its faces' sides are longer than {:.2f} mm, the wavelength is {:.2f} "
+                    "mm; if they are below {:.2f} mm, errors are a few percent or less",
+                    file, longest * 1e3, wavelength_m * 1e3, wavelength_m / fine_long_sides * 1e3));
+    return;
+  }
   const std::string what = fmt::format("its faces' sides are {:.2f} mm on average, the wavelength is {:.2f} mm",
                                        side * 1e3, wavelength_m * 1e3);
   if (side > wavelength_m / coarse_sides && !force) {

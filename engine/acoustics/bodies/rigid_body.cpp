@@ -48,6 +48,18 @@ RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<
       areas_.push_back(s.weight * length);
     }
   }
+  vertex_normals_.assign(this->mesh().positions.size(), Vec3(0));
+  vertex_areas_.assign(vertex_normals_.size(), 0);
+  for (std::size_t point = 0; point < points_.size(); ++point) {
+    const glm::uvec3& corners = this->mesh().triangles[point / samples];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t vertex = corners[static_cast<int>(c)];
+      vertex_areas_[vertex] += hat(c, point % samples) * areas_[point];
+      vertex_normals_[vertex] += hat(c, point % samples) * areas_[point] * normals_[point];
+    }
+  }
+  for (Vec3& normal : vertex_normals_)
+    normal = glm::normalize(normal);
 }
 
 RigidBody::Effort RigidBody::effort() const {
@@ -117,13 +129,32 @@ RigidBody::Sources RigidBody::sources_at_faces(std::span<const std::uint32_t> fa
   return sources_of(rows);
 }
 
-RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
-  const std::size_t size = mesh().positions.size(), count = points_.size();
+std::vector<std::complex<float>> RigidBody::backward(std::span<const Row> rows,
+                                                     const std::atomic<bool>* give_up) const {
   std::vector<std::complex<float>> columns;
-  columns.reserve(rows.size() * size);
+  columns.reserve(rows.size() * mesh().positions.size());
   for (const Row& row : rows)
     columns.insert(columns.end(), row.begin(), row.end());
-  find_unknowns(Way::back, columns, nullptr);
+  find_unknowns(Way::back, columns, give_up);
+  return columns;
+}
+
+RigidBody::Sources RigidBody::vertex_sources_of(std::span<const Row> rows, const std::atomic<bool>* give_up) const {
+  const std::size_t size = mesh().positions.size();
+  const std::vector<std::complex<float>> columns = backward(rows, give_up);
+  Sources sources;
+  sources.strengths.resize(columns.size());
+  sources.slopes.resize(columns.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    sources.strengths[i] = vertex_areas_[i % size] * Complex(columns[i]);
+    sources.slopes[i] = Complex(0, 1 / wave_number_) * sources.strengths[i];
+  }
+  return sources;
+}
+
+RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
+  const std::size_t size = mesh().positions.size(), count = points_.size();
+  const std::vector<std::complex<float>> columns = backward(rows, nullptr);
   Sources sources;
   sources.strengths.resize(rows.size() * count);
   sources.slopes.resize(rows.size() * count);

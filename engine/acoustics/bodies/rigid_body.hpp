@@ -75,6 +75,10 @@ class RigidBody {
     std::vector<std::complex<double>> strengths, slopes;
   };
   Sources sources_of(std::span<const Row> rows) const;
+  /// The same with each vertex's sources moved to the vertex, where the normal is vertex_normals(): a sixth as many,
+  /// for places and transducers that are far from each other. With six sides per wavelength, 3 % off.
+  Sources vertex_sources_of(std::span<const Row> rows, const std::atomic<bool>* give_up = nullptr) const;
+  std::span<const Vec3> vertex_normals() const { return vertex_normals_; }
   /// For the total pressure at the faces' centroids.
   Sources sources_at_faces(std::span<const std::uint32_t> faces) const;
 
@@ -84,11 +88,14 @@ class RigidBody {
     SolveReport worst;
   };
   void find_unknowns(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>* give_up) const;
+  std::vector<std::complex<float>> backward(std::span<const Row> rows, const std::atomic<bool>* give_up) const;
 
   Patches patches_;
   double wave_number_;
   std::vector<Vec3> points_, normals_;
   std::vector<double> areas_;  // by point: the area that it represents
+  std::vector<Vec3> vertex_normals_;
+  std::vector<double> vertex_areas_;  // integrals of the hat functions
   SurfaceFit fit_;
   std::unique_ptr<SurfaceOperator> operator_;
   std::unique_ptr<SharedEffort> effort_ = std::make_unique<SharedEffort>();

@@ -99,14 +99,18 @@ bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, s
 
 namespace {
 
-Complex product(std::span<const Complex> weights, const BlockOf<float>& g_re, const BlockOf<float>& g_im) {
-  double re = 0, im = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double a = weights[i].real(), b = weights[i].imag(), c = g_re[i], d = g_im[i];
-    re += a * c - b * d;
-    im += a * d + b * c;
+/// The sources of a row at the points from `first` on.
+SourceBlock sources_at(std::span<const Complex> strengths, std::span<const Complex> slopes, std::size_t first,
+                       std::size_t count) {
+  SourceBlock block;
+  for (std::size_t i = 0; i < count; ++i) {
+    block.re[i] = static_cast<float>(strengths[first + i].real());
+    block.im[i] = static_cast<float>(strengths[first + i].imag());
+    if (slopes.empty()) continue;
+    block.slope_re[i] = static_cast<float>(slopes[first + i].real());
+    block.slope_im[i] = static_cast<float>(slopes[first + i].imag());
   }
-  return {re, im};
+  return block;
 }
 
 }  // namespace
@@ -121,8 +125,12 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
   received.assign(rows * transducers, 0);
 
   std::vector<PointBlock> blocks;
-  for (std::size_t first = 0; first < count; first += block_points)
+  std::vector<SourceBlock> sources;  // [block * rows + row]
+  for (std::size_t first = 0; first < count; first += block_points) {
     blocks.emplace_back(points, normals, first);
+    for (std::size_t row = 0; row < rows; ++row)
+      sources.push_back(sources_at(strengths, slopes, row * count + first, blocks.back().count));
+  }
   // Each thread has its own transducers and sums over the points in order, so results do not depend on the threads.
   Activity activity("summing the sound at transducers", transducers);
   parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -132,10 +140,8 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
       for (std::size_t t = begin; t < end; ++t) {
         transfer(setting_, layout_.transducers[t], blocks[b], sloped, sound);
         for (std::size_t row = 0; row < rows; ++row) {
-          const std::size_t first = row * count + b * block_points;
-          Complex sum = product(strengths.subspan(first, blocks[b].count), sound.re, sound.im);
-          if (sloped) sum += product(slopes.subspan(first, blocks[b].count), sound.slope_re, sound.slope_im);
-          received[row * transducers + t] += layout_.source_level_pa_m * sum;
+          received[row * transducers + t] +=
+              layout_.source_level_pa_m * sum_of_products(sources[b * rows + row], sound, sloped);
         }
       }
     }

@@ -175,6 +175,31 @@ template <class L>
     add_lanes<L>(strengths, sounds, &TransferBlock::slope_re, &TransferBlock::slope_im, sum.slope_re, sum.slope_im);
 }
 
+[[gnu::always_inline]] inline std::complex<double> sum_all(const SourceBlock& sources, const TransferBlock& sound,
+                                                           bool slopes) {
+  constexpr std::size_t beside = 16;
+  static_assert(block_points % beside == 0);
+  std::array<float, beside> re{}, im{};
+  for (std::size_t i = 0; i < block_points; i += beside) {
+    for (std::size_t l = 0; l < beside; ++l) {
+      re[l] += sources.re[i + l] * sound.re[i + l] - sources.im[i + l] * sound.im[i + l];
+      im[l] += sources.re[i + l] * sound.im[i + l] + sources.im[i + l] * sound.re[i + l];
+    }
+  }
+  for (std::size_t i = 0; slopes && i < block_points; i += beside) {
+    for (std::size_t l = 0; l < beside; ++l) {
+      re[l] += sources.slope_re[i + l] * sound.slope_re[i + l] - sources.slope_im[i + l] * sound.slope_im[i + l];
+      im[l] += sources.slope_re[i + l] * sound.slope_im[i + l] + sources.slope_im[i + l] * sound.slope_re[i + l];
+    }
+  }
+  double real = 0, imaginary = 0;
+  for (std::size_t l = 0; l < beside; ++l) {
+    real += static_cast<double>(re[l]);
+    imaginary += static_cast<double>(im[l]);
+  }
+  return {real, imaginary};
+}
+
 void transfer_plain(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
                     TransferBlock& out) {
   transfer_all(setting, from, to, slopes, out);
@@ -183,7 +208,14 @@ void add_plain(std::span<const std::complex<float>> strengths, std::span<const T
                SumBlock& sum) {
   add_all<Lanes4>(strengths, sounds, slopes, sum);
 }
+std::complex<double> sum_plain(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
+  return sum_all(sources, sound, slopes);
+}
 #if defined(__x86_64__)
+[[gnu::target("avx2")]] std::complex<double> sum_avx2(const SourceBlock& sources, const TransferBlock& sound,
+                                                      bool slopes) {
+  return sum_all(sources, sound, slopes);
+}
 [[gnu::target("avx2")]] void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to,
                                            bool slopes, TransferBlock& out) {
   transfer_all(setting, from, to, slopes, out);
@@ -197,13 +229,14 @@ void add_plain(std::span<const std::complex<float>> strengths, std::span<const T
 struct Kernels {
   decltype(&transfer_plain) transfer = transfer_plain;
   decltype(&add_plain) add = add_plain;
+  decltype(&sum_plain) sum = sum_plain;
 };
 
 const Kernels& kernels() {
   static const Kernels chosen = [] {
     Kernels best;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2};
+    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, sum_avx2};
 #endif
     return best;
   }();
@@ -220,6 +253,10 @@ void transfer(const TransferSetting& setting, const Transducer& from, const Poin
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum) {
   kernels().add(strengths, sounds, slopes, sum);
+}
+
+std::complex<double> sum_of_products(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
+  return kernels().sum(sources, sound, slopes);
 }
 
 }  // namespace palpa::acoustics

@@ -64,4 +64,13 @@ struct SumBlock {
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum);
 
+/// The reverse: sources at a block's points, padded with zeros.
+struct SourceBlock {
+  BlockOf<float> re{}, im{}, slope_re{}, slope_im{};
+};
+
+/// The sum over the block of each source times G, and if `slopes`, of its second part times the slope of G. Sums of
+/// every sixteenth point run side by side in single precision.
+std::complex<double> sum_of_products(const SourceBlock& sources, const TransferBlock& sound, bool slopes);
+
 }  // namespace palpa::acoustics

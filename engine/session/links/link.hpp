@@ -54,6 +54,10 @@ class Link {
   /// slots that the output thread missed are skipped, so numbers ascend, possibly with gaps.
   virtual void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) = 0;
 
+  /// Whether it plays the listed drives of plans by its own clock. Other links may get plans whose drives are not
+  /// listed.
+  virtual bool plays_plans() const { return false; }
+
   /// Called after the last drive; flushes buffered data. Errors here are also reported.
   virtual void finish() {}
 

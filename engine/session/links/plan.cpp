@@ -1,5 +1,7 @@
 #include "session/links/plan.hpp"
 
+#include <algorithm>
+
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -12,17 +14,35 @@ void reserve(array::Schedule& schedule) {
   }
 }
 
+namespace {
+
+/// Decides which drives a plan lists whose foci advance.
+void list_advance(Plan& plan, bool lists_standing) {
+  array::Advance& advance = plan.schedule.advance;
+  advance.cycle = plan.cycle.is_listed() ? plan.cycle.length : most_cycle;
+  advance.cycles = std::max(2U, (least_advance_slots + advance.cycle - 1) / advance.cycle);
+  if (!plan.cycle.is_listed()) return;
+  plan.standing = lists_standing ? plan.cycle.length : 0;
+  if (plan.standing + advance.listed() <= most_cycle) return;
+  advance = {};
+  plan.standing = 0;
+}
+
+}  // namespace
+
 void reserve(Plan& plan, std::size_t transducers) {
   reserve(plan.schedule);
   plan.drives.reserve(most_cycle * transducers);
 }
 
-const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
+array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
   array::Schedule& schedule = plan.schedule;
   Cycle& cycle = plan.cycle;
   const bool silent = schedule.voice_count == 0;
   cycle.modulation_hz = !silent && array::shared_modulation(schedule) ? schedule.voices[0].modulation_hz : 0.0;
   if (cycle.modulation_hz != 0) cycle.modulation = schedule.voices[0].modulation;
+  plan.standing = 0;
+  if (silent || loudness != nullptr) schedule.advance = {};
   array::Schedule* planned = &schedule;
   if (cycle.modulation_hz != 0) {
     work.unmodulated = schedule;
@@ -32,6 +52,10 @@ const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* 
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
   cycle.too_long = !silent && !cycle.is_listed();
+  if (schedule.advance.moves()) {
+    list_advance(plan, work.lists_standing);
+    planned->advance = schedule.advance;
+  }
   if (loudness == nullptr) return *planned;
   // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots determine their
   // loudness.
@@ -59,6 +83,12 @@ void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOp
 }
 
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until) {
+  if (plan.schedule.advance.moves() && plan.standing == 0) {
+    Cycle unlisted = plan.cycle;
+    unlisted.length = 0;
+    unlisted.too_long = true;
+    return {.schedule = plan.schedule, .slots = {from, until, unlisted}};
+  }
   return {.schedule = plan.schedule,
           .slots = {from, until, plan.cycle},
           .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
@@ -67,6 +97,7 @@ PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from,
 void list_nothing(Plan& plan) {
   plan.cycle.length = 0;
   plan.cycle.too_long = false;
+  plan.standing = 0;
 }
 
 }  // namespace palpa::session

@@ -18,20 +18,32 @@ namespace palpa::session {
 ///
 /// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation,
 /// the output applies it as one gain per slot. If the cycle is too_long, the output computes each slot's drive itself.
+///
+/// If its foci advance, a plan lists more: the drives of all slots that differ (array::Advance), and before them, for a
+/// link that plays plans by its own clock, one cycle of foci that stand where they are in the middle of the first
+/// cycle.
 struct Plan {
   array::Schedule schedule;
   double captured_s = 0;   ///< on the loop's clock
   double more_hold_s = 0;  ///< extra time beyond the usual hold that it may sound after captured_s
   Cycle cycle;
-  std::vector<array::TransducerDrive> drives;  ///< cycle.length * transducers
+  std::uint32_t standing = 0;  ///< the drives of the cycle of standing foci, if foci advance: cycle.length or 0
+  std::vector<array::TransducerDrive> drives;  ///< listed() * transducers
 
+  /// The number of drives.
+  std::uint32_t listed() const {
+    return cycle.is_listed() && schedule.advance.moves() ? standing + schedule.advance.listed() : cycle.length;
+  }
   /// Only for a plan whose cycle is listed.
   std::span<const array::TransducerDrive> drive(std::uint64_t slot, std::size_t transducers) const {
-    return std::span(drives).subspan((slot % cycle.length) * transducers, transducers);
+    const std::uint64_t number =
+        schedule.advance.moves() ? standing + schedule.advance.number_of(slot) : slot % cycle.length;
+    return std::span(drives).subspan(number * transducers, transducers);
   }
 };
 
-/// The plan in the form that a link gets, for the slots from `from` up to but not including `until`.
+/// The plan in the form that a link gets, for the slots from `from` up to but not including `until`. Foci that advance
+/// are where they are in the middle of the first cycle; their drives are listed only for a link that plays them.
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until);
 
 /// Resets it to a plan that has nothing to drive, before its slots are planned.
@@ -44,12 +56,18 @@ void reserve(array::Schedule& schedule);
 
 /// Scratch memory for planning slots; keeps its storage.
 struct SlotWork {
+  bool lists_standing = false;  ///< the link plays plans by its own clock
   array::Schedule unmodulated;
   std::vector<array::SlotFocus> foci;
 };
 
-/// Fills cycle and pressures; returns the schedule whose slots are to be planned.
-const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
+/// Fills cycle, advance and pressures; returns the schedule whose slots are to be planned. Foci that advance stand
+/// still if they request a pressure, because its factors belong to the places of all foci, or if there are too many
+/// drives to list.
+array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
+
+/// Foci that advance have at least two cycles, and as many as there are in this many slots.
+inline constexpr std::uint32_t least_advance_slots = 20;
 
 /// Determines the slots that a plan for its schedule must hold. Fills its cycle and finds the foci of each of its
 /// slots, without a shared modulation. `add` is called once per slot, in order, with the foci and their factors. There
@@ -58,11 +76,20 @@ const array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* 
 template <typename Add>
 void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) {
   const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
-  const array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
-  for (std::uint32_t slot = 0; slot < plan.cycle.length; ++slot) {
-    array::foci_of_slot(planned, slot, work.foci);
-    add(work.foci, asked ? loudness->factors(slot) : std::span<const std::complex<double>>());
-  }
+  array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
+  const array::Advance advance = planned.advance;
+  const auto add_slots = [&](std::uint64_t first, std::uint32_t count) {
+    for (std::uint32_t slot = 0; slot < count; ++slot) {
+      array::foci_of_slot(planned, first + slot, work.foci);
+      add(work.foci, asked ? loudness->factors(slot) : std::span<const std::complex<double>>());
+    }
+  };
+  if (!plan.cycle.is_listed()) return;
+  if (!advance.moves()) return add_slots(0, plan.cycle.length);
+  planned.advance = {};
+  add_slots(0, plan.standing);
+  planned.advance = advance;
+  add_slots(advance.first_slot, advance.listed());
 }
 
 /// Fills a plan's drives on the host. `loudness`, made for this layout and these options, is needed if fingers may

@@ -66,6 +66,12 @@ SafeLink::~SafeLink() {
   }
 }
 
+double SafeLink::ceiling() const {
+  if (safety_.ceiling_now == nullptr) return safety_.ceiling;
+  const double now = *safety_.ceiling_now;
+  return now > 0 ? std::min(now, 1.0) : 0.0;
+}
+
 void SafeLink::plan(const PlayedPlan& plan) {
   if (ended_) return;
   next_slot_ = std::max(next_slot_, plan.slots.from);  // if the link fails, silence comes after this plan
@@ -77,11 +83,12 @@ void SafeLink::plan(const PlayedPlan& plan) {
     return;
   }
   kept_.schedule = plan.schedule;
+  kept_.schedule.advance = {};  // the drives that a link gets are of foci that stand
   kept_.cycle = plan.slots.cycle;
   kept_.drives.assign(plan.drives.begin(), plan.drives.end());
   until_slot_ = plan.slots.until;
   on_ = true;
-  pass_on_scaled(plan.slots.from, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : safety_.ceiling);
+  pass_on_scaled(plan.slots.from, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : ceiling());
 }
 
 HandOver SafeLink::handed_over() const {
@@ -93,7 +100,7 @@ void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
   if (plain()) {
     pass_on(slot, drive);
   } else if (!ramped()) {
-    send_scaled(slot, drive, safety_.ceiling);
+    send_scaled(slot, drive, ceiling());
   } else {
     send_ramped(slot, drive);
   }

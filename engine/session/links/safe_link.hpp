@@ -1,9 +1,10 @@
 // The safety layer around any link: silence at the end, a ceiling, a ramp.
 //
-// While the ceiling is 1 and there is no ramp, nothing is copied or changed. This layer does not handle missing calls:
-// a board has its watchdog, and a receiver of foci goes silent by itself.
+// While the ceiling is 1 and cannot change, and there is no ramp, nothing is copied or changed. This layer does not
+// handle missing calls: a board has its watchdog, and a receiver of foci goes silent by itself.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -23,6 +24,9 @@ struct Safety {
   /// voices comes. The last sounding drive fades out, so sound outlasts the hold by this time. At most most_ramp_s; 0:
   /// at once.
   double ramp_s = 0;
+  /// If it is set, this is the ceiling instead. Any thread may change it while a SafeLink plays. The next plan and the
+  /// next drive follow it. Values outside 0..1 count as the nearest one of them, and NaN as 0.
+  const std::atomic<double>* ceiling_now = nullptr;
 };
 inline constexpr double most_ramp_s = 0.5;  ///< a program has one second to end after a signal
 /// Throws bad_usage if the ceiling or the ramp is out of range.
@@ -59,9 +63,10 @@ class SafeLink final : public Link {
   void finish() override;
 
  private:
-  bool plain() const { return safety_.ceiling == 1 && safety_.ramp_s == 0; }
+  bool plain() const { return safety_.ceiling == 1 && safety_.ceiling_now == nullptr && safety_.ramp_s == 0; }
+  double ceiling() const;
   bool ramped() const { return safety_.ramp_s > 0; }
-  double factor(std::uint32_t up) const { return safety_.ceiling * up / ramp_drives_; }
+  double factor(std::uint32_t up) const { return ceiling() * up / ramp_drives_; }
   void pass_on_scaled(std::uint64_t from_slot, double factor);
   void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive);
   void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor);

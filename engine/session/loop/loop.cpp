@@ -18,6 +18,8 @@
 #include "session/loop/frame_queue.hpp"
 #include "session/loop/slow_solver.hpp"
 #include "session/loop/source_clock.hpp"
+#include "session/predict/capture_times.hpp"
+#include "session/predict/slot_clock.hpp"
 #include "session/threads.hpp"
 #include "session/watch/effort.hpp"
 
@@ -98,6 +100,7 @@ constexpr double most_wait_s = 0.1;
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue* recorded, const LoopSetting& setting,
              const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   SourceClock source_clock;
+  CaptureTimes times;
   const auto stopped = [&] { return stop.load(); };
   double looked_s = clock.now();  // time of the last frame, or of the last note that there was none
   while (!stop && (options.frames == 0 || stats.captured < options.frames)) {
@@ -115,6 +118,11 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue*
     if (options.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
     next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
+    if (options.every_frame) {
+      times.see(next.set.time_s);
+    } else {
+      times.see(next.set.time_s, next.arrived_s, next.arrived_s - next.captured_s);
+    }
     if (recorded) {
       if (options.every_frame) wait_until_empty(*recorded, stopped);
       if (recorded->add(next.set)) ++stats.unrecorded;
@@ -178,6 +186,7 @@ struct Compute {
   const Clock& clock;
   const std::atomic<bool>& stop;
   const std::atomic<bool>& output_ended;
+  const SlotClock& slots;
   const LoopSetting& setting;
   const RunOptions& options;
   LoopStats& stats;
@@ -221,11 +230,14 @@ bool Compute::start() {
   // Frames that wait for the loop have no meaningful age.
   if (options.every_frame) frame.arrived_s = frame.captured_s = clock.now();
   if (begin_s < 0) begin_s = frame.arrived_s;
-  planner.start({.images = frame.set.frames,
-                 .sequence = frame.set.sequence,
-                 .time_s = frame.set.time_s,
-                 .captured_s = frame.captured_s,
-                 .arrived_s = frame.arrived_s});
+  const SkinFrame started{.images = frame.set.frames,
+                          .sequence = frame.set.sequence,
+                          .time_s = frame.set.time_s,
+                          .captured_s = frame.captured_s,
+                          .arrived_s = frame.arrived_s,
+                          .slots = options.every_frame ? nullptr : &slots};
+  planner.start(started);
+  if (options.started) options.started(started);
   return true;
 }
 
@@ -241,8 +253,13 @@ bool Compute::step() {
   if (started.waited) early_start.took(report.planned_s - started.arrived_s, started.early);
   ++stats.planned;
   stats.touching += report.touch->finger_count > 0 ? 1 : 0;
+  if (stats.dropped) *stats.dropped += report.touch->dropped;
   stats.frame_to_plan_s.add(report.planned_s - report.arrived_s);
   stats.add_passes(report.passes);
+  if (report.prediction) {
+    if (!stats.prediction) stats.prediction.emplace();
+    stats.prediction->add(report.prediction->latency_s, report.prediction->distance_m, report.prediction->clamped);
+  }
   stats.seconds = report.planned_s - begin_s;
   if (options.planned) options.planned(report, plans.back());
   shed(report, plans.back().captured_s);
@@ -312,6 +329,9 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
               std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   const log::Relay relay;  // log messages of any thread do not block any thread
   const Clock clock;
+  SlotClock slots(clock, setting.output.slot_s);
+  OutputSetting output = setting.output;
+  output.slots = &slots;
   Newest<Captured> frames;
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
@@ -331,7 +351,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const EndFlag ended(output_ended);
       go_first();  // drives leave on time
       try {
-        play(link, plans, setting.output, clock, ending, stats.output, options.sent);
+        play(link, plans, output, clock, ending, stats.output, options.sent);
       } catch (...) {
         fail();
         throw;
@@ -360,7 +380,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
         throw;
       }
     });
-    Compute compute{planner, frames, plans, clock, stop, output_ended, setting, options, stats};
+    Compute compute{planner, frames, plans, clock, stop, output_ended, slots, setting, options, stats};
     const double last_s = compute.run();
     // If the source has ended, its last frame is played until it expires, as if frames had stopped coming.
     const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };

@@ -79,6 +79,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   nothing.slot_s = setting.slot_s;
   std::uint64_t slot = 0;
   const double begin_s = clock.now();
+  if (setting.slots) setting.slots->begin(begin_s);
   bool sounding = false;
   HandOverWatch watch;
   double look_s = begin_s + look_every_s;

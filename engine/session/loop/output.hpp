@@ -11,6 +11,7 @@
 #include "session/links/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/newest.hpp"
+#include "session/predict/slot_clock.hpp"
 #include "session/watch/stats.hpp"
 
 namespace palpa::session {
@@ -21,6 +22,7 @@ struct OutputSetting {
   double slot_s = 1.5e-3;
   double hold_s = 0.1;  ///< a plan sounds at most this long after its frame's capture
   Safety safety;
+  SlotClock* slots = nullptr;  ///< if given, it learns when slot 0 begins
 };
 
 /// The flags that end the output. The output checks all of them for every slot, so nobody has to forward an external

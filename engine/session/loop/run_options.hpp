@@ -21,6 +21,8 @@ struct RunOptions {
   /// Only for a session, which makes the events; run_loop makes none. Called on the calling thread after every frame,
   /// even without events, and when fingers are released because no frame comes or the run ends. It must return quickly.
   std::function<void(std::span<const Event>)> events{};
+  /// Called on the calling thread with each frame, before it is planned. It must return quickly.
+  std::function<void(const SkinFrame&)> started{};
   /// Called on the calling thread, before a frame's events. It must return quickly.
   std::function<void(const FrameReport&, const Plan&)> planned{};
   /// Called on the calling thread, once, when no frame has come for the hold after one was planned. Never called with

@@ -3,6 +3,8 @@
 // C++.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <chrono>
 #include <complex>
 #include <cstring>
 #include <optional>
@@ -14,6 +16,7 @@
 #include "base/log.hpp"
 #include "gpu/commands.hpp"
 #include "session/plan/planner.hpp"
+#include "session/predict/predictor.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -31,7 +34,11 @@ struct Flight {
 
   enum class State { idle, touching, driving } state = State::idle;
   std::uint64_t submitted = 0;
+  SkinFrame frame;  // without its skin
+  KeptFrames kept;
   Plan plan;
+  bool on_host = false;  ///< the plan's drives are in it
+  double on_host_ms = 0;
   FrameReport report;
 
   Flight(const gpu::Device& device, const SessionSetting& setting, const touch::Stage& stage)
@@ -50,18 +57,25 @@ struct Flight {
 
 class GpuPlanner : public Planner {
  public:
-  GpuPlanner(const gpu::Device& device, const SessionSetting& setting, Scheduler& scheduler)
+  GpuPlanner(const gpu::Device& device, const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds)
       : setting_(setting),
         scheduler_(scheduler),
         passes_(device),
         stage_(passes_, setting.solids, setting.cameras, stage_setting(setting, scheduler)),
         timeline_(device, "frames") {
+    if (setting.predict.predict != Predict::off)
+      predictor_.emplace(predictor_setting(
+          setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
     if (!setting.layout.transducers.empty()) {
       drive_passes_.emplace(device, setting.drive.solver);
       if (scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
+      if (sounds) on_fingers_.emplace(setting, scheduler, *sounds);
     }
     for (std::size_t f = 0; f < (setting.live() ? 2U : 1U); ++f)
       flights_.push_back(std::make_unique<Flight>(device, setting, stage_));
+    for (const auto& flight : flights_) {
+      if (predictor_) flight->kept = predictor_->make_kept();
+    }
     reserve(slot_work_.unmodulated);
     slot_work_.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
     touch_ms_.reserve(most_passes + 4);
@@ -84,6 +98,10 @@ class GpuPlanner : public Planner {
     stage_.record(commands, flight.memory, frame.time_s, &flight.touch_times);
     flight.submitted = timeline_.submit(flight.touch_recorder.end());
     flight.state = Flight::State::touching;
+    if (predictor_) predictor_->keep(frame.images, flight.kept);
+    flight.frame = frame;
+    flight.frame.images = {};
+    flight.frame.points = {};
     flight.plan.captured_s = frame.captured_s;
     flight.report = {frame.sequence, frame.time_s, &flight.touch, {}, frame.arrived_s, 0};
     ++started_;
@@ -128,8 +146,11 @@ class GpuPlanner : public Planner {
 
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
 
+  void list_standing(bool lists) override { slot_work_.lists_standing = lists; }
+
   void set_effort(const Effort& effort) override {
     stage_.set_pixel_stride(effort.pixel_stride);
+    if (predictor_) predictor_->set_pixel_stride(effort.pixel_stride);
     scheduler_.thin_foci(effort.foci_part);
   }
   Effort most_shed() const override { return {stage_.most_pixel_stride(), most_foci_part}; }
@@ -151,6 +172,7 @@ class GpuPlanner : public Planner {
       if (!setting_.live()) throw;
       flight.touch.contacts.clear();
       flight.touch.deep.clear();
+      flight.touch.dropped = {};
       flight.touch.finger_count = flight.touch.cluster_count = 0;
       if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
     }
@@ -158,9 +180,20 @@ class GpuPlanner : public Planner {
 
   /// The part on the host: the fingers' schedule, and the foci of each slot of its cycle.
   void plan_on_host(Flight& flight) {
-    scheduler_.make(flight.touch, flight.report.time_s, flight.plan.schedule);
+    const double time_s = flight.report.time_s;
+    const touch::Touch& touch =
+        predictor_ ? predictor_->see(flight.touch, time_s, flight.frame.first(), flight.kept) : flight.touch;
+    scheduler_.make(touch, time_s, flight.plan.schedule);
+    if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
     list_nothing(flight.plan);
+    flight.on_host = false;
     if (!flight.drive_memory) return;
+    if (on_fingers_) {
+      const auto begin = std::chrono::steady_clock::now();
+      flight.on_host = on_fingers_->make(flight.plan);
+      flight.on_host_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+      if (flight.on_host) return;
+    }
     array::DriveMemory& memory = *flight.drive_memory;
     memory.clear();
     plan_slots(flight.plan, slot_work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
@@ -172,7 +205,7 @@ class GpuPlanner : public Planner {
   void submit_drives(Flight& flight) {
     flight.state = Flight::State::driving;
     flight.submitted = 0;
-    if (!flight.plan.cycle.is_listed()) return;
+    if (!flight.plan.cycle.is_listed() || flight.on_host) return;
     const VkCommandBuffer commands = flight.drive_recorder.begin();
     flight.drive_times.begin(commands);
     flight.drive_memory->record(commands, *drive_passes_);
@@ -194,7 +227,7 @@ class GpuPlanner : public Planner {
     foci.clear();
     for (std::uint32_t count = 1; count <= touch::max_foci; count *= 2) {
       while (foci.size() < count)
-        foci.push_back({.position = {2e-3 * static_cast<double>(foci.size()), 0, 0}});
+        foci.push_back({.position = {30e-3 * static_cast<double>(foci.size()), 0, 0}});
       if (!memory.add_slot(foci)) break;
     }
     dispatch();
@@ -211,10 +244,15 @@ class GpuPlanner : public Planner {
     plan.schedule = flight.plan.schedule;
     plan.captured_s = flight.plan.captured_s;
     plan.cycle = flight.plan.cycle;
-    plan.drives.resize(plan.cycle.length * transducers);
+    plan.standing = flight.plan.standing;
+    plan.drives.resize(plan.listed() * transducers);
+    if (flight.on_host) {
+      std::ranges::copy(flight.plan.drives, plan.drives.begin());
+      touch_ms_.push_back({"drives on fingers", flight.on_host_ms});
+    }
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);
-    for (std::uint32_t slot = 0; slot < plan.cycle.length; ++slot) {
+    for (std::uint32_t slot = 0; slot < plan.listed(); ++slot) {
       const auto drive = flight.drive_memory->drive(slot);
       std::memcpy(plan.drives.data() + slot * transducers, drive.data(), drive.size_bytes());
     }
@@ -228,6 +266,8 @@ class GpuPlanner : public Planner {
   touch::Stage stage_;
   std::optional<array::DrivePasses> drive_passes_;
   std::optional<array::Loudness> loudness_;
+  std::optional<Predictor> predictor_;
+  std::optional<FingerDrives> on_fingers_;
   std::vector<std::unique_ptr<Flight>> flights_;
   gpu::Timeline timeline_;
   std::uint64_t started_ = 0, finished_ = 0;
@@ -241,8 +281,8 @@ class GpuPlanner : public Planner {
 }  // namespace
 
 std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
-                                          Scheduler& scheduler) {
-  return std::make_unique<GpuPlanner>(device, setting, scheduler);
+                                          Scheduler& scheduler, FingerSounds* sounds) {
+  return std::make_unique<GpuPlanner>(device, setting, scheduler, sounds);
 }
 
 }  // namespace palpa::session

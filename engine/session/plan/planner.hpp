@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "base/math.hpp"
@@ -11,7 +12,10 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
 #include "session/links/plan.hpp"
+#include "session/plan/finger_sounds.hpp"
 #include "session/plan/setting.hpp"
+#include "session/predict/predictor.hpp"
+#include "session/predict/slot_clock.hpp"
 #include "session/watch/effort.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -26,6 +30,14 @@ struct SkinFrame {
   double time_s = 0;      ///< capture, on the source's clock
   double captured_s = 0;  ///< the same on the loop's clock
   double arrived_s = 0;   ///< in memory, on the loop's clock
+  /// One of these, or neither, says when the plan's slots will sound: the loop's clock, which must outlive the frame's
+  /// last step, or the number of the first slot that plays the plan.
+  const SlotClock* slots = nullptr;
+  std::optional<std::uint64_t> first_slot{};
+
+  std::optional<FirstSlot> first() const {
+    return slots ? slots->first(captured_s) : first_slot ? std::optional(FirstSlot{*first_slot, {}}) : std::nullopt;
+  }
 };
 
 /// The results of a frame besides its plan. Valid until the planner's next step.
@@ -33,8 +45,9 @@ struct FrameReport {
   std::uint64_t sequence = 0;
   double time_s = 0;  ///< capture, on the source's clock
   const touch::Touch* touch = nullptr;
-  std::span<const gpu::PassTime> passes;  ///< in the order they ran, on the device or as C++ twins
-  double arrived_s = 0, planned_s = 0;    ///< on the loop's clock: frame in memory, drives in memory
+  std::span<const gpu::PassTime> passes;   ///< in the order they ran, on the device or as C++ twins
+  double arrived_s = 0, planned_s = 0;     ///< on the loop's clock: frame in memory, drives in memory
+  std::optional<Prediction> prediction{};  ///< of a frame with fingers, if foci are predicted
 };
 
 class Planner {
@@ -56,23 +69,51 @@ class Planner {
   /// nothing.
   virtual void set_effort(const Effort&) {}
   virtual Effort most_shed() const { return {}; }
+  /// Whether plans also list the drives of a cycle of foci that stand still, for a link that plays them by its own
+  /// clock.
+  virtual void list_standing(bool) {}
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
 
 /// Runs the passes on the device. For a live setting, there are two frames in flight, and a frame that exceeds its
 /// capacity is left out with a warning. Otherwise, there is one frame in flight, and exceeding its capacity is an
-/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost.
+/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost. The drives of frames
+/// with foci that `sounds`, which may be null, knows are computed on the host.
 std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
-                                          Scheduler& scheduler);
+                                          Scheduler& scheduler, FingerSounds* sounds = nullptr);
 /// The same with the passes' C++ twins.
-std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler);
+std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler,
+                                           FingerSounds* sounds = nullptr);
+
+/// Computes the drives of a frame on the host, from the sound on its fingers.
+class FingerDrives {
+ public:
+  FingerDrives(const SessionSetting& setting, const Scheduler& scheduler, FingerSounds& sounds);
+  /// Fills cycle and drives if the sound is known at some of the schedule's foci. Otherwise returns false, and changes
+  /// nothing. Slots of schedules that are not listed are not its matter: they sound as in free air.
+  bool make(Plan& plan);
+
+ private:
+  void drive_one(const array::SlotFocus& focus, std::span<array::TransducerDrive> out);
+
+  const array::Layout& layout_;
+  FingerSounds& sounds_;
+  array::DriveOptions in_free_air_, drive_;
+  SlotWork work_;
+  array::DriveScratch scratch_;
+  std::optional<array::Loudness> loudness_;
+};
 
 /// Reserves the memory that a live frame needs in a touch: any number of fingers and foci, `contacts_per_finger`
 /// contacts (a finger with more grows once), and as many deep points as a frame in flight has room for.
 inline constexpr std::size_t contacts_per_finger = 4096;
 inline constexpr std::uint32_t most_deep = 1U << 18;
 void reserve(touch::Touch& touch);
+
+/// The setting of the predictor of a session whose stage has these cameras and solids.
+PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
+                                   const touch::PreparedSolids& solids);
 
 /// The setting of the stage, on the device or as its twins. Single frames, events and methods that need contacts get
 /// contacts; events also get deep points.

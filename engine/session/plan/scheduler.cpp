@@ -54,8 +54,14 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
     ScheduledFinger& out = fingers_[f];
     out.perimeter_m = 0;
     out.tuned.reset();
-    touch::place_foci(touch, finger, options_.method, out.placement);
+    if (options_.own_method) {
+      options_.own_method(touch, finger, out.placement);
+    } else {
+      touch::place_foci(touch, finger, options_.method, out.placement);
+    }
     array::VoiceOptions options = solids_[finger.solid].voice;
+    // The usual stride is that of the usual number of foci. An own method may have any other.
+    if (options_.own_method && !options_.voice.stride) options.stride.reset();
     if (foci_part_ > 1 && !out.placement.still() && !out.placement.together) thin(out.placement, options);
     array::Voice& voice = schedule.add_voice();
     make_voice(out.placement, finger.id, finger.solid, options, voice);

@@ -1,6 +1,7 @@
 // From the fingers of a frame to their voices: the method's foci, the solid's haptics, tuning and order.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,9 +27,14 @@ enum class Tune {
   all,     ///< foci, stride and dwell, for a single frame: another number of foci would move every focus
 };
 
+/// A method of the caller's: places the foci of a finger of that touch, at least one and at most touch::max_foci, as
+/// the functions in touch/foci/method.hpp do. It is called on the thread that computes, and must not throw.
+using OwnMethod = std::function<void(const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out)>;
+
 /// How fingers become voices. The haptics of a finger's solid override `voice`.
 struct ScheduleOptions {
-  touch::MethodOptions method;  ///< places the foci
+  touch::MethodOptions method;  ///< places the foci,
+  OwnMethod own_method{};       ///< unless there is this
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;
   acoustics::TuneOptions tuning;  ///< for Tune::all; callers must not set the field of its spectrum
@@ -58,7 +64,7 @@ class Scheduler {
   double slot_s() const { return slot_s_; }
   const std::vector<SolidHaptics>& solids() const { return solids_; }
   /// Whether the method needs the contacts themselves, see touch::needs_contacts.
-  bool needs_contacts() const { return touch::needs_contacts(options_.method); }
+  bool needs_contacts() const { return options_.own_method || touch::needs_contacts(options_.method); }
 
   /// Whether any solid requests a pressure.
   bool needs_pressures() const;

@@ -5,29 +5,47 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/air.hpp"
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive.hpp"
 #include "array/layout.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
+#include "session/predict/prediction.hpp"
 #include "session/watch/events.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
+
+/// The finger on which foci are computed (previews/live_fingers.hpp): tip at the origin, body along +y.
+struct FollowedFinger {
+  std::string name;     ///< its file, for messages
+  geometry::Mesh body;  ///< as acoustics::body_mesh returns it
+  acoustics::Air air;
+};
 
 struct SessionSetting {
   std::string scene = "scene";  ///< source of the solids, for messages
   std::vector<geometry::Solid> solids;
   std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; otherwise as depth frames
   array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
+  /// With cameras: skin on the layout's boards counts. Otherwise, points on the boards are no skin.
+  bool keep_boards = false;
+  /// With cameras: other things that are no skin, and the room outside which nothing is.
+  sensing::Surroundings surroundings{};
   touch::Parameters touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
   /// The field of a focus for spectra and Tune::all, instead of the layout's field in free air. It must outlive the
   /// session.
   const acoustics::FocusField* field = nullptr;
+  /// run() computes foci from the sound on the fingers that touch, each of which is assumed to be this one. Empty: from
+  /// the free field.
+  std::optional<FollowedFinger> finger;
   /// Empty: events are not requested. Fingers are then never deeper than delta, which saves looking at the deeper skin.
   std::optional<EventOptions> events = EventOptions{};
   /// Fingers keep their ids from frame to frame, and also their axes and foci as the next two members say. False: each
@@ -35,6 +53,11 @@ struct SessionSetting {
   bool follow = true;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  /// With depth frames: a finger stays one until the evidence against it is strong. Needs `follow`.
+  touch::Hysteresis hysteresis = touch::Hysteresis::on;
+  /// Whether foci are moved to where their fingers will be when they sound. Without a fixed latency, only run()
+  /// predicts, and only if frames do not wait.
+  PredictOptions predict;
   /// How long a frame is valid after its capture if no other comes. Then comes silence, and fingers are released.
   double hold_s = 0.1;
   /// run() may lengthen the hold to longest_auto_hold_s if frames are late although work is shed
@@ -47,5 +70,12 @@ struct SessionSetting {
   /// Whether it has everything that run() needs.
   bool live() const { return !frame_by_frame && !cameras.empty() && !layout.transducers.empty(); }
 };
+
+/// The boards of a layout that is posed in the world.
+std::vector<sensing::Slab> slabs_of(const array::Layout& layout);
+/// Everything in the world that is no skin: the setting's surroundings and, unless it keeps them, its boards.
+sensing::Surroundings surroundings_of(const SessionSetting& setting);
+/// Whether a frame may have points that are no skin.
+bool drops_points(const SessionSetting& setting);
 
 }  // namespace palpa::session

@@ -14,7 +14,7 @@ SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies, co
   answer.faces.langevin.assign(question.finger.triangles.size(), 0);
   answer.faces.squared = answer.faces.langevin;
   if (question.plan.schedule.voice_count > 0 && !question.layout.transducers.empty()) {
-    if (question.plan.drives.size() != question.plan.cycle.length * question.layout.transducers.size())
+    if (question.plan.drives.size() != question.plan.listed() * question.layout.transducers.size())
       throw failure("the plan belongs to another array than the one whose sound is computed");
     const array::Layout layout = array::transformed(question.layout, glm::inverse(question.T_world_finger));
     acoustics::check_clear_of(question.name, question.finger, layout);

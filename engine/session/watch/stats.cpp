@@ -1,5 +1,7 @@
 #include "session/watch/stats.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -63,6 +65,27 @@ void LoopStats::add_passes(std::span<const gpu::PassTime> times) {
   }
 }
 
+void write_dropped(const sensing::Dropped& dropped, JsonWriter& json) {
+  using sensing::NoSkin;
+  json.key("dropped").begin_object().member("room", dropped[NoSkin::room]).member("boards", dropped[NoSkin::board]);
+  json.member("screen", dropped[NoSkin::screen]).member("background", dropped[NoSkin::background]).end_object();
+}
+
+std::string to_text(const std::optional<sensing::Dropped>& dropped, std::uint64_t frames) {
+  if (!dropped || dropped->total() == 0 || frames == 0) return "";
+  std::string what;
+  const auto add = [&](sensing::NoSkin why, const char* where) {
+    if ((*dropped)[why] == 0) return;
+    what += fmt::format("{}{:.0f} {}", what.empty() ? "" : ", ",
+                        std::ceil(static_cast<double>((*dropped)[why]) / static_cast<double>(frames)), where);
+  };
+  add(sensing::NoSkin::room, "outside the room");
+  add(sensing::NoSkin::board, "on the array's boards");
+  add(sensing::NoSkin::screen, "on the screen");
+  add(sensing::NoSkin::background, "in the background");
+  return fmt::format("points that are no skin, in a frame on average: {}\n", what);
+}
+
 std::string to_json(const LoopStats& stats) {
   JsonWriter json;
   json.begin_object(JsonWriter::Style::rows);
@@ -71,6 +94,7 @@ std::string to_json(const LoopStats& stats) {
   json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("unplayed", stats.unplayed);
   json.member("touching", stats.touching);
   json.end_object();
+  if (stats.dropped) write_dropped(*stats.dropped, json);
   json.key("seconds").rounded(stats.seconds, digits);
   json.key("timing_ms").begin_object();
   add_distribution(json, "frame_to_plan", stats.frame_to_plan_s, 1e3);
@@ -94,9 +118,26 @@ std::string to_json(const LoopStats& stats) {
     json.member("foci_part", stats.shed->least.foci_part).member("hold_s", stats.shed->hold_s);
     json.member("frames", stats.shed->frames).end_object();
   }
+  if (stats.prediction) {
+    json.key("prediction").begin_object();
+    add_distribution(json, "latency_ms", stats.prediction->latency_s, 1e3);
+    add_distribution(json, "distance_mm", stats.prediction->distance_m, 1e3);
+    json.member("clamped", stats.prediction->clamped).end_object();
+  }
   if (stats.tune) {
     json.key("tune").begin_object().member("field", stats.tune->of_array ? "array" : "spot");
     json.member("fields", stats.tune->fields).end_object();
+  }
+  if (stats.finger_sounds) {
+    const FingerSoundStats& own = *stats.finger_sounds;
+    json.key("transfer").begin_object().member("touching", own.touching).member("frames", own.frames);
+    json.member("answers", own.answers).member("not_found", own.not_found);
+    add_distribution(json, "took_ms", own.took_s, 1e3);
+    add_distribution(json, "age_ms", own.age_s, 1e3);
+    json.key("gain").begin_object().member("count", own.gain.count());
+    json.key("least").rounded(own.gain.quantile(0), digits).key("median").rounded(own.gain.quantile(0.5), digits);
+    json.key("most").rounded(own.gain.quantile(1), digits).end_object();
+    json.end_object();
   }
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/json_writer.hpp"
 #include "gpu/timestamps.hpp"
+#include "sensing/no_skin.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/watch/effort.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -64,6 +66,30 @@ struct TuneStats {
   std::uint64_t fields = 0;  ///< how many fingers' fields were computed
 };
 
+/// For a run that predicts where fingers will be.
+struct PredictStats {
+  Samples latency_s;          ///< from a frame's capture to the middle of the first slot that could play it
+  Samples distance_m;         ///< the way of the finger that was moved farthest
+  std::uint64_t clamped = 0;  ///< frames whose first cycle lasts beyond the longest prediction
+
+  void add(double latency, double distance, bool beyond) {
+    latency_s.add(latency);
+    distance_m.add(distance);
+    clamped += beyond ? 1 : 0;
+  }
+};
+
+/// For a run whose foci are computed on the fingers.
+struct FingerSoundStats {
+  std::uint64_t touching = 0;   ///< planned frames with a finger
+  std::uint64_t frames = 0;     ///< of these, those in which the sound was known at a focus
+  std::uint64_t answers = 0;    ///< fingers whose sound was computed
+  std::uint64_t not_found = 0;  ///< fingers whose mesh did not fit the skin
+  Samples took_s;               ///< the time of each answer
+  Samples age_s;                ///< of the answer that a finger's foci used
+  Samples gain;                 ///< of each focus' pressure, over that with the drive for free air
+};
+
 /// For a run that has shed work.
 struct ShedStats {
   Effort least;              ///< the least effort of any frame
@@ -78,20 +104,23 @@ struct PassStats {
 };
 
 struct LoopStats {
-  std::uint64_t captured = 0;    ///< frames that came from the source
-  std::uint64_t replaced = 0;    ///< of these, skipped because a newer one had come
-  std::uint64_t missing = 0;     ///< how often the source had no frame within the hold
-  std::uint64_t unrecorded = 0;  ///< frames that are not recorded, usually because they came too fast
-  std::uint64_t planned = 0;     ///< frames whose drives were made
-  std::uint64_t unplayed = 0;    ///< of these, not played because the drives of a newer one had come
-  std::uint64_t touching = 0;    ///< of the planned frames, those with at least one finger
-  double seconds = 0;            ///< from the first frame to the end
-  Samples frame_to_plan_s;       ///< a frame in memory to its drives in memory
+  std::uint64_t captured = 0;               ///< frames that came from the source
+  std::uint64_t replaced = 0;               ///< of these, skipped because a newer one had come
+  std::uint64_t missing = 0;                ///< how often the source had no frame within the hold
+  std::uint64_t unrecorded = 0;             ///< frames that are not recorded, usually because they came too fast
+  std::uint64_t planned = 0;                ///< frames whose drives were made
+  std::uint64_t unplayed = 0;               ///< of these, not played because the drives of a newer one had come
+  std::uint64_t touching = 0;               ///< of the planned frames, those with at least one finger
+  std::optional<sensing::Dropped> dropped;  ///< of the planned frames, if something could be dropped
+  double seconds = 0;                       ///< from the first frame to the end
+  Samples frame_to_plan_s;                  ///< a frame in memory to its drives in memory
   std::vector<PassStats> passes;
   OutputStats output;
   std::optional<EventStats> events;
   std::optional<TuneStats> tune;
   std::optional<ShedStats> shed;
+  std::optional<PredictStats> prediction;
+  std::optional<FingerSoundStats> finger_sounds;
   std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
   std::vector<std::string> solids;      ///< the names of their solids
 
@@ -100,5 +129,10 @@ struct LoopStats {
 
 /// One JSON object, keys as in docs/files.md.
 std::string to_json(const LoopStats& stats);
+
+/// Adds "dropped": the points that were no skin, by reason.
+void write_dropped(const sensing::Dropped& dropped, JsonWriter& json);
+/// The same as a line of a summary, per frame; empty if there were none.
+std::string to_text(const std::optional<sensing::Dropped>& dropped, std::uint64_t frames);
 
 }  // namespace palpa::session

@@ -115,17 +115,18 @@ std::vector<double> gains_over(const array::DriveOptions& in_free_air, const arr
 
 /// The place where drives are computed.
 struct Computer {
-  const gpu::Device* device = nullptr;                 ///< an open device,
-  const gpu::DeviceOptions* device_options = nullptr;  ///< or one to be opened; neither: the processor
-  FingerInSound* finger = nullptr;                     ///< on the processor; its transfer replaces free air
-  std::string touch;                                   ///< file of the foci, for messages
+  const gpu::Device* device = nullptr;      ///< an open device,
+  const ComputeOptions* options = nullptr;  ///< or these options give it; neither: the processor
+  FingerInSound* finger = nullptr;          ///< on the processor; its transfer replaces free air
+  std::string touch;                        ///< file of the foci, for messages
 };
 
 array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span<const array::SlotFocus> foci,
                       std::span<const std::complex<double>> factors, const array::DriveOptions& options) {
-  if (by.finger || !(by.device || by.device_options)) return drive_on_cpu(layout, foci, factors, options);
+  if (by.finger || !(by.device || by.options)) return drive_on_cpu(layout, foci, factors, options);
   if (by.device) return drive_on_gpu(*by.device, layout, foci, factors, options);
-  return drive_on_gpu(gpu::Device(*by.device_options), layout, foci, factors, options);
+  const UsedDevice device(*by.options);
+  return drive_on_gpu(*device.get(), layout, foci, factors, options);
 }
 
 /// Computes the drive of slot 0 of the schedule. If there is a finger, it must already be aimed at the schedule's foci.
@@ -315,12 +316,10 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
     finger = std::make_unique<FingerInSound>(std::move(body), layout, task.drive);
     result.aimed = aim(*finger, result.foci);
   }
-  const gpu::DeviceOptions device = device_options(common);
-  drive_slot(layout, schedule, options,
-             {.device_options = common.backend == Backend::gpu ? &device : nullptr,
-              .finger = finger.get(),
-              .touch = task.touch},
-             result);
+  drive_slot(
+      layout, schedule, options,
+      {.options = common.backend == Backend::gpu ? &common : nullptr, .finger = finger.get(), .touch = task.touch},
+      result);
   if (!task.spread.text.empty()) {
     result.spread = spread_of_drive(layout, result.drive, result.foci, task.drive.medium, options.directivity,
                                     parse_spread(task.spread.text), draws_of(task.spread, common.seed));

@@ -38,7 +38,8 @@ void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids
                   {"--spacing", touch.parameters.spacing != usual.touch.parameters.spacing},
                   {"--method", touch.method.method != usual.touch.method.method},
                   {"--axes", task.axes != usual.axes},
-                  {"--smoothing", task.smoothing != usual.smoothing}},
+                  {"--smoothing", task.smoothing != usual.smoothing},
+                  {"--predict-latency", task.predict_latency_s.has_value()}},
                  "goes with --foci, --drives or --pressure: events do not depend on foci");
   }
   if (!drives && !foci) {
@@ -65,6 +66,11 @@ void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids
                 {"--layout", !task.rig.layout.empty() && task.rig.rig.empty() && !hides},
                 {"--rig", !task.rig.rig.empty() && source == "recording"}},
                "goes with --drives or --pressure: nothing else that is exported depends on the array's sound");
+}
+
+FrameOptions unmeasured(FrameOptions options) {
+  options.leave_out_unmeasured_prediction();
+  return options;
 }
 
 }  // namespace
@@ -122,6 +128,7 @@ class ExportRun::Links final : public session::Link {
 void check(const ExportTask& task, std::span<const session::SourceKind> sources, bool own_links) {
   if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: exported frames are never late");
   check(task);
+  task.refuse_unmeasured_prediction("exported frames");
   if (task.foci.empty() && task.events.empty() && task.drives.empty() && !own_links)
     throw bad_usage("nothing to export: give --foci, --events or --drives");
   if (!task.foci.empty()) session::check_foci_file(task.foci);
@@ -145,7 +152,7 @@ std::string to_json(const ExportResult& result) {
 
 ExportRun::ExportRun(const ExportTask& task, std::span<const session::SourceKind> sources, std::atomic<bool>& stop,
                      std::span<session::Link* const> links)
-    : frames_(task.frames), stop_(&stop), prepared_(prepare(task, sources, false)) {
+    : frames_(task.frames), stop_(&stop), prepared_(prepare(unmeasured(task), sources, false)) {
   const session::Session& session = *prepared_.session;
   if (links.empty()) refuse_idle(task, session.solids());
   if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_);

@@ -176,12 +176,11 @@ FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const 
   result.places = load_places(task.place);
   const array::Drive drive = drive_of(task, layout, result);
   if (all_read) all_read();
-  std::optional<gpu::Device> device;
-  if (common.backend == Backend::gpu) device.emplace(device_options(common));
-  sum(layout, drive, task.drive.directivity, device ? &*device : nullptr, result);
+  const UsedDevice device(common);
+  sum(layout, drive, task.drive.directivity, device.get(), result);
   if (!task.spread.text.empty()) {
-    result.spread = spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed),
-                                    device ? &*device : nullptr);
+    result.spread =
+        spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed), device.get());
   }
   result.total_ms = milliseconds_since(begin);
   return result;

@@ -9,6 +9,7 @@
 
 #include "array/schedule.hpp"
 #include "base/json_writer.hpp"
+#include "base/text.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -28,9 +29,18 @@ void check(const TouchTask& options, bool depth_images) {
   check(options.array);
 }
 
+namespace {
+
+/// Whether --tune or its solid gave this finger its own schedule.
+bool plays_its_own(const session::Session& session, const touch::Touch& touch, std::uint32_t finger) {
+  const std::optional<acoustics::Tuned>& tuned = session.scheduler().fingers()[finger].tuned;
+  return (tuned && tuned->changed) || session.scheduler().solids()[touch.fingers[finger].solid].own_schedule;
+}
+
+}  // namespace
+
 bool TouchResult::has_own_schedule(std::uint32_t finger) const {
-  const std::optional<acoustics::Tuned>& tuned = session().scheduler().fingers()[finger].tuned;
-  return (tuned && tuned->changed) || session().scheduler().solids()[touch().fingers[finger].solid].own_schedule;
+  return plays_its_own(session(), touch(), finger);
 }
 
 bool TouchResult::beyond_linear() const {
@@ -110,14 +120,14 @@ void add_pressures(JsonWriter& json, const std::vector<double>& pressures, const
   json.end_array();
 }
 
-void add_finger(JsonWriter& json, const TouchResult& result, std::uint32_t index) {
-  const touch::Finger& finger = result.touch().fingers[index];
-  const session::ScheduledFinger& scheduled = result.session().scheduler().fingers()[index];
+void add_finger(JsonWriter& json, const TouchValues& values, std::uint32_t index) {
+  const touch::Finger& finger = values.touch.fingers[index];
+  const session::ScheduledFinger& scheduled = values.fingers[index];
   const touch::Placement& placement = scheduled.placement;
-  json.begin_object().member("solid", result.session().solids()[finger.solid].name);
+  json.begin_object().member("solid", values.solids[finger.solid]);
   json.key("indices").begin_array();
   for (const std::uint32_t contact : finger.contacts)
-    json.value(result.touch().contacts[contact].point);
+    json.value(values.touch.contacts[contact].point);
   json.end_array();
   json.member("centroid_m", finger.section.centroid);
   json.key("axes").begin_array();
@@ -141,21 +151,54 @@ void add_finger(JsonWriter& json, const TouchResult& result, std::uint32_t index
   for (const touch::Focus& focus : placement.foci)
     json.value(focus.points);
   json.end_array();
-  const array::Voice& voice = result.session().schedule().voices[index];
+  const array::Voice& voice = values.schedule.voices[index];
   if (voice.gain != 1) json.member("gain", voice.gain);
   if (const double asked = voice.pressure_pa * voice.gain; asked > 0) json.member("asked_pa", asked);
-  if (!result.pressures.empty()) add_pressures(json, result.pressures[index], placement);
-  if (result.has_own_schedule(index)) add_schedule(json, by_sector(voice, placement));
-  add_felt(json, scheduled, result.spectra.empty() ? nullptr : &result.spectra[index]);
+  if (!values.pressures.empty()) add_pressures(json, values.pressures[index], placement);
+  if (values.own_schedule[index]) add_schedule(json, by_sector(voice, placement));
+  add_felt(json, scheduled, values.spectra.empty() ? nullptr : &values.spectra[index]);
   json.end_object();
 }
 
 }  // namespace
 
+TouchValues values_of(const session::Session& session, const touch::Touch& touch) {
+  TouchValues values;
+  values.touch.contacts = touch.contacts;
+  values.touch.deep = touch.deep;
+  values.touch.fingers.assign(touch.fingers.begin(), touch.fingers.begin() + touch.finger_count);
+  values.touch.finger_count = touch.finger_count;
+  values.touch.cluster_count = touch.cluster_count;
+  values.schedule = session.schedule();
+  values.common = session.scheduler().common_voice();
+  values.fingers.assign(session.scheduler().fingers().begin(), session.scheduler().fingers().end());
+  values.solids = session.solid_names();
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
+    values.own_schedule.push_back(plays_its_own(session, touch, f));
+  return values;
+}
+
+TouchValues values_of(const TouchResult& result) {
+  TouchValues values = values_of(result.session(), result.touch());
+  values.points = result.points;
+  values.spectra = result.spectra;
+  values.pressures = result.pressures;
+  values.total_ms = result.total_ms;
+  values.times = result.times;
+  return values;
+}
+
 std::string to_json(const TouchResult& result) {
-  const touch::Touch& touch = result.touch();
+  return to_json(values_of(result));
+}
+std::string to_csv(const TouchResult& result) {
+  return to_csv(values_of(result));
+}
+
+std::string to_json(const TouchValues& values) {
+  const touch::Touch& touch = values.touch;
   JsonWriter json;
-  json.begin_object().member("points", result.points);
+  json.begin_object().member("points", values.points);
   json.key("contacts").begin_object().member("count", std::uint64_t{touch.contacts.size()});
   json.key("indices").begin_array();
   for (const touch::Contact& contact : touch.contacts)
@@ -167,31 +210,18 @@ std::string to_json(const TouchResult& result) {
   json.end_array().end_object();
   json.key("fingers").begin_array(JsonWriter::Style::block);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    add_finger(json, result, f);
+    add_finger(json, values, f);
   json.end_array();
-  add_schedule(json, result.session().scheduler().common_voice());
-  json.key("timing_ms").begin_object().member("total", result.total_ms);
-  for (const auto& [stage, ms] : result.times)
+  add_schedule(json, values.common);
+  json.key("timing_ms").begin_object().member("total", values.total_ms);
+  for (const auto& [stage, ms] : values.times)
     json.member(stage, ms);
   json.end_object().end_object();
   return json.take();
 }
 
-namespace {
-
-/// A name as a CSV cell, quoted if it would otherwise be split.
-std::string cell(const std::string& name) {
-  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (const char c : name)
-    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-}  // namespace
-
-std::string to_csv(const TouchResult& result) {
-  const touch::Touch& touch = result.touch();
+std::string to_csv(const TouchValues& values) {
+  const touch::Touch& touch = values.touch;
   // A contact whose cluster was too small belongs to no finger.
   std::vector<int> finger_of(touch.contacts.size(), -1);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
@@ -202,7 +232,7 @@ std::string to_csv(const TouchResult& result) {
   for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
     const touch::Contact& c = touch.contacts[i];
     fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{}\n", c.point, c.position.x, c.position.y, c.position.z,
-                   c.depth_m, finger_of[i], cell(result.session().solids()[c.solid].name));
+                   c.depth_m, finger_of[i], csv_cell(values.solids[c.solid]));
   }
   return csv;
 }

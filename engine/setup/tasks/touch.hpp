@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
+#include "array/schedule.hpp"
 #include "geometry/solid.hpp"
+#include "session/plan/scheduler.hpp"
 #include "session/session.hpp"
 #include "setup/options.hpp"
 #include "setup/touch_input.hpp"
@@ -60,9 +62,29 @@ struct TouchResult {
 TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since = {});
 
+/// All values of a touch without its session, for those who keep many touches: a session has the solids and a device.
+struct TouchValues {
+  touch::Touch touch;
+  array::Schedule schedule;                       ///< a voice for each finger
+  array::Voice common;                            ///< Scheduler::common_voice
+  std::vector<session::ScheduledFinger> fingers;  ///< how each finger got its voice
+  std::vector<std::string> solids;                ///< their names
+  std::vector<bool> own_schedule;                 ///< see TouchResult::has_own_schedule
+  std::uint64_t points = 0;
+  std::vector<acoustics::Spectrum> spectra;
+  std::vector<std::vector<double>> pressures;
+  double total_ms = 0;
+  StepTimes times;
+};
+TouchValues values_of(const TouchResult& result);
+/// The same for a frame of any session that works frame by frame: without points, spectra, pressures and times.
+TouchValues values_of(const session::Session& session, const touch::Touch& touch);
+
 /// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.
+std::string to_json(const TouchValues& values);
 std::string to_json(const TouchResult& result);
 /// The contacts, a line each: index,x,y,z,depth,finger,solid; finger is -1 if the cluster was too small.
+std::string to_csv(const TouchValues& values);
 std::string to_csv(const TouchResult& result);
 
 }  // namespace palpa::setup

@@ -40,9 +40,10 @@ std::vector<gpu::ScratchBuffer> BridgePass::scratch() {
 }
 
 void BridgePass::record(VkCommandBuffer commands, const BridgeBindings& b, const gpu::Scratch& s, const Room& room,
-                        const Parameters& parameters) const {
+                        const Parameters& parameters, const KnownFrame& known) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
-  const shader::BridgePush push{room.contacts, cameras, static_cast<float>(parameters.finger_width_m), 0};
+  const shader::BridgePush push{
+      room.contacts, cameras, static_cast<float>(parameters.finger_width_m), known.elapsed_us, known.rules, 0, 0, 0};
   const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
   constexpr VkDeviceSize per_patch = offsetof(shader::TouchHeader, patches_x);
   Buffers buffers{b};

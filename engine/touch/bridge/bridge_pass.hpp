@@ -7,6 +7,7 @@
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"
+#include "touch/bridge/known_labels.hpp"
 #include "touch/room.hpp"
 #include "touch/types.hpp"
 
@@ -22,6 +23,7 @@ struct BridgeBindings {
   gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]
+  gpu::BufferRef known;     ///< in, out (doubts): shader::KnownTable, not used if there is no frame before
 };
 
 /// Pipelines only; four dispatches: sample, pairs, join, relabel. With fewer than two fingers, no dispatch runs a
@@ -35,7 +37,7 @@ class BridgePass {
   /// Barriers: all inputs must be visible to compute and as indirect arguments. Adds the inner barriers itself; the
   /// caller adds compute_to_compute afterwards.
   void record(VkCommandBuffer commands, const BridgeBindings& bindings, const gpu::Scratch& scratch, const Room& room,
-              const Parameters& parameters) const;
+              const Parameters& parameters, const KnownFrame& known) const;
 
  private:
   enum ScratchIndex : std::size_t { samples, patches, pairs, scratch_count };

@@ -16,6 +16,7 @@ using shader::Float3;
 struct Patch {
   std::vector<SkinSample> samples;  ///< in the order of the hash
   BridgePatch record{};
+  std::uint32_t known = shader::known_none;  ///< most of its samples belong to this known finger
 };
 
 Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
@@ -75,7 +76,7 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
 }
 
 /// Whether the lines between contacts that face each other go through a finger.
-BridgePair face(const Patch& a, const Patch& b) {
+BridgePair face(const Patch& a, const Patch& b, bool were_one) {
   shader::Evidence e = shader::no_evidence();
   std::vector<Way> from_a, from_b;
   for (const SkinSample& sample : a.samples) {
@@ -90,10 +91,10 @@ BridgePair face(const Patch& a, const Patch& b) {
     e = with_way(e, way.apart, way.own, way.other);
   for (const Way& way : from_b)
     e = with_way(e, way.apart, way.other, way.own);
-  return facing_verdict(e);
+  return facing_verdict(e, were_one);
 }
 
-bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b) {
+bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool were_one) {
   std::uint32_t looked = 0, empty = 0;
   for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
     const Float3& from = a.samples[s].position;
@@ -103,16 +104,17 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b) {
       empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
     }
   }
-  return shader::too_empty(empty, looked);
+  return shader::too_empty(empty, looked, were_one);
 }
 
-BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width) {
+BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
   constexpr BridgePair two{shader::bridge_two, 0};
+  if (were_one) finger_width = shader::product(PALPA_BRIDGE_STILL_ONE, finger_width);
   if (!near_enough(a.record, b.record, finger_width)) return two;
   const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
   if (is_too_wide(a, b, minus(mean(b), mean(a)), finger_width)) return two;
-  const BridgePair pair = face(a, b);
-  return pair.kind != shader::bridge_two && is_empty_between(sight, a, b) ? two : pair;
+  const BridgePair pair = face(a, b, were_one);
+  return pair.kind != shader::bridge_two && is_empty_between(sight, a, b, were_one) ? two : pair;
 }
 
 /// Which patches belong to one finger.
@@ -166,18 +168,30 @@ class Joining {
 
 }  // namespace
 
-void bridge_fingers(const Sight& sight, const Parameters& parameters, Touch& out) {
+void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out) {
   const std::uint32_t count = out.finger_count;
   if (count < 2) return;
   std::vector<Patch> patches;
   for (std::uint32_t f = 0; f < count; ++f)
     patches.push_back(make_patch(sight, out, out.fingers[f]));
+  if (known.has(shader::known_together)) {
+    for (std::uint32_t f = 0; f < count; ++f)
+      patches[f].known = known_majority(known_labels(known, out.fingers[f].solid, patches[f].samples));
+  }
   Joining joining(count);
   const auto width = static_cast<float>(parameters.finger_width_m);
   for (std::uint32_t a = 0; a < count; ++a) {
     for (std::uint32_t b = a + 1; b < count; ++b) {
-      joining.pair(a, b) = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width)
-                                                                        : BridgePair{shader::bridge_two, 0};
+      // Patches of a known finger stay one more easily, until it has looked like several fingers before.
+      const bool same = patches[a].known != shader::known_none && patches[a].known == patches[b].known;
+      const bool were_one = same && !known.may_part(patches[a].known);
+      BridgePair& pair = joining.pair(a, b);
+      pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
+                                                          : BridgePair{shader::bridge_two, 0};
+      if (!same || pair.kind == shader::bridge_one) continue;
+      known.doubt(patches[a].known, shader::doubt_one);
+      if (were_one && !patches[a].samples.empty() && !patches[b].samples.empty())
+        pair = {shader::bridge_one, PALPA_BRIDGE_HELD};
     }
   }
   joining.join();

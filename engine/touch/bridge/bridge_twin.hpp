@@ -10,6 +10,7 @@
 // The most certain pair is joined first. Two patches that cannot be one finger are never joined through a third one.
 #pragma once
 
+#include "touch/bridge/known_labels.hpp"
 #include "touch/bridge/sight.hpp"
 #include "touch/types.hpp"
 
@@ -17,6 +18,6 @@ namespace palpa::touch {
 
 /// C++ twin of BridgePass: joins fingers of `out`. The points of their contacts are pixels of the pictures. The
 /// arithmetic is the same. On a device with exact division and square roots, the decisions are also the same.
-void bridge_fingers(const Sight& sight, const Parameters& parameters, Touch& out);
+void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
 
 }  // namespace palpa::touch

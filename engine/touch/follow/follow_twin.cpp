@@ -311,8 +311,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
 
 }  // namespace
 
-void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch) {
-  const std::uint32_t elapsed_us = tracks.clock.elapsed_us(time_s);
+void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch) {
   Follow follow{std::span(touch.fingers).first(touch.finger_count),
                 elapsed_us == shader::follow_restart ? 0 : elapsed_us, setting.memory_us(),
                 setting.axes == Axes::steady};

@@ -24,6 +24,7 @@ struct Tracks {
 /// frame. Ids count up from 0 in the order of the fingers and are never reused. In the first frame, the ids are the
 /// fingers' order. After each call, the first tracks are those of the frame's fingers, in their order. Uses the pass's
 /// single-precision arithmetic. Allocates nothing.
-void follow_fingers(Tracks& tracks, double time_s, const StageSetting& setting, Touch& touch);
+/// `elapsed_us` comes from the tracks' clock.
+void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch);
 
 }  // namespace palpa::touch

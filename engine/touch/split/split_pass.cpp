@@ -41,9 +41,10 @@ std::vector<gpu::ScratchBuffer> SplitPass::scratch() {
 }
 
 void SplitPass::record(VkCommandBuffer commands, const SplitBindings& b, const gpu::Scratch& s, const Room& room,
-                       const Parameters& parameters) const {
+                       const Parameters& parameters, const KnownFrame& known) const {
   const auto cameras = static_cast<std::uint32_t>(b.cameras.size / sizeof(shader::BridgeCamera));
-  const shader::SplitPush push{room.contacts, cameras, splitting_width(parameters), parameters.min_points};
+  const shader::SplitPush push{
+      room.contacts, cameras, splitting_width(parameters), parameters.min_points, known.elapsed_us, known.rules, 0, 0};
   const auto groups = [&](VkDeviceSize at) { return gpu::groups_in(b.header, at); };
   Buffers buffers{b};
   buffers.samples = s[samples];

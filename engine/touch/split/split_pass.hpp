@@ -9,6 +9,7 @@
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"
 #include "shaders/touch/split/split.h"
+#include "touch/bridge/known_labels.hpp"
 #include "touch/room.hpp"
 #include "touch/types.hpp"
 
@@ -27,6 +28,7 @@ struct SplitBindings {
   gpu::BufferRef clusters;  ///< in, out: as FingersPass leaves it, plus split_clusters more above room.contacts
   gpu::BufferRef header;    ///< in, out: shader::TouchHeader
   gpu::BufferRef fingers;   ///< in, out: shader::FingerRecord[max_fingers]: first, solid and contacts
+  gpu::BufferRef known;     ///< in, out (doubts): shader::KnownTable, not used if there is no frame before
 };
 
 /// Pipelines only; five dispatches: sample, look, parts, assign, list. If every finger stays as it is, the last four
@@ -40,7 +42,7 @@ class SplitPass {
   /// Barriers: all inputs must be visible to compute and as indirect arguments. Adds the inner barriers itself; the
   /// caller adds compute_to_compute afterwards.
   void record(VkCommandBuffer commands, const SplitBindings& bindings, const gpu::Scratch& scratch, const Room& room,
-              const Parameters& parameters) const;
+              const Parameters& parameters, const KnownFrame& known) const;
 
  private:
   enum ScratchIndex : std::size_t { samples, states, evidence, labels, scratch_count };

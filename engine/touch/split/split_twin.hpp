@@ -7,6 +7,7 @@
 //   how): along the way from contact to contact in a picture, the skin falls off and rises again.
 #pragma once
 
+#include "touch/bridge/known_labels.hpp"
 #include "touch/bridge/sight.hpp"
 #include "touch/types.hpp"
 
@@ -16,7 +17,7 @@ namespace palpa::touch {
 /// order of their smallest contacts. Parts of fewer than min_points contacts are not fingers. With Cluster::inside,
 /// nothing is split. The arithmetic is the pass's. On a device with exact division and square roots, the decisions are
 /// also the same.
-void split_fingers(const Sight& sight, const Parameters& parameters, Touch& out);
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
 
 /// The finger width for SplitPass and its twin, in metres. 0 if nothing is to be split.
 float splitting_width(const Parameters& parameters);

@@ -26,10 +26,15 @@ struct BridgePush {
   uint most_contacts;
   uint cameras;
   float finger_width;  // metres; 0: nothing is joined
-  uint unused;
+  uint elapsed_us;     // from the frame before, or known_restart
+  uint rules;          // of known fingers
+  uint unused0;
+  uint unused1;
+  uint unused2;
 };
-PALPA_CHECK_SIZE(BridgePush, 16);
+PALPA_CHECK_SIZE(BridgePush, 32);
 PALPA_CHECK_OFFSET(BridgePush, finger_width, 8);
+PALPA_CHECK_OFFSET(BridgePush, rules, 16);
 
 // A camera with the data to use its picture in both directions: pixel to point and point to pixel.
 struct BridgeCamera {
@@ -69,8 +74,8 @@ struct BridgeSample {
   float normal_x;
   float normal_y;
   float normal_z;
+  uint known;  // only for splitting: the finger of the frame before that it belongs to, or known_none
   uint unused0;
-  uint unused1;
 };
 PALPA_CHECK_SIZE(BridgeSample, 32);
 PALPA_CHECK_OFFSET(BridgeSample, normal_x, 12);
@@ -81,9 +86,9 @@ struct BridgePatch {
   vec4 high;
   vec4 mean;
   uint samples;
+  uint known;  // the finger of the frame before that most samples belong to, or known_none
   uint unused0;
   uint unused1;
-  uint unused2;
 };
 PALPA_CHECK_SIZE(BridgePatch, 64);
 PALPA_CHECK_OFFSET(BridgePatch, mean, 32);

@@ -205,25 +205,33 @@ PALPA_FN bool too_wide(float low, float high, float line_square, float finger_wi
 
 #define PALPA_BRIDGE_AWAY (-0.1f)
 #define PALPA_BRIDGE_TOWARDS 0.3f
+// Patches that were one finger in the frame before stay one up to these limits, and in a finger that is wider by the
+// first factor.
+#define PALPA_BRIDGE_STILL_ONE 1.2f
+#define PALPA_BRIDGE_STILL_AWAY 0.3f
+#define PALPA_BRIDGE_STILL_TOWARDS 0.5f
+// In place of the sum of cosines, for patches that are one only because they were one: less certain than any other.
+#define PALPA_BRIDGE_HELD 3.0f
 
-PALPA_FN BridgePair facing_verdict(Evidence e) {
+PALPA_FN BridgePair facing_verdict(Evidence e, bool were_one) {
   BridgePair pair;
   pair.kind = bridge_two;
   pair.facing = 0.0f;
   PALPA_EXACT float a = e.leaving_a / float(e.facing);
   PALPA_EXACT float b = e.leaving_b / float(e.facing);
   const float worse = a > b ? a : b;
-  if (worse > PALPA_BRIDGE_TOWARDS) return pair;
+  if (worse > (were_one ? PALPA_BRIDGE_STILL_TOWARDS : PALPA_BRIDGE_TOWARDS)) return pair;
   PALPA_EXACT float sum = a + b;
-  pair.kind = worse < PALPA_BRIDGE_AWAY ? bridge_one : bridge_unknown;
+  pair.kind = worse < (were_one ? PALPA_BRIDGE_STILL_AWAY : PALPA_BRIDGE_AWAY) ? bridge_one : bridge_unknown;
   pair.facing = sum;
   return pair;
 }
 
 // Two patches are two fingers if more of the places between them are seen empty than this, in 64ths.
 PALPA_CONST bridge_most_empty = 6u;
-PALPA_FN bool too_empty(uint empty, uint looked) {
-  return empty * 64u > looked * bridge_most_empty;
+PALPA_CONST bridge_still_empty = 24u;  // for patches that were one
+PALPA_FN bool too_empty(uint empty, uint looked, bool were_one) {
+  return empty * 64u > looked * (were_one ? bridge_still_empty : bridge_most_empty);
 }
 
 PALPA_SHADER_END

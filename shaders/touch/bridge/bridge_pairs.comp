@@ -3,6 +3,7 @@
 #include "shaders/touch/bridge/bridge_math.h"
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/known/known_math.h"
 
 // Every pair of patches: one group per patch, which goes through the later patches.
 layout(local_size_x = 64) in;
@@ -14,6 +15,7 @@ layout(std430, set = 0, binding = 3) readonly buffer Cameras { BridgeCamera came
 layout(std430, set = 0, binding = 4) readonly buffer Samples { BridgeSample samples[]; };
 layout(std430, set = 0, binding = 5) readonly buffer Patches { BridgePatch patches[]; };
 layout(std430, set = 0, binding = 6) writeonly buffer Pairs { BridgePair pairs[]; };
+layout(std430, set = 0, binding = 7) coherent buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 #include "shaders/sensing/raw_depth.glsl"
@@ -69,9 +71,14 @@ void main() {
     const BridgePatch other = patches[b];
     const uint first_b = b * bridge_samples;
     const Float3 line = minus(Float3(other.mean.x, other.mean.y, other.mean.z), Float3(one.mean.x, one.mean.y, one.mean.z));
+    // Patches of a known finger stay one more easily, until it has looked like several fingers before.
+    const bool same = one.known != known_none && one.known == other.known;
+    bool were_one = same;
+    if (same) were_one = !may_part(known.fingers[one.known], push.elapsed_us);
+    const float width = were_one ? product(PALPA_BRIDGE_STILL_ONE, push.finger_width) : push.finger_width;
     barrier();  // all have read the pair before
     if (thread == 0u) {
-      const bool near = fingers[a].solid == fingers[b].solid && near_enough(one, other, push.finger_width);
+      const bool near = fingers[a].solid == fingers[b].solid && near_enough(one, other, width);
       result = BridgePair(near ? bridge_unknown : bridge_two, 0.0);
     }
     barrier();
@@ -88,7 +95,7 @@ void main() {
           low = along[s] < low ? along[s] : low;
           high = along[s] > high ? along[s] : high;
         }
-        if (too_wide(low, high, dot3(line, line), push.finger_width)) result.kind = bridge_two;
+        if (too_wide(low, high, dot3(line, line), width)) result.kind = bridge_two;
       }
       barrier();
     }
@@ -113,7 +120,7 @@ void main() {
         for (uint s = 0u; s < 2u * bridge_samples; ++s) {
           if (sampled(s, one.samples, other.samples)) e = with_way(e, apart[s], leaving_a[s], leaving_b[s]);
         }
-        result = facing_verdict(e);
+        result = facing_verdict(e, were_one);
       }
       barrier();
     }
@@ -132,9 +139,15 @@ void main() {
       if (thread == 0u) {
         uint sum = 0u;
         for (uint s = 0u; s < bridge_samples; ++s) sum += empty_places[s];
-        if (too_empty(sum, one.samples * (bridge_last_step - bridge_first_step + 1u))) result = BridgePair(bridge_two, 0.0);
+        if (too_empty(sum, one.samples * (bridge_last_step - bridge_first_step + 1u), were_one)) result = BridgePair(bridge_two, 0.0);
       }
     }
-    if (thread == 0u) pairs[a * bridge_fingers + b] = result;
+    if (thread == 0u) {
+      if (same && result.kind != bridge_one) {
+        atomicOr(known.doubts[one.known], doubt_one);
+        if (were_one && one.samples > 0u && other.samples > 0u) result = BridgePair(bridge_one, PALPA_BRIDGE_HELD);
+      }
+      pairs[a * bridge_fingers + b] = result;
+    }
   }
 }

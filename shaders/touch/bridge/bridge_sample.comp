@@ -4,6 +4,8 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
+#include "shaders/touch/split/split_math.h"
+#include "shaders/touch/known/known_math.h"
 
 // One finger per group: picks some of its contacts by a hash of their numbers, with the skin's normal there from the
 // depth picture.
@@ -18,9 +20,11 @@ layout(std430, set = 0, binding = 5) readonly buffer Rays { vec2 rays[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Cameras { BridgeCamera cameras[]; };
 layout(std430, set = 0, binding = 7) writeonly buffer Samples { BridgeSample samples[]; };
 layout(std430, set = 0, binding = 8) writeonly buffer Patches { BridgePatch patches[]; };
+layout(std430, set = 0, binding = 9) readonly buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { BridgePush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"
+#include "shaders/touch/known/known_label.glsl"
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
@@ -28,13 +32,16 @@ void main() {
   const uint count = min(found.total, push.most_contacts);
   const uint root = parents[fingers[finger].first];
   pick_samples(root, count);
+  uint label = known_none;
   if (thread < count_taken) {
     const Float3 position = positions[thread];
     const Float3 normal = normals[thread];
     samples[finger * bridge_samples + thread] =
-        BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z, 0u, 0u);
+        BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z, known_none, 0u);
+    if ((push.rules & known_together) != 0u) label = known_label(fingers[finger].solid, position, normal);
   }
-  if (thread == 0u && count_taken == 0u) patches[finger] = BridgePatch(vec4(0.0), vec4(0.0), vec4(0.0), 0u, 0u, 0u, 0u);
+  const uint majority = known_majority(label, count_taken);
+  if (thread == 0u && count_taken == 0u) patches[finger] = BridgePatch(vec4(0.0), vec4(0.0), vec4(0.0), 0u, known_none, 0u, 0u);
   if (thread == 0u && count_taken != 0u) {
     Float3 low = positions[0], high = low, sum = Float3(0.0, 0.0, 0.0);
     for (uint s = 0u; s < count_taken; ++s) {
@@ -45,6 +52,6 @@ void main() {
     }
     const Float3 mean = plus(positions[0], scaled(sum, 1.0 / float(count_taken)));
     patches[finger] = BridgePatch(vec4(low.x, low.y, low.z, 0.0), vec4(high.x, high.y, high.z, 0.0),
-                                  vec4(mean.x, mean.y, mean.z, 0.0), count_taken, 0u, 0u, 0u);
+                                  vec4(mean.x, mean.y, mean.z, 0.0), count_taken, majority, 0u, 0u);
   }
 }

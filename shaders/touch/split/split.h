@@ -28,8 +28,13 @@ struct SplitPush {
   uint cameras;
   float finger_width;  // metres; 0: nothing is split
   uint min_points;
+  uint elapsed_us;  // from the frame before, or known_restart
+  uint rules;       // of known fingers
+  uint unused0;
+  uint unused1;
 };
-PALPA_CHECK_SIZE(SplitPush, 16);
+PALPA_CHECK_SIZE(SplitPush, 32);
+PALPA_CHECK_OFFSET(SplitPush, rules, 20);
 PALPA_CHECK_OFFSET(SplitPush, finger_width, 8);
 
 // For a sample: the other samples for which a camera that sees both gives any evidence, and those with a valley in
@@ -53,10 +58,10 @@ struct SplitState {
   uint samples;
   uint parts_low;  // for split_several, a bit per part's number
   uint parts_high;
-  uint root;  // of its contacts, as FingersPass leaves it
+  uint root;       // of its contacts, as FingersPass leaves it
+  uint known_low;  // the parts that are fingers of the frame before
+  uint known_high;
   uint unused0;
-  uint unused1;
-  uint unused2;
 };
 PALPA_CHECK_SIZE(SplitState, 32);
 PALPA_CHECK_OFFSET(SplitState, root, 16);

@@ -4,9 +4,10 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/split/split_math.h"
+#include "shaders/touch/known/known.h"
 
 // Contacts of fingers that are split get the number of the part whose sample is nearest; if two are equally near, of
-// the first.
+// the first. If known fingers stay apart, the insides of contact and sample are compared, which lie on the finger's axis.
 layout(local_size_x = 128) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -17,7 +18,12 @@ layout(std430, set = 0, binding = 4) readonly buffer States { SplitState states[
 layout(std430, set = 0, binding = 5) readonly buffer Labels { uint labels[]; };
 layout(std430, set = 0, binding = 6) buffer Parents { uint parents[]; };
 layout(std430, set = 0, binding = 7) coherent buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 8) readonly buffer Depth { uint depth[]; };
+layout(std430, set = 0, binding = 9) readonly buffer Rays { vec2 rays[]; };
+layout(std430, set = 0, binding = 10) readonly buffer Cameras { BridgeCamera cameras[]; };
 layout(push_constant) uniform Push { SplitPush push; };
+
+#include "shaders/touch/bridge/bridge_pixel.glsl"
 
 shared uint split[bridge_fingers];
 shared uint splits;
@@ -40,12 +46,18 @@ void main() {
     for (uint k = 0u; k < splits; ++k) {
       const uint finger = split[k];
       if (states[finger].root != root) continue;
-      const Float3 place = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
+      Float3 place = Float3(contacts[i].x, contacts[i].y, contacts[i].z);
+      Float3 normal = Float3(0.0, 0.0, 0.0);
+      if ((push.rules & known_apart) != 0u) normal = normal_at(contacts[i].point);
+      const bool by_inside = dot3(normal, normal) > 0.0;
+      if (by_inside) place = inside_of(place, normal, push.finger_width);
       uint nearest = 0u;
       float nearest_square = 3.0e38;
       for (uint s = 0u; s < states[finger].samples; ++s) {
         const BridgeSample there = samples[finger * bridge_samples + s];
-        const float square = square_apart(place, Float3(there.x, there.y, there.z));
+        Float3 at = Float3(there.x, there.y, there.z);
+        if (by_inside) at = inside_of(at, Float3(there.normal_x, there.normal_y, there.normal_z), push.finger_width);
+        const float square = square_apart(place, at);
         if (square < nearest_square) {
           nearest_square = square;
           nearest = s;

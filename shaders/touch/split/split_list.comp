@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
+#include "shaders/touch/known/known_math.h"
 
 // Writes the list of fingers again, in the order of their smallest contacts: with parts in place of fingers that were
 // split, without fingers that no surface supports. A single group, one finger per thread.
@@ -50,7 +51,6 @@ uint rank_of(uint contact, uint count) {
 void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint count = min(header.fingers, bridge_fingers);
-  const uint least = max(push.min_points, 1u);
   if (thread == 0u) changed = 0u;
   barrier();
   FingerRecord record;
@@ -62,8 +62,9 @@ void main() {
     uvec2 set = uvec2(0u);
     if (state.kind == split_several) {
       const uvec2 all = uvec2(state.parts_low, state.parts_high);
+      const uvec2 known = (push.rules & known_few) != 0u ? uvec2(state.known_low, state.known_high) : uvec2(0u);
       for (uint p = 0u; p < split_numbers; ++p) {
-        if (holds(all, p) && part_of(thread, p).size >= least) set |= p < 32u ? uvec2(1u << p, 0u) : uvec2(0u, 1u << (p - 32u));
+        if (holds(all, p) && part_of(thread, p).size >= least_contacts(push.min_points, holds(known, p))) set |= p < 32u ? uvec2(1u << p, 0u) : uvec2(0u, 1u << (p - 32u));
       }
     }
     parts[thread] = set;

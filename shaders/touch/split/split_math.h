@@ -15,6 +15,7 @@ PALPA_SHADER_BEGIN
 #define PALPA_SPLIT_INSIDE 0.36f
 #define PALPA_SPLIT_SAME 0.3f
 #define PALPA_SPLIT_APART 0.45f
+#define PALPA_SPLIT_STILL_APART 0.3f
 // Skin turned towards other skin by more than this cosine faces that skin.
 #define PALPA_SPLIT_FACING 0.4f
 // Limits for the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,
@@ -36,8 +37,9 @@ PALPA_FN bool is_near(float at, float other) {
 }
 
 // Whether a surface supports a cluster with this many firm samples.
-PALPA_FN bool supported(uint seen, uint firm) {
-  return 2u * firm >= seen;
+// A known finger needs half of that.
+PALPA_FN bool supported(uint seen, uint firm, bool known) {
+  return (known ? 4u : 2u) * firm >= seen;
 }
 
 // A contact as one camera sees it.
@@ -191,10 +193,11 @@ PALPA_FN bool surer(SplitLink link, SplitLink other) {
 }
 
 // Whether two parts are two fingers. `square` is the squared distance between their insides; `link` counts valleys
-// alone.
-PALPA_FN bool are_fingers(SplitLink link, float square, float finger_width) {
-  const float least = product(PALPA_SPLIT_APART, finger_width);
-  return link.two > 0u && 2u * link.two >= link.known && square >= product(least, least);
+// alone. Parts that were two fingers in the frame before stay two with half of the evidence.
+PALPA_FN bool are_fingers(SplitLink link, float square, float finger_width, bool apart) {
+  const float least = product(apart ? PALPA_SPLIT_STILL_APART : PALPA_SPLIT_APART, finger_width);
+  if (square < product(least, least)) return false;
+  return apart ? 4u * link.two >= link.known : link.two > 0u && 2u * link.two >= link.known;
 }
 
 PALPA_SHADER_END

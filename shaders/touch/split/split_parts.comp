@@ -3,6 +3,7 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/split/split_math.h"
+#include "shaders/touch/known/known_math.h"
 
 // One finger per group, only if it is too wide: finds the samples of each of its parts. A thread per sample; a part is
 // named by its first sample. Sets of samples are 64 bits. (A software device ends all loops of a shader after 65,535
@@ -14,6 +15,7 @@ layout(std430, set = 0, binding = 1) readonly buffer Samples { BridgeSample samp
 layout(std430, set = 0, binding = 2) buffer States { SplitState states[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Labels { uint labels[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer Clusters { Cluster clusters[]; };
+layout(std430, set = 0, binding = 5) coherent buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 const uint most = bridge_samples;
@@ -31,6 +33,12 @@ shared uint best[most];
 shared SplitLink best_link[most];
 shared float best_square[most];
 shared uint joined;
+shared uint labels_of[most];     // the samples' known fingers
+shared uvec2 kin[most];          // samples of the same known finger
+shared uint group_label[most];   // of a group, by its first sample: the known finger of most of its samples
+shared uint known_low, known_high;
+shared uint label_parts[known_fingers];  // of each known finger: how many parts have most of their samples of it,
+shared uint label_part[known_fingers];   // and the first of them
 
 uvec2 only(uint s) {
   return s < 32u ? uvec2(1u << s, 0u) : uvec2(0u, 1u << (s - 32u));
@@ -88,6 +96,21 @@ void join() {
   barrier();
 }
 
+// The known finger of most samples of a group; if two have equally many, that of the first sample.
+uint label_of(uint group) {
+  uint most_kin = 0u;
+  uint label = known_none;
+  for (uvec2 left = members[group]; left != uvec2(0u); left = without_first(left)) {
+    const uint s = first_of(left);
+    const uint relatives = size_of(members[group] & kin[s]);
+    if (relatives > most_kin) {
+      most_kin = relatives;
+      label = labels_of[s];
+    }
+  }
+  return label;
+}
+
 SplitLink link_between(uint a, uint b) {
   const uint link = links[a * most + b];
   return SplitLink(link & 0xffffu, link >> 16u);
@@ -141,6 +164,21 @@ void grow(uint count) {
   barrier();
 }
 
+// Each sample goes to the group that it has chosen. Groups are named by their first samples.
+void regroup(uint chosen, uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  barrier();
+  best[thread] = chosen;
+  barrier();
+  uint first = thread;
+  for (uint s = count; s > 0u; --s) {
+    if (best[s - 1u] == chosen) first = s - 1u;
+  }
+  head[thread] = thread < count ? first : thread;
+  barrier();
+  gather(count);
+}
+
 // Each sample goes to the group of most of the samples with the same inside.
 void vote(uint count) {
   const uint thread = gl_LocalInvocationIndex;
@@ -155,17 +193,71 @@ void vote(uint count) {
       }
     }
   }
+  regroup(chosen, count);
+}
+
+bool were_apart(uint a, uint b) {
+  return group_label[a] != known_none && group_label[b] != known_none && group_label[a] != group_label[b];
+}
+
+// Whether two groups of known fingers may be one. Call it only for groups that were apart.
+bool may_be_one(uint a, uint b) {
+  return may_meet(known.fingers[group_label[a]], push.elapsed_us) && may_meet(known.fingers[group_label[b]], push.elapsed_us);
+}
+
+// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a known
+// finger that may not part are joined. settle() has left the parts' means and links.
+void hold(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  label_parts[thread] = 0u;
+  label_part[thread] = most;
   barrier();
-  best[thread] = chosen;
-  barrier();
-  // Named by its first sample.
-  uint first = thread;
-  for (uint s = count; s > 0u; --s) {
-    if (best[s - 1u] == chosen) first = s - 1u;
+  const bool leads = thread < count && head[thread] == thread;
+  if (leads) {
+    group_label[thread] = label_of(thread);
+    if (group_label[thread] != known_none) {
+      atomicAdd(label_parts[group_label[thread]], 1u);
+      atomicMin(label_part[group_label[thread]], thread);
+    }
   }
-  head[thread] = thread < count ? first : thread;
   barrier();
-  gather(count);
+  if (leads) {
+    for (uint b = thread + 1u; b < count; ++b) {
+      if (head[b] != b || !were_apart(thread, b)) continue;
+      if (are_fingers(link_between(thread, b), square_apart(means[thread], means[b]), push.finger_width, true)) continue;
+      atomicOr(known.doubts[group_label[thread]], doubt_apart);
+      atomicOr(known.doubts[group_label[b]], doubt_apart);
+    }
+  }
+  if (label_parts[thread] > 1u) atomicOr(known.doubts[thread], doubt_one);
+  uint chosen = head[thread];
+  if (thread < count) {
+    const uint label = group_label[chosen];
+    if (label != known_none && label_parts[label] > 1u && !may_part(known.fingers[label], push.elapsed_us)) {
+      chosen = label_part[label];
+    }
+  }
+  regroup(chosen, count);
+}
+
+// Each sample of a known finger goes to the part of most of that finger's samples, if there is only one.
+void return_home(uint count) {
+  const uint thread = gl_LocalInvocationIndex;
+  label_parts[thread] = 0u;
+  label_part[thread] = most;
+  barrier();
+  if (thread < count && head[thread] == thread) {
+    const uint label = label_of(thread);
+    if (label != known_none) {
+      atomicAdd(label_parts[label], 1u);
+      atomicMin(label_part[label], thread);
+    }
+  }
+  barrier();
+  const uint label = labels_of[thread];
+  uint chosen = head[thread];
+  if (label != known_none) chosen = label_parts[label] == 1u ? label_part[label] : chosen;
+  regroup(chosen, count);
 }
 
 // The links between groups, for valleys alone.
@@ -195,6 +287,7 @@ void settle(uint count) {
         sum = plus(sum, minus(insides[first_of(left)], insides[0]));
       }
       means[thread] = scaled(sum, 1.0 / float(size_of(members[thread])));
+      group_label[thread] = label_of(thread);
     }
     barrier();
     uint found = fingers_nothing;
@@ -203,7 +296,9 @@ void settle(uint count) {
       for (uint b = thread + 1u; b < count; ++b) {
         if (head[b] != b) continue;
         const float square = square_apart(means[thread], means[b]);
-        if (are_fingers(link_between(thread, b), square, push.finger_width)) continue;
+        const bool apart = were_apart(thread, b);
+        if (are_fingers(link_between(thread, b), square, push.finger_width, apart)) continue;
+        if (apart && !may_be_one(thread, b)) continue;
         if (found != fingers_nothing && square >= found_square) continue;
         found = b;
         found_square = square;
@@ -237,33 +332,46 @@ void main() {
     normals[thread] = Float3(s.normal_x, s.normal_y, s.normal_z);
     insides[thread] = inside_of(places[thread], normals[thread], push.finger_width);
   }
+  labels_of[thread] = thread < count ? samples[finger * bridge_samples + thread].known : known_none;
+  if (thread == 0u) known_low = known_high = 0u;
   head[thread] = thread;
   members[thread] = thread < count ? only(thread) : uvec2(0u);
   barrier();
 
   if (thread < count) {
-    uvec2 tells = looked_of(thread), says_two = valley_of(thread), one = uvec2(0u);
+    uvec2 tells = looked_of(thread), says_two = valley_of(thread), one = uvec2(0u), relatives = uvec2(0u);
+    const uint label = labels_of[thread];
     for (uint s = 0u; s < count; ++s) {
+      if (label != known_none && labels_of[s] == label) relatives |= only(s);
       if (s == thread) continue;
+      const bool strangers = label != known_none && labels_of[s] != known_none && labels_of[s] != label;
       const uint a = min(s, thread), b = max(s, thread);
       if (one_inside(insides[a], insides[b], push.finger_width)) {
         one |= only(s);
         tells |= only(s);
         says_two &= ~only(s);
-      } else if (face_each_other(places[a], normals[a], places[b], normals[b])) {
+      } else if (strangers || face_each_other(places[a], normals[a], places[b], normals[b])) {
         tells |= only(s);
         says_two |= only(s);
       }
     }
     for (uint s = 0u; s < count; ++s) links[thread * most + s] = (holds(says_two, s) ? 65536u : 0u) + (holds(tells, s) ? 1u : 0u);
     same[thread] = one;
+    kin[thread] = relatives;
   }
   barrier();
   grow(count);
   for (uint round = 0u; round < split_votes; ++round) vote(count);
   settle(count);
+  hold(count);
+  return_home(count);
 
   if (thread < count) labels[finger * bridge_samples + thread] = head[thread];
+  if (thread < count && head[thread] == thread && label_of(thread) != known_none) {
+    atomicOr(known_low, only(thread).x);
+    atomicOr(known_high, only(thread).y);
+  }
+  barrier();
   clusters[push.most_contacts + finger * split_numbers + thread] = Cluster(fingers_nothing, 0u);
   if (thread == 0u) {
     uvec2 parts = uvec2(0u);
@@ -271,5 +379,7 @@ void main() {
     states[finger].kind = size_of(parts) > 1u ? split_several : split_stays;
     states[finger].parts_low = parts.x;
     states[finger].parts_high = parts.y;
+    states[finger].known_low = known_low;
+    states[finger].known_high = known_high;
   }
 }

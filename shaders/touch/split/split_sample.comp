@@ -4,6 +4,7 @@
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/split/split_math.h"
+#include "shaders/touch/known/known_math.h"
 
 // One finger per group: samples of its skin, whether a surface supports it, and whether it is wider than a finger.
 layout(local_size_x = 64) in;
@@ -19,11 +20,15 @@ layout(std430, set = 0, binding = 7) writeonly buffer Samples { BridgeSample sam
 layout(std430, set = 0, binding = 8) writeonly buffer States { SplitState states[]; };
 layout(std430, set = 0, binding = 9) buffer Header { TouchHeader header; };
 layout(std430, set = 0, binding = 10) writeonly buffer Shown { uvec4 evidence[]; };  // SplitEvidence[]
+layout(std430, set = 0, binding = 11) readonly buffer Known { KnownTable known; };
 layout(push_constant) uniform Push { SplitPush push; };
 
 #include "shaders/touch/bridge/bridge_pick.glsl"
+#include "shaders/touch/known/known_label.glsl"
 
 shared uint wide;
+shared uint least_label;
+shared uint most_label;
 shared uint seen;
 shared uint firm;
 
@@ -45,25 +50,38 @@ void main() {
   const uint thread = gl_LocalInvocationIndex;
   const uint finger = gl_WorkGroupID.x;
   const uint root = parents[fingers[finger].first];
-  if (thread == 0u) wide = seen = firm = 0u;
+  if (thread == 0u) {
+    wide = seen = firm = most_label = 0u;
+    least_label = known_none;
+  }
   pick_samples(root, min(found.total, push.most_contacts));
   if (least[thread] != 0xffffffffu) {
     atomicAdd(seen, 1u);
     if (is_firm(contacts[least[thread] * bridge_unhash].point)) atomicAdd(firm, 1u);
   }
+  uint label = known_none;
   if (thread < count_taken) {
     const Float3 position = positions[thread];
     const Float3 normal = normals[thread];
+    label = known_label(fingers[finger].solid, position, normal);
     samples[finger * bridge_samples + thread] =
-        BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z, 0u, 0u);
+        BridgeSample(position.x, position.y, position.z, normal.x, normal.y, normal.z,
+                     (push.rules & known_apart) != 0u ? label : known_none, 0u);
+    if (label != known_none && (push.rules & known_apart) != 0u) {
+      atomicMin(least_label, label);
+      atomicMax(most_label, label);
+    }
     for (uint s = 0u; s < count_taken; ++s) {
       if (push.finger_width > 0.0 && square_apart(position, positions[s]) > product(push.finger_width, push.finger_width)) wide = 1u;
     }
   }
-  barrier();
-  if (wide != 0u) evidence[finger * bridge_samples + thread] = uvec4(0u);
+  const uint majority = known_majority(label, count_taken);  // its barriers also make `wide` valid
+  const bool several = push.finger_width > 0.0 && least_label < most_label;
+  const bool look_again = wide != 0u || several;
+  if (look_again) evidence[finger * bridge_samples + thread] = uvec4(0u);
   if (thread == 0u) {
-    const uint kind = !supported(seen, firm) ? split_ghost : wide != 0u ? split_wide : split_stays;
+    const bool is_known = (push.rules & known_few) != 0u && majority != known_none;
+    const uint kind = !supported(seen, firm, is_known) ? split_ghost : look_again ? split_wide : split_stays;
     states[finger] = SplitState(kind, count_taken, 0u, 0u, root, 0u, 0u, 0u);
     if (kind == split_wide) {
       atomicMax(header.look_x, finger + 1u);

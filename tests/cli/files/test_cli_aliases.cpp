@@ -68,6 +68,9 @@ class CliAliases : public testing::Test {
                R"({"SamplingFrequency": 50, "StartTime": 0, "Columns": ["depth"]})");
     write_text(folder_ / "counts.csv", "actual,cube,prism\ncube,3,1\nprism,1,3\n");
     write_text(folder_ / "take.bag", "#ROSBAG V2.0\n");
+    write_text(folder_ / "plan.toml",
+               "command = \"touch\"\n[options]\nscene = \"scene.gltf\"\npoints = \"finger.ply\"\n"
+               "layout = \"layout.toml\"\n");
     write_text(folder_ / "old", "what was");
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
       if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
@@ -189,6 +192,9 @@ class CliAliases : public testing::Test {
         {{"run", "--scene", scene, "--rig", rig}, and_also(scene_files, rig_files), {json_, events_, link_}},
         {{"run", "--scene", scene, "--layout", layout, "--source", take}, take_files, {json_, events_, link_}},
         {{"run", "--scene", scene, "--source", "synthetic:" + points}, {"finger.ply"}, {link_}},
+        {{"run", "--scene", scene, "--layout", layout, "--source", take, "--transfer", "finger", "--finger", points},
+         {"finger.ply"},
+         {link_}},
         {{"run", "--scene", scene, "--layout", layout, "--source", bag}, {"take.bag"}, {json_, events_, link_}},
         {{"export", "--scene", scene, "--rig", rig, "--frames", "1", "--events", path("new")},
          {"layout.toml", "mask.png", "rig.toml"},
@@ -251,6 +257,9 @@ class CliAliases : public testing::Test {
         {{"study", "analyse", path("counts.csv")}, {"counts.csv"}, {json_, html_}},
         {{"study", "compare", "paper", path("counts.csv"), path("study")}, {log_, "counts.csv"}, {json_, csv_, html_}},
         {{"study", "power"}, {}, {json_, csv_, html_}},
+        {{"sweep", path("plan.toml"), "--out", path("new")},
+         and_also(scene_files, {"finger.ply", "layout.toml", "plan.toml"}),
+         {json_, {"--gather", "", ".csv"}}},
         {{"bench", "--scene", scene}, scene_files, {json_, csv_}},
         {{"emulate", "openmpd", "--view", "--layout", layout}, {"layout.toml"}, {json_, trace_}},
         {{"emulate", "openmpd", "--view", "--board-files", path("boards")}, {"boards/board_A.pat"}, {trace_}},

@@ -401,14 +401,16 @@ TEST(CliRun, RefusesWhatItCannotRun) {
 TEST(CliRun, AnOverloadedLoopKeepsNoFrameWaitingForAnotherAndSaysSo) {
   const auto folder = scratch_folder("overload");
   const std::string scene = (folder / "box.glb").string(), take = (folder / "take").string();
-  // A whole hand in the box: far more skin than a fingertip's. The recording run needs to touch only a fingertip.
+  // A whole hand in the box: far more skin than a fingertip's. The recording run needs to touch only a fingertip. The
+  // box also reaches into the boards, whose points count here.
   write_boxes(scene, {{"box", Vec3(0, 0.1, 0), Vec3(0, 1, 0), Vec3(1, 0, 0), 0.2, 0.2, 0.4}});
   const Result made =
       palpa({"run", "--scene", cube(), "--source", "synthetic:" + source_file("assets/hand.glb").string(), "--backend",
              "cpu", "--frames", "10", "--every-frame", "--noise-free", "--record", take, "--quiet"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const std::vector<std::string> line{"run",           "--scene",   scene,    "--source", "recording:" + take,
-                                      "--every-frame", "--cluster", "inside", "--stats",  "json"};
+                                      "--every-frame", "--cluster", "inside", "--stats",  "json",
+                                      "--keep-boards"};
   const Result result = palpa(line);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json stats = json::parse(result.out);

@@ -76,16 +76,17 @@ std::vector<HelpedOption> options_of(const std::string& command) {
 QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
   const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
-  const geometry::Mesh ball = geometry::icosphere(1e-3, 3);
+  const geometry::Mesh ball = geometry::icosphere(1e-3, 4);
   geometry::write_ply(pebble, ball.positions, ball.triangles);
   const geometry::Mesh rounded_tip =
-      transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
+      transformed(geometry::icosphere(2e-3, 4), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
   const Result recorded = palpa(with(
       {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
       small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
+  write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -110,6 +111,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"study analyse", {"study", "analyse", folder_ / "study"}},
       {"study compare", {"study", "compare", "paper"}},
       {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
+      {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},
   };

@@ -178,7 +178,18 @@ TEST(Bag, ItsRecorderDied) {
 TEST(Bag, WhatTheRigLeavesOutIsLeftOutOrRefused) {
   MadeUpBag bag;
   bag.width = 20;
-  EXPECT_CONTAINS(refusal(bag), "the rig's roi and mask are for 16x8: leave them out of the rig");
+  EXPECT_CONTAINS(refusal(bag), "the rig's roi, mask and background are for 16x8: leave them out of the rig");
+}
+
+TEST(Bag, ABackgroundIsInItsOwnUnit) {
+  sensing::Camera camera = posed();
+  const std::vector<std::uint16_t> depth(sensing::pixel_count(camera), 5000);
+  camera.background = std::make_shared<sensing::Background>(sensing::Background{"empty.png", depth, 0.003});
+  camera.depth_unit_m = 1e-4;
+  EXPECT_FALSE(play(MadeUpBag().bytes(), &camera).empty());
+  camera.depth_unit_m = 1e-3;
+  EXPECT_CONTAINS(error_of([&] { play(MadeUpBag().bytes(), &camera); }),
+                  "has depths in steps of 0.0001 m, but the rig's background has steps of 0.001 m");
 }
 
 TEST(Bag, WhatItCannotReadIsRefused) {

@@ -124,6 +124,18 @@ TEST_F(ExportOf, ALinkThatFailsLeavesTheOthersSilentAndFinished) {
   EXPECT_EQ(hearing.slots.size(), 5u) << "slots 0 to 3, and silence";
 }
 
+TEST_F(ExportOf, FramesThatStandAloneHaveNoHysteresis) {
+  EXPECT_EQ(task.chosen_hysteresis(), touch::Hysteresis::on);
+  task.axes = touch::Axes::covariance;
+  EXPECT_EQ(task.chosen_hysteresis(), touch::Hysteresis::on);
+  task.smoothing = touch::Smoothing::none;
+  EXPECT_EQ(task.chosen_hysteresis(), touch::Hysteresis::off);
+  task.hysteresis = touch::Hysteresis::on;
+  EXPECT_EQ(task.chosen_hysteresis(), touch::Hysteresis::on);
+  task.touch.parameters.finger_width_m = 0;
+  EXPECT_CONTAINS(error_of([&] { check(task, {}, true); }, Exit::usage), "--hysteresis goes with");
+}
+
 TEST_F(ExportOf, WhatCannotBeExportedIsRefused) {
   EXPECT_CONTAINS(error_of([&] { check(task, {}); }, Exit::usage), "nothing to export");
   task.frames = 0;

@@ -7,6 +7,7 @@
 
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/known/known.h"
 #include "shaders/touch/split/split.h"
 #include "support/device.hpp"
 #include "touch/bridge/bridge_cameras.hpp"
@@ -29,6 +30,7 @@ struct GuardedFingers {
         clusters(device, (touch.contacts.size() + more_clusters) * sizeof(shader::Cluster)),
         header(device, sizeof(shader::TouchHeader)),
         fingers(device, max_fingers * sizeof(shader::FingerRecord)),
+        known(device, sizeof(shader::KnownTable)),
         scratch(device, std::move(pieces)) {
     std::vector<std::uint16_t> packed(tables.padded_pixels);
     sensing::pack_depth(tables, images, packed);
@@ -72,17 +74,17 @@ struct GuardedFingers {
   /// BridgeBindings, and SplitBindings as well.
   template <typename Bindings>
   Bindings bindings() const {
-    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),  contacts.ref(),
-            parents.ref(), clusters.ref(), header.ref(),  fingers.ref()};
+    return {depth.ref(),   rays.ref(),     records.ref(), total.ref(),   contacts.ref(),
+            parents.ref(), clusters.ref(), header.ref(),  fingers.ref(), known.ref()};
   }
 
-  palpa::test::GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers;
+  palpa::test::GuardedBuffer depth, rays, records, total, contacts, parents, clusters, header, fingers, known;
   palpa::test::GuardedScratch scratch;
 
   bool intact() {
     bool all = scratch.intact();
     for (palpa::test::GuardedBuffer* buffer :
-         {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers})
+         {&depth, &rays, &records, &total, &contacts, &parents, &clusters, &header, &fingers, &known})
       all = buffer->intact() && all;
     return all;
   }

@@ -36,12 +36,12 @@ TEST(BridgePassByItself, StaysInsideItsBuffers) {
     const auto count = static_cast<std::uint32_t>(twin.contacts.size());
     const Room room{.points = count, .contacts = count};
     palpa::test::run_on_device([&](VkCommandBuffer commands) {
-      pass.record(commands, guarded.bindings<BridgeBindings>(), guarded.scratch, room, Parameters{});
+      pass.record(commands, guarded.bindings<BridgeBindings>(), guarded.scratch, room, Parameters{}, {});
     });
     EXPECT_TRUE(guarded.intact());
 
     const auto records = bridge_cameras(cameras, tables);
-    bridge_fingers({records, tables, images}, {}, twin);
+    bridge_fingers({records, tables, images}, {}, {}, twin);
     const auto header = guarded.header.read<shader::TouchHeader>()[0];
     ASSERT_EQ(header.fingers, twin.finger_count);
     EXPECT_EQ(header.clusters, twin.cluster_count);

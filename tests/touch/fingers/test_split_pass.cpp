@@ -23,11 +23,11 @@ void expect_as_the_twin(const FingerScene& scene, Touch& twin) {
   const auto count = static_cast<std::uint32_t>(twin.contacts.size());
   palpa::test::run_on_device([&](VkCommandBuffer commands) {
     pass.record(commands, guarded.bindings<SplitBindings>(), guarded.scratch, {.points = count, .contacts = count},
-                scene.parameters);
+                scene.parameters, {});
   });
   EXPECT_TRUE(guarded.intact());
 
-  split_fingers({bridge_cameras(scene.cameras, tables), tables, scene.images}, scene.parameters, twin);
+  split_fingers({bridge_cameras(scene.cameras, tables), tables, scene.images}, scene.parameters, {}, twin);
   const auto header = guarded.header.read<shader::TouchHeader>()[0];
   EXPECT_EQ(header.clusters, twin.cluster_count);
   ASSERT_EQ(header.fingers, twin.finger_count);

@@ -43,7 +43,7 @@ class Sequence {
     touch_.finger_count = static_cast<std::uint32_t>(fingers.size());
     touch_.fingers = std::move(fingers);
     if (backend_ == Backend::cpu) {
-      follow_fingers(tracks_, time_s, setting_, touch_);
+      follow_fingers(tracks_, tracks_.clock.elapsed_us(time_s), setting_, touch_);
     } else {
       on_device(time_s);
     }

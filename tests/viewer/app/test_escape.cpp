@@ -48,6 +48,25 @@ TEST_F(Escape, ClosesTheInnermostFirst) {
   EXPECT_TRUE(says("Q quits"));
 }
 
+TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  draw();
+  const Area slider = app_->desk().places.ceiling.value_or(Area());
+  const double middle = (slider.left + slider.right) / 2, y = (slider.top + slider.bottom) / 2;
+  button(WindowEvent::Kind::move, slider.right - 4, y);
+  draw();
+  button(WindowEvent::Kind::press, slider.right - 4, y);
+  draw();
+  button(WindowEvent::Kind::move, middle, y);
+  draw();
+  ASSERT_TRUE(app_->desk().ceiling);
+  escape();
+  button(WindowEvent::Kind::release, middle, y);
+  draw();
+  EXPECT_EQ(options().safety.ceiling, 1);
+  EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
+}
+
 TEST_F(Escape, QuittingWhileTheArraySoundsTakesTwoPresses) {
   ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
   key('q');

@@ -29,6 +29,9 @@ TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
   EXPECT_EQ(array_status(desk).more, "on foci:udp:127.0.0.1:9000");
   desk.live_state = LiveState::ended;
   EXPECT_EQ(array_status(desk).word, "OFF") << "whatever sounded last";
+  desk.live_state = LiveState::failed;
+  desk.fault = "heard: broken";
+  EXPECT_EQ(array_status(desk).more, "the run has failed: heard: broken");
   desk = running_with("null");
   EXPECT_EQ(array_status(desk).more, "no array");
   desk.sounding = true;
@@ -104,6 +107,22 @@ TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
   expect_uncovered("without panels");
 }
 
+TEST_F(StateStrip, StaysWithoutPanels) {
+  ViewerOptions options;
+  options.input.scene = scene_;
+  options.shown = {};
+  options.no_panels = true;
+  options.given = {{"--scene", {scene_}},  {"--source", {"synthetic"}}, {"--layout", {"autd3"}},
+                   {"--backend", {"cpu"}}, {"--link", {"heard"}},       {"--no-panels", {}}};
+  make(options);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_FALSE(place_of_widget("Run"));
+  EXPECT_TRUE(app_->desk().places.all_off);
+  expect_uncovered("without panels from the start");
+  key(Key::tab);
+  EXPECT_TRUE(place_of_widget("Run"));
+}
+
 TEST_F(StateStrip, TheCeilingIsThatOfTheRun) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();
@@ -117,10 +136,13 @@ TEST_F(StateStrip, TheCeilingIsThatOfTheRun) {
   button(WindowEvent::Kind::move, middle, y);
   draw();
   EXPECT_EQ(options().safety.ceiling, 1) << "while it is held";
+  ASSERT_TRUE(goes_round_until([&] { return heard_->last_sounds && heard_->loudest < 0.6; })) << "the array follows";
   button(WindowEvent::Kind::release, middle, y);
   draw();
   EXPECT_NEAR(options().safety.ceiling, 0.5, 0.05);
-  EXPECT_TRUE(goes_round_until([&] { return heard_->opened == 2; })) << "another run";
+  ASSERT_TRUE(goes_round_until([&] { return heard_->last_sounds.load(); }));
+  EXPECT_NEAR(heard_->loudest, options().safety.ceiling, 0.01) << "the largest amplitude is 1 without a ceiling";
+  EXPECT_EQ(heard_->opened, 1) << "the same run";
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // The files from which one is chosen.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/desk/file_list.hpp"
@@ -33,6 +36,38 @@ TEST(FileList, HasFoldersFirstAndOnlyWhatIsWanted) {
   picker.folder = (folder / "absent").string();
   list_files(picker);
   EXPECT_FALSE(picker.fault.empty());
+}
+
+TEST(FileList, ARecordingIsNoFolderToEnter) {
+  const auto folder = test::scratch_folder("viewer-file-list-recording");
+  std::filesystem::create_directories(folder / "take");
+  std::filesystem::create_directories(folder / "empty");
+  test::write_text(folder / "take" / "recording.toml", "");
+  FilePicker picker = picker_to_open({});
+  picker.folder = folder.string();
+  list_files(picker);
+  ASSERT_EQ(picker.entries.size(), 2u);
+  EXPECT_FALSE(picker.entries[0].recording);
+  EXPECT_TRUE(picker.entries[1].recording) << picker.entries[1].name;
+  for (const char* name : {"take", "empty", "absent", ""}) {
+    picker.name = name;
+    EXPECT_EQ(is_folder_to_enter(picker), picker.name == "empty") << name;
+  }
+  picker.name = "take";
+  picker.is_new = true;
+  EXPECT_TRUE(is_folder_to_enter(picker)) << "a new file in it";
+  picker.folders = true;
+  EXPECT_FALSE(is_folder_to_enter(picker));
+}
+
+TEST(FileList, UsualFoldersExistAndAreDifferent) {
+  const std::vector<NamedFolder> folders = usual_folders(std::filesystem::current_path().string());
+  ASSERT_FALSE(folders.empty());
+  EXPECT_EQ(folders.front().folder, std::filesystem::current_path().string());
+  for (const NamedFolder& place : folders) {
+    EXPECT_TRUE(std::filesystem::is_directory(place.folder)) << place.folder;
+    EXPECT_EQ(std::ranges::count(folders, place.folder, &NamedFolder::folder), 1) << place.name;
+  }
 }
 
 TEST(FileList, NamesWhatIsBelowTheCurrentFolderBriefly) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "viewer/desk/option_words.hpp"
+#include "viewer/desk/word_meanings.hpp"
 #include "viewer/live/live_line.hpp"
 
 namespace palpa::viewer {
@@ -36,6 +37,13 @@ TEST(OptionWords, EveryOptionHasALabelOfItsOwnWithoutPlaceholders) {
     EXPECT_FALSE(has_placeholder(shown_default(info))) << info.name << ": " << shown_default(info);
     EXPECT_TRUE(labels.insert(words.label).second) << words.label << " is there twice";
     EXPECT_LE(words.label.size(), 24u) << words.label;
+  }
+}
+
+TEST(OptionWords, EveryWordIsExplained) {
+  for (const setup::OptionInfo& info : live_table()) {
+    for (const std::string& word : info.words)
+      EXPECT_FALSE(meaning_of(info.name, word).empty()) << info.name << " " << word;
   }
 }
 

@@ -24,6 +24,7 @@ struct Heard {
   std::atomic<int> opened{0};
   std::atomic<bool> breaks{false};  ///< set by a test: the link fails
   std::atomic<bool> last_sounds{false}, finished{false};
+  std::atomic<float> loudest{0};  ///< amplitude in the last drive that sounds
 
   bool sounded() const { return sounding > 0; }
 };
@@ -34,7 +35,11 @@ class HeardLink final : public session::Link {
   void plan(const session::PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     if (heard_->breaks) throw failure("heard: broken");
-    const bool sounds = std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
+    float loudest = 0;
+    for (const array::TransducerDrive& one : drive)
+      loudest = std::max(loudest, one.amplitude);
+    const bool sounds = loudest > 0;
+    if (sounds) heard_->loudest = loudest;
     ++heard_->drives;
     heard_->last_sounds = sounds;
     heard_->sounding += sounds ? 1 : 0;

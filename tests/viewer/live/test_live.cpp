@@ -24,6 +24,7 @@
 #include "viewer/live/live_session.hpp"
 #include "viewer/live/next_outputs.hpp"
 #include "viewer/live/starter.hpp"
+#include "viewer/picture/world_marks.hpp"
 #include "viewer/run/drawing_threads.hpp"
 
 namespace palpa::viewer {
@@ -71,7 +72,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(soon(*live, [&] {
     if (live->take()) touched = touched || live->snapshot().touch.finger_count > 0;
     live->take_seen();
-    return touched && bench.sounded() && !live->seen().points.empty();
+    return touched && bench.sounded() && !live->seen().skin.points.empty();
   })) << live->fault();
   EXPECT_EQ(live->state(), LiveState::running);
   EXPECT_GT(bench.woken, 0);
@@ -91,7 +92,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_EQ(live->fault(), "");
   EXPECT_TRUE(bench.heard->finished);
   EXPECT_FALSE(bench.heard->last_sounds);
-  EXPECT_FALSE(live->link().open || live->link().sounding);
+  EXPECT_FALSE(live->link().open || live->link().sounding());
   EXPECT_EQ(live->link().drives, bench.heard->drives);
   EXPECT_EQ(live->link().drives - live->link().silent, bench.heard->sounding);
   const auto stats = live->stats();
@@ -99,6 +100,43 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(stats->output.hand_over.behind) << "what the link knows of its device reaches the run's statistics";
   EXPECT_EQ(stats->output.hand_over.behind->completed.drives, bench.heard->sounding);
   EXPECT_EQ(stats->output.hand_over.lost(), 0u);
+}
+
+/// A modulation has silent drives between those that sound, and the window must not flicker.
+TEST(Live, TheLinkSoundsUntilNothingHasSoundedForAWhile) {
+  LinkWatch link;
+  const LinkWatch::Clock::time_point begin{std::chrono::hours(1)};
+  EXPECT_FALSE(link.sounding(begin));
+  link.count(false, begin);
+  EXPECT_FALSE(link.sounding(begin));
+  link.count(true, begin);
+  link.count(false, begin + std::chrono::milliseconds(2));
+  EXPECT_TRUE(link.sounding(begin + std::chrono::milliseconds(60)));
+  EXPECT_FALSE(link.sounding(begin + std::chrono::milliseconds(140)));
+  EXPECT_EQ(link.drives, 3u);
+  EXPECT_EQ(link.silent, 2u);
+  link.count(true, begin + std::chrono::milliseconds(150));
+  link.close();
+  EXPECT_FALSE(link.sounding(begin + std::chrono::milliseconds(150))) << "the run is over";
+}
+
+TEST(Live, PointsThatAreNoSkinAreShownApart) {
+  LiveScene scene;
+  Snapshot snapshot;
+  Seen seen;
+  seen.skin.points = {{{0, 0, 0}, 1}, {{1e-3F, 0, 0}, 2}};
+  seen.skin.leavings = {{{0, -0.15F, 0}, 3}, {{1e-3F, -0.15F, 0}, 4}, {{2e-3F, -0.15F, 0}, 5}};
+  Picture picture;
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_EQ(picture.skin_points.size(), 2U);
+  EXPECT_EQ(picture.skin_count, 2U);
+  ASSERT_EQ(picture.dropped_points.size(), 3U);
+  EXPECT_EQ(picture.dropped_points[1], glm::vec3(1e-3F, -0.15F, 0));
+  EXPECT_EQ(picture.dropped_count, 3U);
+  seen.skin.leavings.clear();
+  show_live(picture, scene, snapshot, seen, false);
+  EXPECT_TRUE(picture.dropped_points.empty());
+  EXPECT_EQ(picture.dropped_count, 0U);
 }
 
 TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
@@ -234,6 +272,44 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   session::SlotScratch scratch;
   show_live_slot(picture, scene, snapshot, 0, scratch);
   EXPECT_FALSE(picture.driven);
+}
+
+/// The first of two fingers is expected to have left when its foci would sound.
+TEST(Live, FociAheadOfAFingerAreShownWithThePlaceWhereTheyWereSeen) {
+  LiveScene scene;
+  Snapshot snapshot;
+  snapshot.touch.finger_count = 2;
+  snapshot.touch.fingers.resize(2);
+  for (std::uint32_t f = 0; f < 2; ++f) {
+    touch::Finger& finger = snapshot.touch.fingers[f];
+    finger.id = 7 + f;
+    finger.placed = true;
+    finger.foci.resize(3);
+    for (int n = 0; n < 3; ++n)
+      finger.foci[n] = {.position = glm::vec3(n, n * n, f), .points = 1};
+  }
+  array::Voice& voice = snapshot.plan.schedule.add_voice();
+  voice.id = 8;
+  voice.velocity = {0.2, 0, 0};
+  voice.order = {0, 1, 2};
+  for (int n = 0; n < 3; ++n)
+    voice.foci.emplace_back(n + 0.5, n * n, 1);
+  Picture picture;
+  show_live(picture, scene, snapshot, {}, false);
+  ASSERT_EQ(picture.fingers.size(), 2U);
+  EXPECT_TRUE(picture.fingers[0].foci.empty()) << "it is silent";
+  ASSERT_EQ(picture.fingers[1].foci.size(), 3U);
+  ASSERT_EQ(picture.fingers[1].seen.size(), 3U);
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_EQ(picture.fingers[1].foci[n].position, glm::vec3(n + 0.5F, n * n, 1));
+    EXPECT_EQ(picture.fingers[1].seen[n], glm::vec3(n, n * n, 1));
+  }
+  ViewState state;
+  WorldMarks with, without;
+  build_marks(picture, state, {}, with);
+  picture.fingers[1].seen.clear();
+  build_marks(picture, state, {}, without);
+  EXPECT_EQ(with.lines.size(), without.lines.size() + 4) << "an outline, and the way";
 }
 
 /// Two fingers whose dwells differ by a microsecond: the output computes each slot, and so does the display.

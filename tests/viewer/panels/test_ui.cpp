@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "support/files.hpp"
+#include "viewer/panels/file_font.hpp"
+
 namespace palpa::viewer {
 namespace {
 
@@ -32,6 +35,22 @@ TEST(UiKeys, AreTextFromThePressOnATextOn) {
   ui.take(press, true);
   ui.take(press, false);
   EXPECT_FALSE(typed(key_of('o'))) << "elsewhere";
+}
+
+/// Where fontconfig is missing, there is no file, and palpa's own strokes are used.
+TEST(FileFont, ThatFontconfigNamesCanBeDrawn) {
+  const std::string file = fontconfig_file();
+  if (file.empty()) GTEST_SKIP() << "skipped: no fontconfig, or no font";
+  Ui ui(false);
+  const auto coverage = [&] {
+    ui.begin(200, 100, 1, 0.01);
+    return ui.end().glyphs->coverage;
+  };
+  const auto strokes = coverage();
+  ui.use_font(test::read_text(file));
+  EXPECT_NE(coverage(), strokes) << file;
+  ui.use_font("no font");
+  EXPECT_EQ(coverage(), strokes);
 }
 
 TEST(UiKeys, OneThatIsHeldDownIsOneChange) {

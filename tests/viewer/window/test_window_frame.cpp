@@ -88,6 +88,19 @@ TEST_F(WindowFrame, EverythingIsEnlargedAsGtkProgramsAre) {
   EXPECT_EQ(viewer.close().exit_code, 0);
 }
 
+TEST_F(WindowFrame, ItIsNoLargerThanTheMonitor) {
+  if (!has_display()) GTEST_SKIP() << "skipped: no Xvfb";
+  const auto folder = test::scratch_folder("viewer-window-fits");
+  Shown viewer({"--scene", source_file("assets/cube.glb").string()},
+               {{"XDG_CONFIG_HOME", folder.string()}, {"GDK_SCALE", "4"}});
+  ASSERT_TRUE(viewer.hand().find("palpa", 60));
+  EXPECT_TRUE(viewer.comes_to([&] {
+    const test::XHand::Picture seen = viewer.hand().picture();
+    return seen.width == 1280 && seen.pixels.size() == std::size_t{1280} * 720;
+  })) << "the size of the screen";
+  EXPECT_EQ(viewer.close().exit_code, 0);
+}
+
 TEST_F(WindowFrame, TheSizeIsRememberedWithoutOneOnTheLine) {
   if (!has_display()) GTEST_SKIP() << "skipped: no Xvfb";
   const auto folder = test::scratch_folder("viewer-window-size");

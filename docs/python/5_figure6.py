@@ -1,0 +1,30 @@
+# %% [markdown]
+# # The paper's Figure 6
+# The finger in each of the paper's objects, with every method. This takes minutes.
+
+# %%
+import os
+
+import palpa
+
+assets = os.environ.get("PALPA_ASSETS", "assets")
+figure = palpa.figure6(f"{assets}/finger.ply", backend="cpu")
+for n in range(len(figure)):
+    name, one = figure[n]
+    print(f"{name:14} peak {one.langevin_spot['peak']:7.1f} Pa, elongation {one.langevin_spot['elongation']:.2f} "
+          f"(without the finger {one.bare_elongation:.2f})")
+
+# %%
+import matplotlib.pyplot as plt
+
+columns = 5
+rows = -(-len(figure) // columns)
+plt.figure(figsize=(3 * columns, 3 * rows))
+for n in range(len(figure)):
+    name, one = figure[n]
+    low = one.centroids[:, 1] < one.centroids[:, 1].min() + 8e-3
+    plt.subplot(rows, columns, n + 1)
+    plt.scatter(one.centroids[low, 0] * 1e3, one.centroids[low, 2] * 1e3, c=one.langevin[low], s=3)
+    plt.title(name)
+    plt.axis("equal")
+plt.savefig("figure6.png")

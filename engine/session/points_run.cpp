@@ -1,0 +1,114 @@
+#include "session/points_run.hpp"
+
+#include <chrono>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/start_thread.hpp"
+#include "session/clock.hpp"
+#include "session/links/plan.hpp"
+#include "session/loop/output.hpp"
+#include "session/newest.hpp"
+
+namespace palpa::session {
+namespace {
+
+/// How often the computing thread looks whether it is to end.
+constexpr double between_looks_s = 0.02;
+
+void check_points_session(const SessionSetting& setting) {
+  if (!setting.cameras.empty() || setting.layout.transducers.empty())
+    throw bad_usage("a session with cameras or without an array cannot run from points");
+  if (setting.schedule.tune == Tune::all)
+    throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
+}
+
+}  // namespace
+
+bool PushedPoints::push(std::vector<glm::vec3> points, double time_s) {
+  const std::lock_guard lock(mutex_);
+  points_ = std::move(points);
+  time_s_ = time_s;
+  const bool replaced = std::exchange(fresh_, true);
+  came_.notify_one();
+  return replaced;
+}
+
+bool PushedPoints::take(std::vector<glm::vec3>& points, double& time_s, double timeout_s) {
+  std::unique_lock lock(mutex_);
+  if (!came_.wait_for(lock, std::chrono::duration<double>(timeout_s), [this] { return fresh_; })) return false;
+  std::swap(points, points_);
+  time_s = time_s_;
+  fresh_ = false;
+  return true;
+}
+
+LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::atomic<bool>& stop,
+                     const RunOptions& options) {
+  const SessionSetting& setting = session.setting();
+  check_points_session(setting);
+  session.warm_up();
+  LoopStats stats;
+  stats.solids = session.solid_names();
+  const Clock clock;
+  Newest<Plan> plans;
+  plans.each([&](Plan& plan) { reserve(plan, setting.layout.transducers.size()); });
+  Ending ending{stop};
+  const OutputSetting output{setting.layout, setting.drive, session.scheduler().slot_s(), setting.hold_s,
+                             setting.safety};
+  std::exception_ptr link_fault, fault;
+  std::atomic<bool> output_over{false};
+  std::thread player = start_thread("the link", [&] {
+    try {
+      play(link, plans, output, clock, ending, stats.output, options.sent);
+    } catch (...) {
+      link_fault = std::current_exception();
+      stop = true;
+    }
+    output_over = true;
+  });
+  try {
+    std::vector<glm::vec3> points;
+    double time_s = 0;
+    while (!stop && !output_over && (options.frames == 0 || stats.captured < options.frames)) {
+      if (!source.take(points, time_s, between_looks_s)) continue;
+      const double captured_s = clock.now();
+      ++stats.captured;
+      const touch::Touch& touch = session.touch(points, time_s);
+      Plan& plan = plans.back();
+      plan = session.plan();
+      plan.captured_s = captured_s;
+      FrameReport report = session.report();
+      report.sequence = stats.planned++;
+      report.time_s = time_s;
+      report.touch = &touch;
+      report.arrived_s = captured_s;
+      report.planned_s = clock.now();
+      stats.touching += touch.finger_count > 0 ? 1 : 0;
+      stats.frame_to_plan_s.add(report.planned_s - captured_s);
+      stats.add_passes(report.passes);
+      stats.seconds = report.planned_s;
+      if (options.planned) options.planned(report, plan);
+      if (plans.publish()) ++stats.unplayed;
+      if (options.events) options.events(session.events());
+    }
+  } catch (...) {
+    fault = std::current_exception();
+    ending.failed = true;
+  }
+  ending.over = true;
+  player.join();
+  const std::exception_ptr first = link_fault ? link_fault : fault;
+  if (first) stop = true;
+  try {
+    if (options.events) options.events(session.end());
+  } catch (const std::exception&) {
+    if (!first) throw;  // the first error is the one to report
+  }
+  if (first) std::rethrow_exception(first);
+  return stats;
+}
+
+}  // namespace palpa::session

@@ -1,0 +1,59 @@
+#include "session/predict/motion_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace palpa::session {
+namespace {
+
+constexpr double least_sigma_m = 0.1e-3;
+constexpr double first_speed = 1;  ///< standard deviation of a coordinate of the velocity of a finger that is new, m/s
+constexpr double gain = 0.9;
+constexpr double gate = 12;
+
+double square(double value) {
+  return value * value;
+}
+
+}  // namespace
+
+MotionFilter::MotionFilter(const MotionNoise& noise)
+    : sigma2_(square(std::max(noise.place_m, least_sigma_m))), q2_(square(noise.acceleration)) {}
+
+void MotionFilter::see(double time_s, const Vec3& place_m) {
+  const double dt = time_s - time_s_;
+  if (!known_ || dt < 0 || dt > longest_pause_s) {
+    known_ = true;
+    time_s_ = time_s;
+    place_ = place_m;
+    velocity_ = Vec3(0);
+    pxx_ = sigma2_;
+    pxv_ = 0;
+    pvv_ = square(first_speed);
+    return;
+  }
+  time_s_ = time_s;
+  place_ += velocity_ * dt;
+  pxx_ += dt * (2 * pxv_ + dt * pvv_) + q2_ * dt * dt * dt / 3;
+  pxv_ += dt * pvv_ + q2_ * dt * dt / 2;
+  pvv_ += q2_ * dt;
+  const Vec3 surprise = place_m - place_;
+  const double kx = pxx_ / (pxx_ + sigma2_), kv = pxv_ / (pxx_ + sigma2_);
+  place_ += surprise * kx;
+  velocity_ += surprise * kv;
+  pvv_ -= kv * pxv_;
+  pxv_ -= kv * pxx_;
+  pxx_ -= kx * pxx_;
+}
+
+Vec3 MotionFilter::velocity() const {
+  if (!known_) return Vec3(0);
+  const double speed2 = glm::dot(velocity_, velocity_);
+  if (!(speed2 > 0)) return Vec3(0);
+  const double open = 1 / (1 + square(gate * pvv_ / speed2));
+  const double speed = std::sqrt(speed2) * gain * open;
+  return velocity_ * (gain * open * std::min(1.0, most_speed / std::max(speed, 1e-9)));
+}
+
+}  // namespace palpa::session

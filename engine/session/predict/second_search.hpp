@@ -1,0 +1,57 @@
+// Contacts, cross-section and foci of a finger that has moved on: the touch of the same skin in another place.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
+#include "session/predict/kept_frames.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::session {
+
+/// A finger's box: that of its contacts, as far as its cross-section tells. The contacts themselves are not always read
+/// from the device.
+Box contact_box(const touch::Finger& finger);
+
+class SecondSearch {
+ public:
+  /// `solids` are those of the session's stage, which may move; both must outlive this object.
+  SecondSearch(const CameraView& view, const touch::PreparedSolids& solids, const touch::Parameters& parameters);
+
+  /// The skin that moves with a finger is within this distance of its contacts' box.
+  double reach_m() const { return reach_m_; }
+  void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
+
+  /// Moves finger `f` of `seen` by `way`, with the skin of `frames` that is nearer to it than to other fingers, and
+  /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts. Its foci are moved
+  /// by what the way changes: each by the difference between its sector's centroid before and after. So a way of zero
+  /// changes nothing, and what smoothed them before still does. The axes stay. Returns whether it was added.
+  bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
+
+ private:
+  std::uint32_t take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
+  bool find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
+            const touch::Parameters& parameters, touch::Touch& out) const;
+
+  CameraView view_;
+  const touch::PreparedSolids& solids_;
+  touch::Parameters parameters_;
+  double reach_m_;
+  std::uint32_t stride_ = 1;
+  // Scratch that keeps its storage.
+  std::vector<sensing::Crop> crops_;
+  std::vector<shader::SkinVolume> volumes_;
+  sensing::SkinOfFrame skin_;
+  std::vector<Box> others_;
+  std::vector<sensing::SkinPoint> points_, moved_;
+  touch::Touch before_, after_;
+};
+
+/// Copies finger `f` of `seen` to the end of `out`, moved rigidly by `way`, with its contacts.
+touch::Finger& add_moved(const touch::Touch& seen, std::uint32_t f, const Vec3& way, touch::Touch& out);
+
+}  // namespace palpa::session

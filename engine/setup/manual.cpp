@@ -1,0 +1,285 @@
+#include "setup/manual.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "base/version.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// Text that man shows as it is.
+std::string roff(std::string_view text) {
+  std::string safe;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool begins = i == 0 || text[i - 1] == '\n';
+    if (begins && (c == '.' || c == '\'')) safe += "\\&";
+    safe += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
+  }
+  return safe;
+}
+
+/// "palpa touch" is the page palpa-touch.
+std::string page_name(std::string name) {
+  std::ranges::replace(name, ' ', '-');
+  return name;
+}
+
+std::string heading(const std::string& name, const std::string& summary) {
+  return fmt::format(".TH {} 1 \"\" \"palpa {}\" \"palpa\"\n.SH NAME\n{} \\- {}\n", page_name(name), version(),
+                     roff(page_name(name)), roff(summary));
+}
+
+std::string examples_section(const std::string& examples) {
+  return examples.empty() ? "" : fmt::format(".SH EXAMPLES\n.nf\n{}\n.fi\n", roff(examples));
+}
+
+constexpr const char* exit_section =
+    ".SH EXIT STATUS\n0: done. 1: failed. 2: wrong usage. 3: no usable Vulkan device or display. 4: bad or missing "
+    "input.\n";
+
+/// The part of a subcommand's name behind the program's: "study analyse".
+std::string words_of(const ManualCommand& command, const std::string& program) {
+  return command.text.name == program ? "" : command.text.name.substr(program.size() + 1);
+}
+
+bool takes_file(const OptionInfo& option) {
+  return option.type.find("FILE") != std::string::npos || option.type.find("DIR") != std::string::npos;
+}
+
+/// The beginning of a help text, for shells that show one line.
+std::string short_help(const OptionInfo& option) {
+  constexpr std::size_t most = 90;
+  const std::string text = option.help.substr(0, option.help.find(';'));
+  return text.size() <= most ? text : text.substr(0, text.rfind(' ', most)) + " ...";
+}
+
+/// In single quotes, for a shell.
+std::string single(const std::string& text) {
+  std::string safe = "'";
+  for (const char c : text)
+    safe += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return safe + "'";
+}
+
+/// The subcommands' first words with what may follow them.
+std::map<std::string, std::vector<std::string>> words_by_first(const std::string& program,
+                                                               const std::vector<ManualCommand>& commands) {
+  std::map<std::string, std::vector<std::string>> all;
+  for (const ManualCommand& command : commands) {
+    const std::string words = words_of(command, program);
+    if (words.empty()) continue;
+    const std::size_t space = words.find(' ');
+    std::vector<std::string>& seconds = all[words.substr(0, space)];
+    if (space != std::string::npos) seconds.push_back(words.substr(space + 1));
+  }
+  return all;
+}
+
+std::string bash_case(const std::string& words, const ManualCommand& command) {
+  std::string text = fmt::format("    {})\n      case $prev in\n", words.empty() ? "*" : single(words));
+  std::string names;
+  for (const OptionInfo& option : command.options) {
+    names += (names.empty() ? "" : " ") + option.name;
+    if (!option.words.empty()) {
+      text += fmt::format("        {}) COMPREPLY=($(compgen -W {} -- \"$cur\")); return ;;\n", option.name,
+                          single(fmt::format("{}", fmt::join(option.words, " "))));
+    } else if (takes_file(option)) {
+      text += fmt::format("        {}) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", option.name);
+    } else if (!option.flag) {
+      text += fmt::format("        {}) return ;;\n", option.name);
+    }
+  }
+  return text + fmt::format("      esac\n      options={} ;;\n", single(names + " --help"));
+}
+
+std::string bash(const std::string& program, const std::vector<ManualCommand>& commands) {
+  std::string function = program;
+  std::ranges::replace(function, '-', '_');
+  std::string text = fmt::format(
+      "# Completion of {0} for bash, made from its options.\n_{1}() {{\n"
+      "  local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command=${{COMP_WORDS[1]}} "
+      "options=\n",
+      program, function);
+  const auto firsts = words_by_first(program, commands);
+  if (!firsts.empty()) {
+    std::string all;
+    for (const auto& [first, seconds] : firsts)
+      all += first + " ";
+    text +=
+        fmt::format("  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W {} -- \"$cur\"))\n    return\n  fi\n",
+                    single(all + "help --help --version"));
+    for (const auto& [first, seconds] : firsts) {
+      if (seconds.empty()) continue;
+      text += fmt::format(
+          "  if [[ $command == {0} ]]; then\n    if ((COMP_CWORD == 2)); then\n"
+          "      COMPREPLY=($(compgen -W {1} -- \"$cur\"))\n      return\n    fi\n    command+=\" "
+          "${{COMP_WORDS[2]}}\"\n  fi\n",
+          first, single(fmt::format("{}", fmt::join(seconds, " "))));
+    }
+  }
+  text += "  case $command in\n";
+  for (const ManualCommand& command : commands)
+    text += bash_case(words_of(command, program), command);
+  return text + fmt::format(
+                    "  esac\n"
+                    "  if [[ $cur == -* ]]; then\n    COMPREPLY=($(compgen -W \"$options\" -- \"$cur\"))\n  else\n"
+                    "    COMPREPLY=($(compgen -f -- \"$cur\"))\n  fi\n}}\ncomplete -o filenames -F _{} {}\n",
+                    function, program);
+}
+
+/// An option as zsh's _arguments takes it.
+std::string zsh_option(const OptionInfo& option) {
+  std::string help = short_help(option);
+  for (const char* special : {"[", "]", ":"}) {
+    for (std::size_t at = 0; (at = help.find(special, at)) != std::string::npos; at += 2)
+      help.insert(at, 1, '\\');
+  }
+  std::string spec = fmt::format("*{}[{}]", option.name, help);
+  if (!option.flag) {
+    std::string type = option.type;
+    std::ranges::replace(type, ':', ' ');
+    spec += fmt::format(":{}:", type);
+    if (!option.words.empty()) {
+      spec += fmt::format("({})", fmt::join(option.words, " "));
+    } else if (takes_file(option)) {
+      spec += "_files";
+    }
+  }
+  return fmt::format("      {} \\\n", single(spec));
+}
+
+std::string zsh(const std::string& program, const std::vector<ManualCommand>& commands) {
+  std::string text = fmt::format("#compdef {0}\n# Completion of {0} for zsh, made from its options.\n", program);
+  const auto arguments = [](const ManualCommand& command) {
+    std::string lines = "    _arguments \\\n";
+    for (const OptionInfo& option : command.options)
+      lines += zsh_option(option);
+    return lines + "      '--help[show help]' '*:file:_files'\n";
+  };
+  const auto firsts = words_by_first(program, commands);
+  if (firsts.empty()) return text + arguments(commands.front());
+  text += "local -a subcommands\nsubcommands=(\n";
+  for (const auto& [first, seconds] : firsts) {
+    const auto command = std::ranges::find_if(
+        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
+    text += fmt::format("  {}\n", single(command == commands.end() ? first : first + ":" + command->text.summary));
+  }
+  text +=
+      ")\nif ((CURRENT == 2)); then\n  _describe subcommand subcommands\n  return\nfi\nlocal command=$words[2]\nshift "
+      "words\n((CURRENT--))\n";
+  for (const auto& [first, seconds] : firsts) {
+    if (seconds.empty()) continue;
+    text += fmt::format(
+        "if [[ $command == {} ]]; then\n  if ((CURRENT == 2)); then\n    compadd {}\n    return\n  fi\n"
+        "  command+=\" $words[2]\"\n  shift words\n  ((CURRENT--))\nfi\n",
+        first, fmt::join(seconds, " "));
+  }
+  text += "case $command in\n";
+  for (const ManualCommand& command : commands)
+    text += fmt::format("  {})\n{}    ;;\n", single(words_of(command, program)), arguments(command));
+  return text + "esac\n";
+}
+
+std::string fish(const std::string& program, const std::vector<ManualCommand>& commands) {
+  std::string text = fmt::format("# Completion of {} for fish, made from its options.\n", program);
+  const auto firsts = words_by_first(program, commands);
+  for (const auto& [first, seconds] : firsts) {
+    const auto command = std::ranges::find_if(
+        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
+    text +=
+        fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
+                    command == commands.end() ? std::string() : fmt::format(" -d {}", single(command->text.summary)));
+    if (seconds.empty()) continue;
+    text += fmt::format(
+        "complete -c {0} -n '__fish_seen_subcommand_from {1}; and not __fish_seen_subcommand_from {2}' -f -a '{2}'\n",
+        program, first, fmt::join(seconds, " "));
+  }
+  for (const ManualCommand& command : commands) {
+    std::istringstream words(words_of(command, program));
+    std::string condition;
+    for (std::string word; words >> word;)
+      condition += (condition.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word);
+    for (const OptionInfo& option : command.options) {
+      text += fmt::format("complete -c {}{} -l {} -d {}", program,
+                          condition.empty() ? std::string() : fmt::format(" -n {}", single(condition)),
+                          option.name.substr(2), single(short_help(option)));
+      if (!option.words.empty()) {
+        text += fmt::format(" -x -a '{}'", fmt::join(option.words, " "));
+      } else if (!option.flag) {
+        text += takes_file(option) ? " -r -F" : " -x";
+      }
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<Shell> shell_of(std::string_view word) {
+  if (word == "bash") return Shell::bash;
+  if (word == "zsh") return Shell::zsh;
+  if (word == "fish") return Shell::fish;
+  return std::nullopt;
+}
+
+std::string man_page(const ManualCommand& command) {
+  const HelpText& text = command.text;
+  std::string page = heading(text.name, text.summary);
+  page += fmt::format(".SH SYNOPSIS\n.B {}\n{}[OPTION ...]\n", roff(text.name),
+                      text.arguments.empty() ? "" : roff(text.arguments) + " ");
+  if (!text.notes.empty()) page += fmt::format(".SH DESCRIPTION\n{}\n", roff(text.notes));
+  std::vector<std::string> headings;
+  for (const OptionInfo& option : command.options) {
+    if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
+  }
+  page += ".SH OPTIONS\n";
+  for (const std::string& title : headings) {
+    page += fmt::format(".SS {}\n", roff(title));
+    for (const OptionInfo& option : command.options) {
+      if (option.heading != title) continue;
+      page += fmt::format(".TP\n.B {}{}\n{}", roff(option.name),
+                          option.flag ? std::string() : fmt::format(" {}", roff(option.type)), roff(option.help));
+      if (!option.words.empty()) page += roff(fmt::format(": {}", fmt::join(option.words, ", ")));
+      if (!option.initial.empty()) page += roff(fmt::format(" [default: {}]", option.initial));
+      page += "\n";
+    }
+  }
+  return page + examples_section(text.examples) + exit_section;
+}
+
+std::string man_page(const std::string& program, const std::string& summary, const std::string& examples,
+                     const std::vector<ManualCommand>& commands) {
+  std::string page = heading(program, summary);
+  page += fmt::format(".SH SYNOPSIS\n.B {}\nSUBCOMMAND [OPTION ...]\n.SH SUBCOMMANDS\n", roff(program));
+  std::string also;
+  for (const ManualCommand& command : commands) {
+    page += fmt::format(".TP\n.B {}\n{}\n", roff(words_of(command, program)), roff(command.text.summary));
+    also += fmt::format("{}.BR {} (1)\n", "", roff(page_name(command.text.name)));
+  }
+  page +=
+      ".SH UNITS\nA number without a unit is in SI units: metres, seconds, hertz, pascals. You can give a unit: "
+      "1.5mm, 11ms, 40kHz, 343m/s, 8kPa.\n";
+  return page + examples_section(examples) + exit_section + ".SH SEE ALSO\n" + also;
+}
+
+std::string completion(Shell shell, const std::string& program, const std::vector<ManualCommand>& commands) {
+  switch (shell) {
+    case Shell::bash:
+      return bash(program, commands);
+    case Shell::zsh:
+      return zsh(program, commands);
+    case Shell::fish:
+      return fish(program, commands);
+  }
+  return {};
+}
+
+}  // namespace palpa::setup

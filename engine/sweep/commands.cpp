@@ -1,0 +1,128 @@
+#include "sweep/commands.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string_view>
+#include <utility>
+
+#include "array/layout.hpp"
+
+namespace palpa::sweep {
+namespace {
+
+/// These belong to the command line of the sweep: what computes, what is printed, and files for one case only.
+constexpr std::array<std::string_view, 8> of_the_sweep{"--gpu",        "--backend", "--quiet",         "--log-level",
+                                                       "--validation", "--json",    "--allow-outside", "--figure6"};
+
+std::unique_ptr<Line> new_line(const std::string& command) {
+  if (command == "touch") return std::make_unique<Line>(std::in_place_type<setup::TouchLine>);
+  if (command == "drive") return std::make_unique<Line>(std::in_place_type<setup::DriveLine>);
+  if (command == "field") return std::make_unique<Line>(std::in_place_type<setup::FieldLine>);
+  return std::make_unique<Line>(std::in_place_type<setup::SimulateLine>);
+}
+
+/// The line's options on a command line of their own; the line must outlive it.
+std::unique_ptr<CLI::App> options_of(Line& line) {
+  auto app = std::make_unique<CLI::App>();
+  std::visit(
+      [&](auto& of_command) {
+        setup::add_options(*app, of_command);
+        setup::add_common(*app, of_command.common);
+      },
+      line);
+  return app;
+}
+
+std::vector<setup::OptionInfo> options_of(const std::string& command) {
+  const std::unique_ptr<Line> line = new_line(command);
+  std::vector<setup::OptionInfo> options = setup::option_table(*options_of(*line));
+  std::erase_if(options, [](const setup::OptionInfo& option) {
+    const bool writes = option.type == "FILE|-" || option.name == "--png" || option.name == "--vtu";
+    return writes || std::ranges::find(of_the_sweep, option.name) != of_the_sweep.end();
+  });
+  return options;
+}
+
+std::vector<Command> all_commands() {
+  std::vector<Command> commands{
+      {"touch",
+       {},
+       {"points", "contacts.count", "contacts.depths_m.max", "fingers.count", "fingers.0.indices.count",
+        "fingers.0.centroid_m.0", "fingers.0.centroid_m.1", "fingers.0.centroid_m.2", "fingers.0.eigenvalues_m2.0",
+        "fingers.0.eigenvalues_m2.1", "fingers.0.foci_m.count", "fingers.0.pressures_pa.min",
+        "fingers.0.pressures_pa.max"}},
+      {"drive",
+       {},
+       {"transducers", "sound_speed_m_s", "frequency_hz", "pressures_pa.min", "pressures_pa.max",
+        "weakest_to_strongest", "amplitudes.min", "amplitudes.mean", "amplitudes.max"}},
+      {"field",
+       {},
+       {"points", "peak_pa", "peak_m.0", "peak_m.1", "peak_m.2", "sound_speed_m_s", "density_kg_m3",
+        "absorption_np_m"}},
+      {"simulate",
+       {},
+       {"finger.faces", "langevin.peak_pa", "langevin.half_area_m2", "langevin.half_radius_m", "langevin.elongation",
+        "squared.peak_pa", "squared.half_area_m2", "squared.half_radius_m", "squared.elongation", "force_N.0",
+        "force_N.1", "force_N.2", "force_far_N.1", "torque_Nm.0", "torque_Nm.1", "torque_Nm.2"}},
+  };
+  for (Command& command : commands)
+    command.options = options_of(command.name);
+  return commands;
+}
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> all = all_commands();
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const Command& command : commands())
+    names.push_back(command.name);
+  return names;
+}
+
+const Command& command_of(const std::string& name) {
+  return *std::ranges::find(commands(), name, &Command::name);
+}
+
+void check_value(const Command& command, const Setting& setting) {
+  if (!setting.given) return;
+  // A plan may have very many values, and adding the options takes longer than reading one.
+  struct Reader {
+    std::unique_ptr<Line> line;
+    std::unique_ptr<CLI::App> app;
+  };
+  static std::mutex mutex;
+  static std::map<std::string, Reader> readers;
+  const std::lock_guard lock(mutex);
+  Reader& reader = readers[command.name];
+  if (!reader.app) {
+    reader.line = new_line(command.name);
+    reader.app = options_of(*reader.line);
+  }
+  setup::read_given(*reader.app, given_by({setting}));
+}
+
+bool names_file(const setup::OptionInfo& option, const std::string& value) {
+  if (option.type == "FILE") return true;
+  if (option.type != "NAME|FILE") return false;
+  const std::vector<std::string> names = array::layout_names();
+  return std::ranges::find(names, value) == names.end();
+}
+
+std::unique_ptr<Line> read_line(const Command& command, const setup::Given& given) {
+  std::unique_ptr<Line> line = new_line(command.name);
+  setup::read_given(*options_of(*line), given);
+  return line;
+}
+
+}  // namespace palpa::sweep

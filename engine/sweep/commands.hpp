@@ -1,0 +1,37 @@
+// The commands whose cases a sweep computes: which options a plan may set, and which results are kept by default.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "setup/option_table.hpp"
+#include "setup/options.hpp"
+#include "setup/tasks/lines.hpp"
+#include "sweep/plan.hpp"
+
+namespace palpa::sweep {
+
+struct Command {
+  std::string name;
+  std::vector<setup::OptionInfo> options;  ///< that a plan may set, in the order of the help
+  std::vector<std::string> results;        ///< paths (results.hpp) of a plan without `results`
+};
+
+std::vector<std::string> command_names();
+/// `name` is one of these names.
+const Command& command_of(const std::string& name);
+
+/// Reads a value as its option does. Throws bad_usage.
+void check_value(const Command& command, const Setting& setting);
+
+/// Whether the option's value names a file that is read: not a name of palpa's own, such as a built-in layout's.
+bool names_file(const setup::OptionInfo& option, const std::string& value);
+
+/// The options of a case, as its command reads them.
+using Line = std::variant<setup::TouchLine, setup::DriveLine, setup::FieldLine, setup::SimulateLine>;
+/// Throws bad_usage for values that an option refuses. Whether they fit together is checked when the case is computed.
+std::unique_ptr<Line> read_line(const Command& command, const setup::Given& given);
+
+}  // namespace palpa::sweep

@@ -1,0 +1,208 @@
+#include "sweep/crate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/output_file.hpp"
+#include "base/sha256.hpp"
+#include "base/text.hpp"
+#include "base/version.hpp"
+
+namespace palpa::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* metadata_name = "ro-crate-metadata.json";
+constexpr const char* plan_name = "plan.toml";
+constexpr const char* provenance_name = "provenance.csv";
+
+fs::path beside(const std::string& file, const char* name) {
+  return fs::path(file).parent_path() / name;
+}
+
+/// UTC, as ISO 8601 has it.
+std::string iso_time(std::int64_t seconds) {
+  const std::time_t time = seconds;
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+Json refer(const std::string& id) {
+  return {{"@id", id}};
+}
+
+std::string provenance_csv(const Table& table) {
+  std::string csv = "id,state,took_s,ended,run,host,device,error\n";
+  for (const Row& row : table.rows) {
+    const RunInfo& run = table.runs[row.run];
+    csv += fmt::format("{},{},{},{},{},{},{},{}\n", row.id,
+                       row.state == State::done      ? "done"
+                       : row.state == State::refused ? "refused"
+                                                     : "failed",
+                       row.took_s, iso_time(row.ended_s), csv_cell(run.name), csv_cell(run.host), csv_cell(run.device),
+                       csv_cell(row.error));
+  }
+  return csv;
+}
+
+/// What a run did.
+struct Share {
+  std::uint64_t cases = 0, faults = 0;
+  double seconds = 0;
+  std::int64_t ended_s = 0;
+};
+
+std::map<std::size_t, Share> shares_of(const Table& table) {
+  std::map<std::size_t, Share> shares;
+  for (const Row& row : table.rows) {
+    Share& share = shares[row.run];
+    ++share.cases;
+    share.faults += row.state == State::done ? 0 : 1;
+    share.seconds += row.took_s;
+    share.ended_s = std::max(share.ended_s, row.ended_s);
+  }
+  return shares;
+}
+
+class Metadata {
+ public:
+  Metadata(const Plan& plan, const Inputs& inputs, const Table& table, const std::string& file,
+           const std::string& results, const std::string& cases)
+      : plan_(plan), table_(table), results_(fs::path(file).filename().string()) {
+    add_root(table.rows.size());
+    add_file(results_, results_.ends_with(".csv") ? "text/csv" : "application/x-hdf5", "The results", results);
+    add_file(plan_name, "application/toml", "The plan of the sweep", plan.text);
+    add_file(provenance_name, "text/csv", "When, where and how each case ended", cases);
+    for (const Input& input : inputs.all())
+      add_input(input);
+    graph_.push_back({{"@id", "#palpa"},
+                      {"@type", "SoftwareApplication"},
+                      {"name", "palpa"},
+                      {"version", version()},
+                      {"identifier", commit()}});
+    for (const auto& [run, share] : shares_of(table))
+      add_run(table.runs[run], share);
+  }
+
+  std::string text() const {
+    const Json document{{"@context", "https://w3id.org/ro/crate/1.1/context"}, {"@graph", graph_}};
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+
+ private:
+  void add_root(std::size_t rows) {
+    graph_.push_back({{"@id", metadata_name},
+                      {"@type", "CreativeWork"},
+                      {"conformsTo", refer("https://w3id.org/ro/crate/1.1")},
+                      {"about", refer("./")}});
+    Json parts = Json::array();
+    for (const std::string& name : {results_, std::string(plan_name), std::string(provenance_name)})
+      parts.push_back(refer(name));
+    Json actions = Json::array();
+    for (const auto& [run, share] : shares_of(table_))
+      actions.push_back(refer("#" + table_.runs[run].name));
+    graph_.push_back(
+        {{"@id", "./"},
+         {"@type", "Dataset"},
+         {"name", fmt::format("Results of palpa {} for {}", plan_.command, fs::path(plan_.file).filename().string())},
+         {"description",
+          fmt::format("{} of {} cases of a sweep with palpa {}", rows, plan_.count(), version_and_commit())},
+         {"datePublished", iso_time(seconds_now())},
+         {"license", "The licence of the data is for its author to add."},
+         {"hasPart", parts},
+         {"mentions", actions}});
+  }
+
+  void add_file(const std::string& name, const char* type, const char* what, const std::string& bytes) {
+    graph_.push_back({{"@id", name},
+                      {"@type", "File"},
+                      {"name", what},
+                      {"encodingFormat", type},
+                      {"contentSize", fmt::format("{}", bytes.size())},
+                      {"sha256", sha256(bytes)}});
+  }
+
+  void add_input(const Input& input) {
+    const std::string id = fmt::format("#input-{}", ++inputs_);
+    graph_.push_back({{"@id", id},
+                      {"@type", "CreativeWork"},
+                      {"name", input.name},
+                      {"contentSize", fmt::format("{}", input.bytes)},
+                      {"sha256", input.sha256}});
+    objects_.push_back(refer(id));
+  }
+
+  std::string device_id(const std::string& name) {
+    const auto [known, is_new] = devices_.emplace(name, fmt::format("#device-{}", devices_.size() + 1));
+    if (is_new) graph_.push_back({{"@id", known->second}, {"@type", "Product"}, {"name", name}});
+    return known->second;
+  }
+
+  void add_run(const RunInfo& run, const Share& share) {
+    Json objects = Json::array({refer(plan_name)});
+    objects.insert(objects.end(), objects_.begin(), objects_.end());
+    const std::string device = device_id(run.device);
+    graph_.push_back({{"@id", "#" + run.name},
+                      {"@type", "CreateAction"},
+                      {"name", fmt::format("palpa sweep, shard {}, on {}", run.shard, run.host)},
+                      {"description", fmt::format("{} cases in {:.3f} s, {} of them without a result", share.cases,
+                                                  share.seconds, share.faults)},
+                      {"instrument", Json::array({refer("#palpa"), refer(device)})},
+                      {"object", objects},
+                      {"result", refer(results_)},
+                      {"startTime", iso_time(run.started_s)},
+                      {"endTime", iso_time(share.ended_s)}});
+  }
+
+  const Plan& plan_;
+  const Table& table_;
+  std::string results_;
+  Json graph_ = Json::array();
+  Json objects_ = Json::array();
+  std::map<std::string, std::string> devices_;
+  int inputs_ = 0;
+};
+
+bool is_there(const std::string& plan_file, const std::string& file) {
+  std::error_code ignored;
+  return fs::equivalent(plan_file, beside(file, plan_name), ignored);
+}
+
+}  // namespace
+
+std::vector<std::string> files_of_crate(const std::string& plan_file, const std::string& file) {
+  std::vector<std::string> files{file, beside(file, metadata_name), beside(file, provenance_name)};
+  if (!is_there(plan_file, file)) files.push_back(beside(file, plan_name));
+  return files;
+}
+
+void refuse_other_crate(const std::string& file) {
+  const fs::path metadata = beside(file, metadata_name);
+  std::error_code ignored;
+  if (!fs::exists(metadata, ignored) || fs::exists(file, ignored)) return;
+  throw failure(fmt::format("{}: describes other results than {}; gather into another folder", metadata.string(),
+                            fs::path(file).filename().string()));
+}
+
+void write_crate(const Plan& plan, const Inputs& inputs, const Table& table, const std::string& file,
+                 const std::string& results) {
+  const std::string cases = provenance_csv(table);
+  write_file(beside(file, provenance_name), cases);
+  if (!is_there(plan.file, file)) write_file(beside(file, plan_name), plan.text);
+  write_file(beside(file, metadata_name), Metadata(plan, inputs, table, file, results, cases).text());
+}
+
+}  // namespace palpa::sweep

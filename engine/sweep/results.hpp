@@ -1,0 +1,22 @@
+// Numbers of a command's JSON, by their paths: "langevin.peak_pa", "force_N.1", "fingers.count". The parts of a path
+// are separated by dots. A part is the key of an object, the index of a list, or, at the end, what is made of a list of
+// numbers: min, max, mean or sum; or of a list or an object: count, the number of its entries.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpa::sweep {
+
+/// What is wrong with a path; empty if it can be one.
+std::string path_fault(const std::string& path);
+
+/// A case's results as JSON text, one for each path: a number, a text, true, false, or null if the JSON has no such
+/// entry. Numbers keep their digits. `json` is the output of a command. Throws bad_usage naming the path that leads to
+/// a list or an object, and says what would be right.
+std::vector<std::string> results_of(const std::string& json, const std::vector<std::string>& paths);
+
+/// The command's JSON in one line and without its times, which differ between runs.
+std::string without_times(const std::string& json);
+
+}  // namespace palpa::sweep

@@ -1,0 +1,105 @@
+// The docstrings of Layout.
+#pragma once
+
+namespace palpa::python {
+
+inline constexpr const char* solve_doc = R"(The drive for foci that sound together, in free air or on a finger.
+
+For one focus f, the transducer at distance d has the amplitude d / max d and the phase -k d (the paper's q_k, with
+the time factor exp(-i w t)). docs/solvers.md has the equations for several foci.
+
+Parameters
+----------
+foci : array_like, shape (n, 3) or (3,)
+    Metres, in the layout's own frame.
+gains : array_like, shape (n,), optional
+    The loudness of each focus, above 0 to 1. The default is 1.
+finger : Mesh, path, (vertices, faces) or FingerSound, optional
+    With transfer="finger" or solver="adjoint": a closed mesh in the layout's own frame. A FingerSound keeps the
+    finger's equations, so that further drives take less time.
+force : bool, optional
+    Also take a finger whose faces are too coarse for the wavelength.
+solver : str or callable, optional
+    `solver` may also be a function: it gets the transfer matrix (n, M) of Layout.transfer and the gains (n,), and
+    returns a complex vector (M,) of amplitudes up to 1.
+
+Returns
+-------
+Drive
+
+Raises
+------
+BadUsage
+    A focus is at a transducer or farther than 100 m away, or options do not go together.
+NoDevice
+    There is no usable GPU; `backend="cpu"` needs none.)";
+
+inline constexpr const char* transfer_doc = R"(The sound between transducers and points as the solvers use it.
+
+G[i, t] = level D(angle) exp(i k d) / max(d, radius): the pressure at point i from transducer t at full amplitude and
+phase 0, in free air without absorption. `G @ drive` is the complex pressure at the points.
+
+Parameters
+----------
+points : array_like, shape (n, 3)
+    Metres, in the layout's own frame.
+
+Returns
+-------
+ndarray of complex128, shape (n, M)
+    Pascals, peak; the time factor is exp(-i w t).)";
+
+inline constexpr const char* field_doc = R"(The sound of a drive at places, in free air.
+
+p = level * sum over transducers of amplitude exp(i phase) D(angle) exp((i k - alpha) r) / r
+
+Parameters
+----------
+drive : Drive or array_like of complex, shape (M,)
+    Amplitudes are 0 to 1.
+where : Places, array_like of shape (n, 3), Mesh or (vertices, faces)
+    plane() and line() make Places. Metres, in the layout's own frame.
+
+Returns
+-------
+Field
+
+Raises
+------
+BadUsage
+    A drive of another layout, or places that are not finite or farther than 100 m away.
+NoDevice
+    There is no usable GPU; `backend="cpu"` needs none.)";
+
+inline constexpr const char* drive_doc = R"(The complex vector of Layout.solve, which has the same arguments.
+
+Parameters
+----------
+foci : array_like, shape (n, 3) or (3,)
+    Metres, in the layout's own frame.
+gains : array_like, shape (n,), optional
+    The loudness of each focus, above 0 to 1. The default is 1.
+finger : Mesh, path, (vertices, faces) or FingerSound, optional
+    As for Layout.solve.
+force : bool, optional
+    As for Layout.solve.
+
+Returns
+-------
+ndarray of complex128, shape (M,)
+    Amplitude times exp(i phase).)";
+
+inline constexpr const char* solve_touch_doc = R"(The drive for a slot of a touch that was written as JSON.
+
+Parameters
+----------
+touch : path
+    A file that `palpa touch --json` wrote, or a program with Touch.json().
+slot : int, optional
+    In the touch's order, from 0.
+
+Returns
+-------
+Drive)";
+
+}  // namespace palpa::python

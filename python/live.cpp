@@ -1,0 +1,336 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+
+#include "arrays.hpp"
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "base/start_thread.hpp"
+#include "driver/guard/board_link.hpp"
+#include "driver/sources.hpp"
+#include "session/links/gain_link.hpp"
+#include "session_object.hpp"
+#include "setup/load.hpp"
+#include "setup/session_setting.hpp"
+#include "setup/tasks/touch.hpp"
+#include "setup/touch_input.hpp"
+#include "setup/warnings.hpp"
+#include "touch_object.hpp"
+
+namespace palpa::python {
+
+std::vector<EventObject> events_of(std::span<const session::Event> events, const std::vector<std::string>& solids) {
+  std::vector<EventObject> made;
+  for (const session::Event& event : events)
+    made.push_back({event, solids[event.solid]});
+  return made;
+}
+
+namespace {
+
+/// A live frame. `own`: the foci are a caller's, and stand only in the voices.
+std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const session::Plan& plan,
+                                      const std::vector<std::string>& solids, const array::Voice& common, bool own) {
+  const touch::Touch& touch = *report.touch;
+  auto made = std::make_shared<TouchObject>();
+  setup::TouchValues& values = made->values;
+  values.touch.contacts = touch.contacts;
+  values.touch.fingers.assign(touch.fingers.begin(), touch.fingers.begin() + touch.finger_count);
+  values.touch.finger_count = touch.finger_count;
+  values.touch.cluster_count = touch.cluster_count;
+  values.schedule = plan.schedule;
+  values.common = common;
+  values.solids = solids;
+  for (const touch::Finger& finger : values.touch.fingers) {
+    session::ScheduledFinger& scheduled = values.fingers.emplace_back();
+    scheduled.placement.foci = finger.foci;
+    scheduled.placement.complete = finger.placed;
+    if (own) {
+      scheduled.placement.foci.clear();
+      for (const Vec3& focus : plan.schedule.voices[values.fingers.size() - 1].foci)
+        scheduled.placement.foci.push_back({.position = glm::vec3(focus), .points = 1});
+    }
+    values.own_schedule.push_back(false);
+  }
+  for (const gpu::PassTime& pass : report.passes)
+    values.times.emplace_back(pass.name, pass.ms);
+  values.total_ms = 1e3 * (report.planned_s - report.arrived_s);
+  made->time_s = report.time_s;
+  return made;
+}
+
+/// Calls a callback with the interpreter's lock. Its exception, or the answer False, ends the run.
+template <typename Make>
+void call_back(Run& run, const py::object& callback, const Make& argument) {
+  const py::gil_scoped_acquire locked;
+  if (run.callback_fault) return;
+  try {
+    const py::object answer = callback(argument());
+    if (answer.is(py::bool_(false))) run.stop = true;
+  } catch (py::error_already_set& error) {
+    run.callback_fault.emplace(error);
+    run.stop = true;
+  }
+}
+
+/// The foci that the caller's function places, checked like the content of a file.
+std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, const touch::Finger& finger) {
+  auto whole = std::make_shared<TouchObject>();
+  whole->values.touch.contacts = touch.contacts;
+  whole->values.touch.fingers = {finger};
+  whole->values.touch.finger_count = 1;
+  whole->values.solids.assign(finger.solid + std::size_t{1}, "");
+  whole->values.fingers.resize(1);
+  whole->values.schedule.add_voice();
+  std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
+  if (foci.empty() || foci.size() > touch::max_foci)
+    throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
+  for (const Vec3& focus : foci) {
+    if (!array::drivable({.position = focus}))
+      throw bad_usage(
+          fmt::format("method: returned a focus at ({}, {}, {}), farther than 100 m away", focus.x, focus.y, focus.z));
+  }
+  return foci;
+}
+
+void change_solids(Run& run, session::Session& session) {
+  const std::lock_guard lock(run.mutex);
+  for (const auto& [solid, pose] : run.poses)
+    session.set_pose(solid, pose);
+  run.poses.clear();
+  if (run.aim) session.set_aim(*std::exchange(run.aim, std::nullopt));
+}
+
+std::vector<session::LinkKind> links_with_gain(const std::atomic<double>& gain) {
+  std::vector<session::LinkKind> links = setup::with_builtin(driver::board_links());
+  for (session::LinkKind& kind : links) {
+    kind.open = [open = kind.open, &gain](const std::string& argument, const session::LinkSetting& setting) {
+      return std::make_unique<session::GainLink>(open(argument, setting), gain);
+    };
+  }
+  return links;
+}
+
+/// Loads everything. False: the run was stopped before it began.
+bool open(const setup::LiveOptions& options, std::span<const session::SourceKind> sources,
+          std::span<const session::LinkKind> links, std::atomic<bool>& stop, std::optional<setup::LiveRun>& live) {
+  const Cancellable cancellable(stop);
+  try {
+    live.emplace(options, sources, links, stop);
+  } catch (const Error&) {
+    if (!stop) throw;
+    return false;
+  }
+  return true;
+}
+
+/// The run is over: nobody is called back from here on.
+void end_of(Run& run, const std::exception_ptr& fault, std::optional<EndsWithInterpreter>& ends) {
+  {
+    const py::gil_scoped_acquire locked;
+    run.on_frame = py::object();
+    run.on_event = py::object();
+  }
+  ends.reset();
+  const std::lock_guard lock(run.mutex);
+  if (!run.stats) run.stats = std::make_shared<StatsObject>();
+  run.fault = fault;
+  run.over = true;
+  run.changed.notify_all();
+}
+
+/// Calls the caller's functions for this session.
+session::RunOptions observers_of(SessionObject& o, session::Session& session) {
+  Run& run = o.run;
+  session::RunOptions looking;
+  looking.planned = [&o, &run, &session, solids = session.solid_names(), common = session.scheduler().common_voice()](
+                        const session::FrameReport& report, const session::Plan& plan) {
+    change_solids(run, session);
+    if (run.on_frame)
+      call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.method}); });
+  };
+  if (run.on_event) {
+    looking.events = [&run, solids = session.solid_names()](std::span<const session::Event> events) {
+      for (EventObject& event : events_of(events, solids))
+        call_back(run, run.on_event, [&] { return std::move(event); });
+    };
+  }
+  return looking;
+}
+
+/// A run whose frames are pushed.
+session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std::span<const session::LinkKind> links) {
+  session::check_board_files(options.link, links, options.board_files);
+  setup::take_layout_of_link(options.rig, options.link, links);
+  setup::take_method_of_link(options, links);
+  setup::check(options.drive, o.scene->solids);
+  array::Layout layout = setup::load_posed_rig(options.rig).layout;
+  setup::warn_of_reach(layout, o.scene->solids);
+  session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
+  std::optional<gpu::Device> device;
+  if (options.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(options.common));
+  session::Session session =
+      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  session::LinkSetting link_setting = session.link_setting();
+  link_setting.board_files = options.board_files;
+  const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
+  session::RunOptions looking = observers_of(o, session);
+  looking.frames = options.frames;
+  return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
+}
+
+/// The whole of a run, on its own thread.
+void play(SessionObject& o, const setup::LiveOptions& options) {
+  Run& run = o.run;
+  std::optional<EndsWithInterpreter> ends(std::in_place, run.stop);
+  std::exception_ptr fault;
+  try {
+    const std::vector<session::LinkKind> links = links_with_gain(run.gain);
+    if (o.from_points()) {
+      run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
+    } else {
+      const std::vector<session::SourceKind> sources = driver::camera_sources();
+      std::optional<setup::LiveRun> live;
+      if (open(options, sources, links, run.stop, live)) {
+        run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+      }
+    }
+  } catch (...) {
+    fault = std::current_exception();
+  }
+  end_of(run, fault, ends);
+}
+
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+py::object callback_of(const char* name, const py::object& given) {
+  if (given.is_none()) return {};
+  if (!PyCallable_Check(given.ptr())) throw bad_usage(fmt::format("{}: give a function", name));
+  return given;
+}
+
+}  // namespace
+
+void push_points(SessionObject& o, const py::object& points, const py::object& time) {
+  if (!o.from_points()) throw bad_usage("push_points is for sessions with source=\"points\"");
+  Run& run = o.run;
+  const std::shared_ptr<session::PushedPoints> to = run.points;  // another thread may start the next run meanwhile
+  if (!run.running || !to) throw bad_usage("the session does not run: call start() first");
+  double time_s = steady_s() - run.begin_s;
+  if (!time.is_none()) {
+    const std::vector<double> given = numbers_of("time", time);
+    if (given.size() != 1) throw bad_usage("time: give one number, in seconds");
+    time_s = given[0];
+  }
+  std::vector<glm::vec3> skin;
+  for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
+    skin.push_back(point.position);
+  to->push(std::move(skin), time_s);
+}
+
+session::OwnMethod method_of(SessionObject& o) {
+  return [&o](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
+    out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
+    out.complete = true;
+    out.together = false;
+    const py::gil_scoped_acquire locked;
+    if (o.method_fault) return;
+    try {
+      const std::vector<Vec3> foci = foci_by(o.method, touch, finger);
+      out.foci.clear();
+      for (const Vec3& focus : foci)
+        out.foci.push_back({.position = glm::vec3(focus), .points = 1});
+    } catch (...) {
+      o.method_fault = std::current_exception();
+      o.run.stop = true;
+    }
+  };
+}
+
+void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame, const py::object& on_event) {
+  refuse_fork();
+  Run& run = o->run;
+  if (!o->live()) throw bad_usage("source is missing: a session without one works frame by frame, with touch()");
+  if (run.running) throw bad_usage("the session already runs: wait for its end with wait() or stop()");
+  setup::LiveOptions options = o->options;
+  options.frames = frames;
+  run.on_frame = callback_of("on_frame", on_frame);
+  run.on_event = callback_of("on_event", on_event);
+  run.points = o->from_points() ? std::make_shared<session::PushedPoints>() : nullptr;
+  run.begin_s = steady_s();
+  run.stop = false;
+  run.over = false;
+  run.fault = nullptr;
+  o->method_fault = nullptr;
+  run.callback_fault.reset();
+  run.stats.reset();
+  SessionObject* const session = o.get();  // its destructor waits for the thread
+  run.thread = start_thread("the session", [session, options] { play(*session, options); });
+  run.running = true;
+}
+
+/// Waits for the end, and looks for signals meanwhile: the error of a signal's handler ends the run.
+std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
+  refuse_fork();
+  Run& run = o->run;
+  if (!run.running) throw bad_usage("the session does not run");
+  std::optional<py::error_already_set> interrupted;
+  const auto is_over = [&] {
+    const Unlocked open;
+    std::unique_lock lock(run.mutex);
+    return run.changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return run.over; });
+  };
+  while (!is_over()) {
+    if (interrupted || PyErr_CheckSignals() == 0) continue;
+    interrupted.emplace();
+    run.stop = true;
+  }
+  {
+    const Unlocked open;
+    run.thread.join();
+  }
+  run.running = false;
+  if (interrupted) throw py::error_already_set(std::move(*interrupted));
+  if (run.callback_fault) {
+    py::error_already_set fault(std::move(*run.callback_fault));
+    run.callback_fault.reset();
+    throw fault;
+  }
+  if (o->method_fault) std::rethrow_exception(std::exchange(o->method_fault, nullptr));
+  if (run.fault) std::rethrow_exception(std::exchange(run.fault, nullptr));
+  return run.stats;
+}
+
+void set_pose(SessionObject& o, const py::object& solid, const py::object& pose) {
+  const auto index = static_cast<std::uint32_t>(solid_index(*o.scene, solid));
+  const Transform transform = transform_of("pose", pose);
+  if (!o.live()) {
+    const std::lock_guard turn(o.turn);
+    return o.session->set_pose(index, transform);
+  }
+  const std::lock_guard lock(o.run.mutex);
+  std::erase_if(o.run.poses, [&](const auto& other) { return other.first == index; });
+  o.run.poses.emplace_back(index, transform);
+}
+
+void set_aim(SessionObject& o, const py::object& offset) {
+  const Vec3 by = point_of("offset", offset);
+  if (!o.live()) {
+    const std::lock_guard turn(o.turn);
+    return o.session->set_aim(by);
+  }
+  const std::lock_guard lock(o.run.mutex);
+  o.run.aim = by;
+}
+
+void set_gain(SessionObject& o, double gain) {
+  if (!o.live()) throw bad_usage("set_gain is for sessions with a source: it changes the sound of a link");
+  if (!(gain >= 0 && gain <= 1)) throw bad_usage(fmt::format("gain: {} is not within 0 to 1", gain));
+  o.run.gain = gain;
+}
+
+}  // namespace palpa::python

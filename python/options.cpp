@@ -1,0 +1,185 @@
+#include "options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "module.hpp"
+#include "setup/nearest_word.hpp"
+#include "setup/option_table.hpp"
+
+namespace palpa::python {
+namespace {
+
+std::string keyword_of(std::string name) {
+  name.erase(0, name.find_first_not_of('-'));
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+Error not_a_value(const std::string& name, const char* wanted) {
+  return bad_usage(fmt::format("{}: give {}", name, wanted));
+}
+
+/// A number, a text or a path as it would stand on a command line.
+std::string text_of(const std::string& name, py::handle value) {
+  if (py::isinstance<py::bool_>(value)) throw not_a_value(name, "a value, not True or False");
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (PyIndex_Check(value.ptr())) {
+    const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+    if (!number) throw py::error_already_set();
+    return py::str(number).cast<std::string>();
+  }
+  if (py::isinstance<py::float_>(value) || py::hasattr(value, "__float__")) {
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred()) {
+      PyErr_Clear();
+      throw not_a_value(name, "one number");
+    }
+    return fmt::format("{}", number);
+  }
+  if (py::hasattr(value, "source")) return text_of(name, value.attr("source"));  // of a Layout or a Scene
+  if (py::hasattr(value, "__fspath__")) return text_of(name, value.attr("__fspath__")());
+  throw not_a_value(name, "a number, a text or a path");
+}
+
+bool is_list(py::handle value) {
+  return !py::isinstance<py::str>(value) && py::isinstance<py::sequence>(value);
+}
+
+/// (0, 0, 0.15) is "0,0,0.15".
+std::string joined(const std::string& name, py::handle value) {
+  if (!is_list(value)) return text_of(name, value);
+  std::vector<std::string> parts;
+  for (const py::handle part : value.cast<py::sequence>())
+    parts.push_back(text_of(name, part));
+  return fmt::format("{}", fmt::join(parts, ","));
+}
+
+/// The values of a keyword; none means that the option is not given.
+bool values_of(bool flag, bool several, const std::string& name, py::handle value, std::vector<std::string>& texts) {
+  if (flag) {
+    if (!py::isinstance<py::bool_>(value)) throw not_a_value(name, "True or False");
+    return value.cast<bool>();
+  }
+  if (several && is_list(value)) {
+    for (const py::handle one : value.cast<py::sequence>())
+      texts.push_back(joined(name, one));
+    return !texts.empty();
+  }
+  texts.push_back(joined(name, value));
+  if (texts.back().empty()) throw not_a_value(name, "a text that is not empty");
+  return true;
+}
+
+/// The tables of all functions, for stubs.
+std::map<std::string, py::list>& tables() {
+  static auto* const all = new std::map<std::string, py::list>();
+  return *all;
+}
+
+py::list table_of(const std::vector<setup::OptionInfo>& infos) {
+  py::list rows;
+  for (const setup::OptionInfo& info : infos) {
+    py::list words;
+    for (const std::string& word : info.words)
+      words.append(word);
+    rows.append(py::make_tuple(keyword_of(info.name), info.type, info.help, info.initial, words, info.flag));
+  }
+  return rows;
+}
+
+/// A help text with keywords instead of options.
+std::string in_python(const std::string& help) {
+  std::string text;
+  for (std::size_t at = 0; at < help.size();) {
+    if (help.compare(at, 2, "--") != 0) {
+      text += help[at++];
+      continue;
+    }
+    const std::size_t end = std::min(help.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-", at), help.size());
+    text += keyword_of(help.substr(at, end - at));
+    at = end;
+  }
+  return text;
+}
+
+}  // namespace
+
+OptionTable::OptionTable(std::string function, const std::function<void(CLI::App&)>& add,
+                         std::initializer_list<const char*> hidden)
+    : function_(std::move(function)), app_(std::make_unique<CLI::App>()) {
+  add(*app_);
+  const auto is_hidden = [&](const std::string& name) {
+    return std::ranges::any_of(hidden, [&](const char* other) { return name == other; });
+  };
+  for (const CLI::Option* option : app_->get_options()) {
+    if (option == app_->get_help_ptr() || option->get_lnames().empty()) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    const int most = option->get_expected_max();
+    if (!is_hidden(name)) options_.emplace(keyword_of(name), Known{name, most == 0, most > 1});
+  }
+  for (setup::OptionInfo& info : setup::option_table(*app_)) {
+    if (!is_hidden(info.name)) infos_.push_back(std::move(info));
+  }
+  tables()[function_] = table_of(infos_);
+}
+
+OptionTable::~OptionTable() = default;
+
+setup::Given OptionTable::given_by(const py::kwargs& arguments) const {
+  setup::Given given;
+  for (const auto& [key, value] : arguments) {
+    const auto keyword = key.cast<std::string>();
+    const auto found = options_.find(keyword);
+    if (found == options_.end()) {
+      std::vector<std::string> names;
+      for (const auto& [known, option] : options_)
+        names.push_back(known);
+      const std::string nearest = setup::nearest_word(keyword, names);
+      throw bad_usage(fmt::format("{} has no option '{}'{}", function_, printable(keyword, 60),
+                                  nearest.empty() ? "" : fmt::format(": did you mean {}?", nearest)));
+    }
+    if (value.is_none()) continue;
+    const auto& [name, flag, several] = found->second;
+    std::vector<std::string> texts;
+    if (values_of(flag, several, name, value, texts)) given.emplace(name, std::move(texts));
+  }
+  return given;
+}
+
+void OptionTable::read(const setup::Given& given) {
+  setup::read_given(*app_, given);
+}
+
+std::string OptionTable::documented(const std::string& doc) const {
+  std::string text = doc + "\n\nOther Parameters\n----------------\n";
+  for (const setup::OptionInfo& info : infos_) {
+    std::string type = info.flag ? "bool" : info.type;
+    if (!info.words.empty()) type = fmt::format("{{\"{}\"}}", fmt::join(info.words, "\", \""));
+    text += fmt::format("{} : {}, optional\n    {}{}\n", keyword_of(info.name), type, in_python(info.help),
+                        info.initial.empty() ? "" : fmt::format(" [{}]", in_python(info.initial)));
+  }
+  return text;
+}
+
+void add_options(py::module_& m) {
+  m.def(
+      "_options",
+      [] {
+        py::dict all;
+        for (const auto& [function, table] : tables())
+          all[function.c_str()] = table;
+        return all;
+      },
+      "The options of each function, for stubs: (keyword, type, help, default, words, is a flag).");
+}
+
+}  // namespace palpa::python

@@ -1,0 +1,85 @@
+// Keyword arguments as options of the command line: the same names with _ instead of -, the same ranges, defaults and
+// messages, because they are read by the same tables (setup/values.hpp). Numbers are SI; texts such as "1.5mm" are read
+// as on the command line.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <functional>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "setup/option_table.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace palpa::python {
+
+namespace py = pybind11;
+
+/// The options of one function. Reading them is quick, because the table is made once.
+class OptionTable {
+ public:
+  /// `function` is the name in messages and in stubs. `add` adds the options to the command, as setup's functions do;
+  /// their targets must outlive this object. The options in `hidden` have no keyword.
+  OptionTable(std::string function, const std::function<void(CLI::App&)>& add,
+              std::initializer_list<const char*> hidden);
+  ~OptionTable();
+  OptionTable(const OptionTable&) = delete;
+  OptionTable& operator=(const OptionTable&) = delete;
+
+  /// The options that these keyword arguments give; None means that an option is not given. May run Python code. Throws
+  /// bad_usage for an unknown keyword, naming the nearest one.
+  setup::Given given_by(const py::kwargs& arguments) const;
+  /// Reads them into the targets. Throws bad_usage for values that the command line would refuse.
+  void read(const setup::Given& given);
+  /// `doc` with the options at its end, as "Other Parameters".
+  std::string documented(const std::string& doc) const;
+
+ private:
+  std::string function_;
+  std::unique_ptr<CLI::App> app_;
+  std::vector<setup::OptionInfo> infos_;  ///< those with a keyword
+  /// An option with a keyword.
+  struct Known {
+    std::string name;      ///< "--finger-gap"
+    bool flag = false;     ///< it has no value
+    bool several = false;  ///< it may be given several times
+  };
+  std::map<std::string, Known> options_;  ///< by keyword
+};
+
+/// The options of one function, and their values.
+template <typename Values>
+class Declared {
+ public:
+  Declared(const char* function, void (*add)(CLI::App&, Values&), std::initializer_list<const char*> hidden = {})
+      : table_(
+            function, [&](CLI::App& app) { add(app, values_); }, hidden),
+        usual_(values_) {}
+
+  /// The values of these keyword arguments; without any, the defaults.
+  Values read(const py::kwargs& arguments) {
+    if (arguments.empty()) return usual_;
+    const setup::Given given = table_.given_by(arguments);
+    values_ = usual_;  // no Python code runs from here on, so that no other thread comes between
+    table_.read(given);
+    return values_;
+  }
+  std::string documented(const std::string& doc) const { return table_.documented(doc); }
+
+ private:
+  Values values_{};
+  OptionTable table_;
+  Values usual_;
+};
+
+/// The options of outputs, for which the module has results.
+inline constexpr std::initializer_list<const char*> outputs_of_commands = {"--json", "--quiet", "--log-level"};
+
+}  // namespace palpa::python

@@ -1,0 +1,22 @@
+"""palpa: feel a 3-D model in mid-air.
+
+Scenes, touches, drives, sound fields and live sessions, computed by the engine of the `palpa` command. Lengths are in
+metres, angles in radians, times in seconds, pressures in pascals (peak). Arrays are float64 or complex128, in C order,
+with one row of three coordinates per point. Options have the names of the command line, with _ instead of -.
+
+The module prints nothing. `palpa.messages()` has the warnings.
+"""
+import pathlib as _pathlib
+
+from . import _engine
+from ._engine import *  # noqa: F401,F403
+from ._engine import __version__  # noqa: F401
+
+__all__ = [name for name in dir(_engine) if not name.startswith("_")]
+
+# palpa's own models and rigs: in the package, or where `cmake --install` puts them.
+for _folder in (_pathlib.Path(__file__).parent / "assets", _pathlib.Path(__file__).parent / "../../../../share/palpa/assets"):
+    if _folder.is_dir():
+        _engine._use_assets(str(_folder))
+        break
+del _folder

@@ -1,0 +1,59 @@
+// The docstrings of Session.
+#pragma once
+
+namespace palpa::python {
+
+inline constexpr const char* session_doc =
+    R"(A scene and its fingers over time: frame by frame, or live from cameras to a link.
+
+Without `source`, give the frames yourself with touch(). With source="points", push_points() gives frames to a run. With `source`, run() or start() take frames from it and play
+the drives to `link`, each part on its own thread. The last thing that the link gets is always silence: at the end, after
+an exception in a callback, after Ctrl-C, and when the interpreter ends. Fingers keep their ids from frame to frame.
+
+Parameters
+----------
+scene : Scene
+depth : bool, optional
+    Frames are depth images of the rig's cameras, or of `camera`, and not points.
+camera : path or list of paths, optional
+    TOML files of these cameras.
+
+Raises
+------
+BadUsage
+    Options do not go together.
+BadInput
+    A file is missing or broken.
+NoDevice
+    There is no usable GPU; `backend="cpu"` needs none.)";
+
+inline constexpr const char* start_doc = R"(Start the live loop, and return at once.
+
+Parameters
+----------
+frames : int, optional
+    Stop after this many frames. The default, 0, runs until the source ends or stop() is called.
+on_frame : callable, optional
+    Called with the Touch of each frame, on the session's thread. It must return quickly; False ends the run.
+on_event : callable, optional
+    Called with each Event in the same way.)";
+
+inline constexpr const char* run_doc = R"(Run the live loop until it ends, and return what it measured.
+
+Ctrl-C ends it in silence and raises KeyboardInterrupt. An exception of a callback ends it in silence and is raised
+here.
+
+Parameters
+----------
+frames : int, optional
+    Stop after this many frames. The default, 0, runs until the source ends or stop() is called.
+on_frame : callable, optional
+    Called with the Touch of each frame, on the session's thread. It must return quickly; False ends the run.
+on_event : callable, optional
+    Called with each Event in the same way.
+
+Returns
+-------
+RunStats)";
+
+}  // namespace palpa::python

@@ -1,0 +1,115 @@
+// A session as a Python object, and its live loop.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "gpu/device.hpp"
+#include "running.hpp"
+#include "session/points_run.hpp"
+#include "session/session.hpp"
+#include "session/watch/events.hpp"
+#include "session/watch/stats.hpp"
+#include "setup/live_run.hpp"
+#include "shapes.hpp"
+
+namespace palpa::python {
+
+namespace py = pybind11;
+
+/// `palpa.Event`.
+struct EventObject {
+  session::Event event;
+  std::string solid;
+};
+
+std::vector<EventObject> events_of(std::span<const session::Event> events, const std::vector<std::string>& solids);
+
+/// `palpa.RunStats`.
+struct StatsObject {
+  session::LoopStats stats;
+};
+
+/// What a run shares with the threads that watch and change it.
+struct Run {
+  std::atomic<bool> stop{false};
+  std::atomic<double> gain{1};
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::pair<std::uint32_t, Transform>> poses;  ///< for the next frame
+  std::optional<Vec3> aim;
+  bool running = false, over = true;
+  std::exception_ptr fault;                             ///< of the engine
+  std::optional<py::error_already_set> callback_fault;  ///< of a callback, which ended the run
+  std::shared_ptr<StatsObject> stats;
+  py::object on_frame, on_event;  ///< only during a run
+  std::thread thread;
+  std::shared_ptr<session::PushedPoints> points;  ///< of a session from points, while it runs
+  double begin_s = 0;                             ///< of the run, on the steady clock
+};
+
+/// `palpa.Session`.
+struct SessionObject {
+  std::shared_ptr<const SceneObject> scene;
+  setup::LiveOptions options;
+  bool has_cameras = false;
+  std::unique_ptr<gpu::Device> device;  ///< frame by frame
+  std::unique_ptr<session::Session> session;
+  std::vector<EventObject> events;
+  std::mutex turn;
+  py::object method, solver;        ///< functions of the caller's instead of palpa's
+  std::exception_ptr method_fault;  ///< what `method` raised in the newest frame
+  Run run;
+
+  bool live() const { return !options.source.empty(); }
+  bool from_points() const { return options.source == "points"; }
+  ~SessionObject() {
+    if (!run.thread.joinable()) return;
+    run.stop = true;
+    run.thread.join();
+  }
+};
+
+/// A session may be destroyed while it runs: its end needs the interpreter's lock for callbacks.
+struct EndingSession {
+  void operator()(SessionObject* object) const {
+    if (!is_own_process()) return;
+    {
+      const Unlocked open;
+      object->run.stop = true;
+      if (object->run.thread.joinable()) object->run.thread.join();
+    }
+    delete object;
+  }
+};
+using SessionPtr = std::shared_ptr<SessionObject>;
+
+/// A method (session::OwnMethod) that calls SessionObject::method. Its fault is kept, and the foci are then one, at the
+/// centroid. `session` must outlive it.
+session::OwnMethod method_of(SessionObject& session);
+
+/// Starts the live loop on a thread of its own, and returns.
+void start(const SessionPtr& session, std::uint64_t frames, const py::object& on_frame, const py::object& on_event);
+/// Waits for its end, and looks for signals meanwhile: the error of a signal's handler ends the run. Throws that error,
+/// or that of a callback, or the engine's.
+std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& session);
+/// For the frames that follow; any thread may call these during a run.
+void set_pose(SessionObject& session, const py::object& solid, const py::object& pose);
+void set_aim(SessionObject& session, const py::object& offset);
+void set_gain(SessionObject& session, double gain);
+/// Gives a run from points its next frame. `time` may be None.
+void push_points(SessionObject& session, const py::object& points, const py::object& time);
+
+}  // namespace palpa::python

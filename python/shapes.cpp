@@ -1,0 +1,406 @@
+#include "shapes.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "arrays.hpp"
+#include "base/error.hpp"
+#include "base/reference.hpp"
+#include "base/words.hpp"
+#include "geometry/files/load_triangles.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/haptics.hpp"
+#include "module.hpp"
+#include "options.hpp"
+#include "places.hpp"
+#include "running.hpp"
+#include "setup/load.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::python {
+
+std::optional<std::string> path_of(py::handle value) {
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (!py::hasattr(value, "__fspath__")) return std::nullopt;
+  return py::str(value.attr("__fspath__")()).cast<std::string>();
+}
+
+NamedMesh mesh_of(const std::string& what, py::handle value) {
+  if (py::isinstance<MeshObject>(value)) {
+    const auto& own = value.cast<const MeshObject&>();
+    return {own.mesh, own.source.empty() ? what : own.source};
+  }
+  if (const std::optional<std::string> file = path_of(value)) {
+    return {unlocked([&] { return geometry::load_triangles(*file); }), *file};
+  }
+  if (py::isinstance<py::tuple>(value) && py::len(value) == 2) {
+    const auto pair = value.cast<py::tuple>();
+    NamedMesh made{.mesh = {}, .name = what};
+    made.mesh.positions = points_of(what + ": vertices", pair[0]);
+    made.mesh.triangles = triangles_of(what + ": faces", pair[1], made.mesh.positions.size());
+    return made;
+  }
+  throw bad_usage(
+      fmt::format("{}: give a palpa.Mesh, the path of a PLY or glTF file, or a pair (vertices, faces)", what));
+}
+
+std::size_t solid_index(const SceneObject& scene, const py::object& key) {
+  if (py::isinstance<py::str>(key)) {
+    const auto name = key.cast<std::string>();
+    for (std::size_t i = 0; i < scene.solids.size(); ++i) {
+      if (scene.solids[i].name == name) return i;
+    }
+    throw py::key_error(fmt::format("{} has no solid \"{}\"", scene.source, name));
+  }
+  const auto count = static_cast<py::ssize_t>(scene.solids.size());
+  const auto index = key.cast<py::ssize_t>();
+  if (index < -count || index >= count) throw py::index_error(fmt::format("the scene has {} solids", count));
+  return static_cast<std::size_t>(index < 0 ? index + count : index);
+}
+
+std::vector<py::ssize_t> PlacesObject::shape() const {
+  if (places.grid) return {places.grid->rows, places.grid->columns};
+  return {static_cast<py::ssize_t>(places.points.size())};
+}
+
+PlacesObject places_of(const std::string& name, py::handle value) {
+  if (py::isinstance<PlacesObject>(value)) return value.cast<const PlacesObject&>();
+  const bool pair = py::isinstance<py::tuple>(value) && py::len(value) == 2;
+  if (py::isinstance<MeshObject>(value) || pair || path_of(value)) {
+    NamedMesh mesh = mesh_of(name, value);
+    return {setup::point_places(std::move(mesh.mesh.positions), std::move(mesh.mesh.triangles))};
+  }
+  return {setup::point_places(points_of(name, value))};
+}
+
+namespace {
+
+struct SceneOptions {
+  std::optional<std::uint32_t> gltf_scene;
+  setup::SolidOptions solids;
+  setup::CommonOptions common;
+};
+void add_scene_options(CLI::App& app, SceneOptions& o) {
+  const setup::Group group(app, "Scene");
+  setup::add_gltf_scene(group, o.gltf_scene);
+  setup::add_solid_options(app, o.solids);
+  setup::add_allow_outside(group, o.common);
+}
+
+Declared<SceneOptions>& scene_options() {
+  static auto* const options = new Declared<SceneOptions>("Scene", add_scene_options);
+  return *options;
+}
+
+std::shared_ptr<SceneObject> load_scene(const py::object& file, const py::kwargs& kwargs) {
+  const SceneOptions o = scene_options().read(kwargs);
+  const std::optional<std::string> path = path_of(file);
+  if (!path) throw bad_usage("Scene: give the path of a glTF file");
+  auto scene = std::make_shared<SceneObject>();
+  scene->source = *path;
+  scene->gltf_scene = o.gltf_scene;
+  scene->options = o.solids;
+  allow_outside_references(o.common.allow_outside);
+  scene->solids = cancellable([&] { return setup::load_solids(*path, o.gltf_scene, o.solids); });
+  return scene;
+}
+
+py::dict haptics_of(const geometry::Haptics& haptics) {
+  py::dict values;
+  const auto add = [&](const char* key, const auto& value) {
+    if (value) values[key] = *value;
+  };
+  add("delta", haptics.delta_m);
+  add("foci", haptics.foci);
+  add("stride", haptics.stride);
+  add("dwell", haptics.dwell_s);
+  add("intensity", haptics.intensity);
+  add("pressure", haptics.pressure_pa);
+  add("press_depth", haptics.press_depth_m);
+  return values;
+}
+
+void add_mesh(py::module_& m) {
+  py::class_<MeshObject, std::shared_ptr<MeshObject>>(m, "Mesh", R"(Triangles, in metres.
+
+Parameters
+----------
+source : path, or a pair (vertices, faces)
+    A PLY or glTF file, or arrays of shape (n, 3) and (m, 3). Corners run counter-clockwise seen from outside.
+
+Raises
+------
+BadInput
+    The file is missing or broken.
+BadUsage
+    The arrays have another shape, are not finite, or name a vertex that does not exist.)")
+      .def(py::init([](const py::object& source) {
+             NamedMesh made = mesh_of("mesh", source);
+             return MeshObject{std::move(made.mesh), path_of(source).value_or("")};
+           }),
+           py::arg("source"))
+      .def_property_readonly(
+          "vertices", [](const py::object& self) { return shown(self.cast<MeshObject&>().mesh.positions, self); },
+          "ndarray of float64, shape (n, 3): metres; read-only, not copied.")
+      .def_property_readonly(
+          "faces", [](const py::object& self) { return shown(self.cast<MeshObject&>().mesh.triangles, self); },
+          "ndarray of uint32, shape (m, 3): the corners of each triangle; read-only, not copied.")
+      .def_property_readonly(
+          "volume", [](const MeshObject& o) { return geometry::signed_volume(o.mesh); },
+          "float: cubic metres; positive if the triangles face outwards.")
+      .def_property_readonly(
+          "area", [](const MeshObject& o) { return geometry::area(o.mesh); }, "float: square metres.")
+      .def("__repr__", [](const MeshObject& o) {
+        return fmt::format("<palpa.Mesh{}: {} vertices, {} faces>", o.source.empty() ? "" : " " + o.source,
+                           o.mesh.positions.size(), o.mesh.triangles.size());
+      });
+  m.def(
+      "read_ply",
+      [](const py::object& file) {
+        const std::optional<std::string> path = path_of(file);
+        if (!path) throw bad_usage("read_ply: give the path of a PLY file");
+        const geometry::Ply ply = unlocked([&] { return geometry::read_ply(*path); });
+        py::array_t<double> points({static_cast<py::ssize_t>(ply.positions.size()), py::ssize_t{3}});
+        for (std::size_t i = 0; i < ply.positions.size(); ++i) {
+          for (int axis = 0; axis < 3; ++axis)
+            points.mutable_data()[3 * i + static_cast<std::size_t>(axis)] = ply.positions[i][axis];
+        }
+        return points;
+      },
+      py::arg("file"), R"(Read the vertices of a PLY file, such as points of skin.
+
+Parameters
+----------
+file : path
+
+Returns
+-------
+ndarray of float64, shape (n, 3)
+    Metres, in file order. The array is yours and may be changed.
+
+Raises
+------
+BadInput
+    The file is missing or broken.)");
+  m.def(
+      "write_ply",
+      [](const py::object& file, const py::object& points, const py::object& faces) {
+        const std::optional<std::string> path = path_of(file);
+        if (!path) throw bad_usage("write_ply: give the path of a PLY file");
+        const std::vector<Vec3> positions = points_of("points", points);
+        const std::vector<glm::uvec3> triangles =
+            faces.is_none() ? std::vector<glm::uvec3>() : triangles_of("faces", faces, positions.size());
+        unlocked([&] { geometry::write_ply(*path, positions, triangles, geometry::PlyFormat::ascii); });
+      },
+      py::arg("file"), py::arg("points"), py::arg("faces") = py::none(),
+      R"(Write points, and triangles if there are any, as a PLY file whose numbers read back to the same values.
+
+Parameters
+----------
+file : path
+points : array_like, shape (n, 3)
+    Metres.
+faces : array_like of int, shape (m, 3), optional)");
+}
+
+void add_scene(py::module_& m) {
+  py::class_<SolidObject>(m, "Solid", "A touchable object of a Scene. The scene is in world coordinates, +y is up.")
+      .def_property_readonly(
+          "name", [](const SolidObject& o) { return o.solid().name; }, "str: the name of its node in the model.")
+      .def_property_readonly(
+          "vertices",
+          [](const py::object& self) { return shown(self.cast<SolidObject&>().solid().mesh.positions, self); },
+          "ndarray of float64, shape (n, 3): metres, world; read-only, not copied.")
+      .def_property_readonly(
+          "faces", [](const py::object& self) { return shown(self.cast<SolidObject&>().solid().mesh.triangles, self); },
+          "ndarray of uint32, shape (m, 3): counter-clockwise seen from outside; read-only, not copied.")
+      .def_property_readonly(
+          "bounds",
+          [](const SolidObject& o) {
+            return copied(std::vector<Vec3>{o.solid().bounds.low, o.solid().bounds.high});
+          },
+          "ndarray of float64, shape (2, 3): the lowest and the highest corner of its box, metres.")
+      .def_property_readonly(
+          "parts", [](const SolidObject& o) { return o.solid().parts.parts.size(); },
+          "int: the number of its convex parts; 0 if the mesh itself is its surface.")
+      .def_property_readonly(
+          "haptics", [](const SolidObject& o) { return haptics_of(o.solid().haptics); },
+          "dict: how its author wants it to be felt, in SI units; only what the model says.")
+      .def(
+          "depth",
+          [](const SolidObject& o, const py::object& points) {
+            const std::vector<Vec3> at = points_of("points", points);
+            py::array_t<double> depths(static_cast<py::ssize_t>(at.size()));
+            double* const to = depths.mutable_data();
+            unlocked([&] {
+              for (std::size_t i = 0; i < at.size(); ++i)
+                to[i] = geometry::depth(o.solid(), at[i]);
+            });
+            return sealed(std::move(depths));
+          },
+          py::arg("points"),
+          R"(Depth of points below the surface, Eq. (1) of the paper: min over faces m of (x_m - x) . n_m.
+
+Parameters
+----------
+points : array_like, shape (n, 3)
+    Metres, world.
+
+Returns
+-------
+ndarray of float64, shape (n,)
+    Metres, positive inside. Outside of a convex solid, it is minus a lower bound of the distance.)")
+      .def("__repr__", [](const SolidObject& o) {
+        return fmt::format("<palpa.Solid \"{}\": {} vertices, {} faces>", o.solid().name,
+                           o.solid().mesh.positions.size(), o.solid().mesh.triangles.size());
+      });
+
+  const std::string doc = scene_options().documented(R"(The solids of a glTF model, ready to be touched.
+
+Parameters
+----------
+file : path
+    A .gltf or .glb file; its meshes must be closed. Coordinates are in metres, in the world, +y is up.
+
+Raises
+------
+BadInput
+    The file is missing or broken, or has no solid.)");
+  py::class_<SceneObject, std::shared_ptr<SceneObject>>(m, "Scene", doc.c_str())
+      .def(py::init(&load_scene), py::arg("file"))
+      .def_readonly("source", &SceneObject::source, "str: the file.")
+      .def("__len__", [](const SceneObject& o) { return o.solids.size(); })
+      .def("__getitem__",
+           [](const std::shared_ptr<SceneObject>& o, const py::object& key) {
+             return SolidObject{o, solid_index(*o, key)};
+           })
+      .def_property_readonly(
+          "solids",
+          [](const std::shared_ptr<SceneObject>& o) {
+            std::vector<SolidObject> all;
+            for (std::size_t i = 0; i < o->solids.size(); ++i)
+              all.push_back({o, i});
+            return all;
+          },
+          "list of Solid: in the order of the file's nodes.")
+      .def("__repr__", [](const SceneObject& o) {
+        std::string names;
+        for (std::size_t i = 0; i < o.solids.size() && i < 5; ++i)
+          names += (i ? ", " : "") + o.solids[i].name;
+        return fmt::format("<palpa.Scene {}: {}{}>", o.source, names, o.solids.size() > 5 ? ", ..." : "");
+      });
+}
+
+setup::Plane plane_word(const std::string& word) {
+  for (const auto& entry : setup::plane_words) {
+    if (word == entry.word) return entry.value;
+  }
+  throw bad_usage(fmt::format("plane: '{}' is not one of xy, xz, yz", word));
+}
+
+std::array<double, 2> two_numbers(const char* name, const py::object& value) {
+  const std::vector<double> numbers = numbers_of(name, value);
+  if (numbers.size() != 2) throw bad_usage(fmt::format("{}: give two numbers, right and up", name));
+  return {numbers[0], numbers[1]};
+}
+
+std::uint32_t pixel_count(double number) {
+  constexpr double most = 65536;
+  if (!(number >= 1 && number <= most) || number != static_cast<double>(static_cast<std::uint32_t>(number)))
+    throw bad_usage(fmt::format("pixels: {} is not a whole number from 1 to 65536", number));
+  return static_cast<std::uint32_t>(number);
+}
+
+PlacesObject make_plane(const std::string& plane, const py::object& centre, const py::object& size,
+                        const py::object& pixels) {
+  setup::Grid grid{.plane = plane_word(plane)};
+  if (!centre.is_none()) grid.centre = point_of("centre", centre);
+  const auto [right, up] = two_numbers("size", size);
+  grid.size_m = {right, up};
+  if (!pixels.is_none()) {
+    const auto [columns, rows] = two_numbers("pixels", pixels);
+    grid.columns = pixel_count(columns);
+    grid.rows = pixel_count(rows);
+  }
+  return {unlocked([&] { return setup::plane_places(grid); })};
+}
+
+void add_places_class(py::module_& m) {
+  py::class_<PlacesObject, std::shared_ptr<PlacesObject>>(m, "Places",
+                                                          "Places for Layout.field, made by plane() and line().")
+      .def_property_readonly(
+          "points", [](const py::object& self) { return shown(self.cast<PlacesObject&>().places.points, self); },
+          "ndarray of float64, shape (n, 3): metres; of a plane row by row from the top; read-only, not copied.")
+      .def_property_readonly(
+          "shape", [](const PlacesObject& o) { return py::tuple(py::cast(o.shape())); },
+          "tuple of int: the shape of a field at these places, (rows, columns) or (n,).")
+      .def_property_readonly(
+          "extent",
+          [](const PlacesObject& o) -> py::object {
+            if (!o.places.grid) return py::none();
+            const setup::Grid& g = *o.places.grid;
+            const bool first_y = g.plane == setup::Plane::yz;
+            const double right = first_y ? g.centre.y : g.centre.x;
+            const double up = g.plane == setup::Plane::xy ? g.centre.y : g.centre.z;
+            return py::make_tuple(right - g.size_m.x / 2, right + g.size_m.x / 2, up - g.size_m.y / 2,
+                                  up + g.size_m.y / 2);
+          },
+          "tuple of float or None: left, right, bottom, top of a plane in metres, as matplotlib's imshow takes them.")
+      .def("__len__", [](const PlacesObject& o) { return o.places.points.size(); })
+      .def("__repr__", [](const PlacesObject& o) {
+        return fmt::format("<palpa.Places: {} {}>", o.places.points.size(),
+                           o.places.grid ? "pixels of a plane" : "samples of a line");
+      });
+  m.def("plane", &make_plane, py::arg("plane"), py::kw_only(), py::arg("centre") = py::none(), py::arg("size"),
+        py::arg("pixels") = py::none(), R"(Places on a plane, at the centres of pixels.
+
+Parameters
+----------
+plane : {"xy", "xz", "yz"}
+    The axes that run to the right and up.
+centre : array_like, shape (3,), optional
+    Metres, in the layout's own frame. The default is the origin.
+size : (float, float)
+    Width and height, metres.
+pixels : (int, int), optional
+    Columns and rows. The default is square pixels, 256 on the longer side.
+
+Returns
+-------
+Places
+    A field there has the shape (rows, columns), rows from the top.)");
+  m.def(
+      "line",
+      [](const py::object& start, const py::object& end, std::uint32_t samples) {
+        return PlacesObject{setup::line_places(point_of("start", start), point_of("end", end), samples)};
+      },
+      py::arg("start"), py::arg("end"), py::kw_only(), py::arg("samples") = 201,
+      R"(Places on a line, both ends included.
+
+Parameters
+----------
+start, end : array_like, shape (3,)
+    Metres, in the layout's own frame.
+samples : int, optional
+    At least 2.
+
+Returns
+-------
+Places)");
+}
+
+}  // namespace
+
+void add_shapes(py::module_& m) {
+  add_mesh(m);
+  add_scene(m);
+  add_places_class(m);
+}
+
+}  // namespace palpa::python

@@ -1,0 +1,54 @@
+// Meshes, solids and scenes as Python objects.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/mesh/mesh.hpp"
+#include "geometry/solid.hpp"
+#include "setup/options.hpp"
+
+namespace palpa::python {
+
+namespace py = pybind11;
+
+/// `palpa.Mesh`: triangles in metres, from a file or from arrays.
+struct MeshObject {
+  geometry::Mesh mesh;
+  std::string source;  ///< its file; empty: it was made from arrays
+};
+
+/// `palpa.Scene`.
+struct SceneObject {
+  std::string source;
+  std::optional<std::uint32_t> gltf_scene;  ///< how it was loaded, for those who load it again
+  setup::SolidOptions options;
+  std::vector<geometry::Solid> solids;
+};
+
+/// `palpa.Solid`: one of a scene, which it keeps alive.
+struct SolidObject {
+  std::shared_ptr<const SceneObject> scene;
+  std::size_t index = 0;
+  const geometry::Solid& solid() const { return scene->solids[index]; }
+};
+
+/// The solid of that name or index. Throws KeyError or IndexError.
+std::size_t solid_index(const SceneObject& scene, const py::object& key);
+
+/// The mesh of a Mesh, of a path, or of a pair (vertices, faces). `name` is its name in messages: its file, or `what`.
+struct NamedMesh {
+  geometry::Mesh mesh;
+  std::string name;
+};
+NamedMesh mesh_of(const std::string& what, py::handle value);
+
+/// A text, or the path of an object with __fspath__; nullopt for everything else.
+std::optional<std::string> path_of(py::handle value);
+
+}  // namespace palpa::python

@@ -1,0 +1,414 @@
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "base/error.hpp"
+#include "base/output_file.hpp"
+#include "base/reference.hpp"
+#include "driver/sources.hpp"
+#include "geometry/gltf/write.hpp"
+#include "module.hpp"
+#include "options.hpp"
+#include "running.hpp"
+#include "sensing/recording.hpp"
+#include "sensing/rig.hpp"
+#include "setup/options.hpp"
+#include "setup/tasks/calibrate.hpp"
+#include "setup/tasks/decompose.hpp"
+#include "setup/tasks/export.hpp"
+#include "setup/values.hpp"
+#include "shapes.hpp"
+
+namespace palpa::python {
+namespace {
+
+std::string file_of(const char* name, const py::object& value) {
+  const std::optional<std::string> path = path_of(value);
+  if (!path) throw bad_usage(fmt::format("{}: give the path of a file", name));
+  return *path;
+}
+
+// ---- parts ----------------------------------------------------------------------------------------------------------
+
+struct PartsObject {
+  std::vector<setup::Decomposed> solids;
+};
+
+struct DecomposeArguments {
+  setup::CommonOptions common;
+  setup::DecomposeTask task;
+  std::optional<double> error_percent;
+};
+void add_decompose_options(CLI::App& app, DecomposeArguments& o) {
+  const setup::Group group(app, "How");
+  setup::add_gltf_scene(group, o.task.gltf_scene);
+  setup::add_allow_outside(group, o.common);
+  geometry::DecomposeOptions& options = o.task.options;
+  group.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
+  group.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
+              "number of voxels that V-HACD divides a mesh into");
+  group.number("--error", o.error_percent, {0, 100, true}, "PERCENT",
+               "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
+  group.integer("--seed", o.common.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
+}
+
+Declared<DecomposeArguments>& decompose_options() {
+  static auto* const options = new Declared<DecomposeArguments>("decompose", add_decompose_options);
+  return *options;
+}
+
+std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs& kwargs) {
+  refuse_fork();
+  DecomposeArguments o = decompose_options().read(kwargs);
+  o.task.scene = py::isinstance<SceneObject>(scene) ? scene.cast<const SceneObject&>().source : file_of("scene", scene);
+  o.task.options.error_percent = o.error_percent.value_or(o.task.options.error_percent);
+  o.task.seed = o.common.seed;
+  allow_outside_references(o.common.allow_outside);
+  return owned(cancellable([&] { return PartsObject{setup::decompose(o.task)}; }));
+}
+
+py::list parts_of(const PartsObject& o) {
+  py::list solids;
+  for (const setup::Decomposed& one : o.solids) {
+    py::dict made;
+    made["solid"] = one.solid.name;
+    made["volume_ratio"] = one.report.volume_ratio();
+    made["error_mean"] = one.report.error_mean_m;
+    made["error_p95"] = one.report.error_p95_m;
+    made["error_max"] = one.report.error_max_m;
+    made["internal_share"] = one.report.internal_share;
+    made["seconds"] = one.seconds;
+    py::list meshes;
+    for (const geometry::Part& part : one.parts.parts)
+      meshes.append(std::make_shared<MeshObject>(MeshObject{part.mesh, ""}));
+    made["parts"] = meshes;
+    solids.append(made);
+  }
+  return solids;
+}
+
+void add_parts(py::module_& m) {
+  py::class_<PartsObject, std::shared_ptr<PartsObject>>(m, "Parts", "The convex parts of a scene's solids.")
+      .def_property_readonly(
+          "solids", &parts_of,
+          "list of dict: solid, parts (list of Mesh), volume_ratio, error_mean, error_p95, error_max "
+          "(m), internal_share and seconds of each solid.")
+      .def(
+          "write",
+          [](const PartsObject& o, const py::object& file) {
+            const std::string path = file_of("file", file);
+            unlocked([&] { geometry::write_glb(path, setup::part_meshes(o.solids)); });
+          },
+          py::arg("file"), "Write the parts as a .glb file, which a Scene reads back as these solids.")
+      .def(
+          "json",
+          [](const PartsObject& o, const py::object& file) { return setup::to_json(o.solids, file_of("file", file)); },
+          py::arg("file"), "str: what `palpa decompose --json --out file` writes.")
+      .def("__repr__", [](const PartsObject& o) { return fmt::format("<palpa.Parts of {} solids>", o.solids.size()); });
+  const std::string doc =
+      decompose_options().documented(R"(Cut the solids of a model into convex parts, as in the paper (V-HACD).
+
+Parameters
+----------
+scene : Scene or path
+    A glTF file. Parts are cut from the file's meshes.
+
+Returns
+-------
+Parts
+
+Raises
+------
+BadInput
+    There is no mesh that can be touched, or one that cannot be cut.)");
+  m.def("decompose", &decompose, py::arg("scene"), doc.c_str());
+}
+
+// ---- calibration ----------------------------------------------------------------------------------------------------
+
+struct CalibrationObject {
+  setup::CalibrateResult result;
+};
+
+struct CalibrateArguments {
+  setup::CommonOptions common;
+  setup::CalibrateTask task;
+};
+void add_calibrate_options(CLI::App& app, CalibrateArguments& o) {
+  const setup::Group group(app, "What to calibrate");
+  group.text("--source", o.task.source, "SOURCE",
+             "where depth frames come from [a rehearsal: the rig's own cameras, rendered]");
+  group.integer("--frames", o.task.frames, 0, 100, "number of frames that are combined; 0 means 30");
+  group.flag("--noise-free", o.task.noise_free, "renders synthetic frames without the sensor's noise");
+  group.point("--at", o.task.target.at, "where the middle of the target's underside is, in the layout's own frame");
+  group.number("--turn", o.task.target.turn_deg, {-360, 360}, "DEGREES",
+               "how the target is turned about its own z, counter-clockwise seen from above");
+  group.integer("--seed", o.task.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
+  setup::add_allow_outside(group, o.common);
+  setup::add_rig_options(app, o.task.rig);
+}
+
+Declared<CalibrateArguments>& calibrate_options() {
+  static auto* const options = new Declared<CalibrateArguments>("calibrate", add_calibrate_options);
+  return *options;
+}
+
+std::shared_ptr<CalibrationObject> calibrate(const py::kwargs& kwargs) {
+  refuse_fork();
+  CalibrateArguments o = calibrate_options().read(kwargs);
+  check(o.task);
+  allow_outside_references(o.common.allow_outside);
+  return owned(cancellable([&] { return CalibrationObject{setup::calibrate(o.task, driver::camera_sources())}; }));
+}
+
+py::list cameras_of(const CalibrationObject& o) {
+  py::list cameras;
+  for (const setup::CalibratedCamera& camera : o.result.cameras) {
+    py::dict made;
+    made["name"] = camera.name;
+    made["pose"] = copied(camera.T_world_camera);
+    made["moved"] = camera.moved_m;
+    made["turned"] = camera.turned_rad;
+    cameras.append(made);
+  }
+  return cameras;
+}
+
+void add_calibration(py::module_& m) {
+  py::class_<CalibrationObject, std::shared_ptr<CalibrationObject>>(m, "Calibration", "The poses of a rig's cameras.")
+      .def_property_readonly("cameras", &cameras_of,
+                             "list of dict: name, pose (4 x 4, from the camera to the world), moved (m) and turned "
+                             "(rad) relative to the rig's pose before.")
+      .def_property_readonly(
+          "frames", [](const CalibrationObject& o) { return o.result.frames; }, "int: the number of frames combined.")
+      .def(
+          "write_rig",
+          [](const CalibrationObject& o, const py::object& file) {
+            const std::string path = file_of("file", file);
+            unlocked([&] { write_file(path, sensing::to_toml(o.result.rig)); });
+          },
+          py::arg("file"), "Write the rig with these poses as a TOML file, for --rig.")
+      .def(
+          "json", [](const CalibrationObject& o) { return setup::to_json(o.result); },
+          "str: what `palpa calibrate --json` writes.")
+      .def("__repr__", [](const CalibrationObject& o) {
+        return fmt::format("<palpa.Calibration: {} cameras>", o.result.cameras.size());
+      });
+  const std::string doc = calibrate_options().documented(
+      R"(Find the poses of a rig's cameras from frames of the calibration target (docs/calibration.md).
+
+Returns
+-------
+Calibration
+
+Raises
+------
+BadInput
+    A camera does not see the target, or the rig is broken.)");
+  m.def("calibrate", &calibrate, doc.c_str());
+}
+
+// ---- recordings -----------------------------------------------------------------------------------------------------
+
+struct RecordingObject {
+  std::string source;
+  sensing::Recording recording;
+};
+
+py::list images_of(const RecordingObject& o, py::ssize_t index) {
+  const auto count = static_cast<py::ssize_t>(o.recording.entries.size());
+  if (index < -count || index >= count) throw py::index_error(fmt::format("the recording has {} frames", count));
+  sensing::FrameSet set;
+  unlocked([&] { sensing::read_entry(o.recording, static_cast<std::size_t>(index < 0 ? index + count : index), set); });
+  py::list images;
+  for (std::size_t camera = 0; camera < set.frames.size(); ++camera) {
+    const sensing::Camera& of = o.recording.cameras[camera];
+    py::array_t<std::uint16_t> image({static_cast<py::ssize_t>(of.height), static_cast<py::ssize_t>(of.width)},
+                                     set.frames[camera].depth.data());
+    images.append(sealed(std::move(image)));
+  }
+  return images;
+}
+
+struct ExportObject {
+  setup::ExportResult result;
+  std::vector<setup::FocusRow> rows;
+};
+
+struct ExportArguments {
+  setup::ExportTask task;
+};
+void add_export_options(CLI::App& app, ExportArguments& o) {
+  const setup::Group group(app, "What to export");
+  setup::add_frame_options(group, o.task, "number of frames to export; 0 exports all until the source ends");
+  group.text("--foci", o.task.foci, "FILE", "writes the foci of each frame, as .csv or .json");
+  group.text("--drives", o.task.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
+  setup::add_session_options(app, o.task, setup::FingerMesh::unknown, "--foci-count");
+  setup::add_common(app, o.task.common);
+}
+constexpr std::initializer_list<const char*> not_exported = {"--scene", "--source", "--json", "--quiet", "--log-level"};
+
+Declared<ExportArguments>& export_options() {
+  static auto* const options = new Declared<ExportArguments>("export", add_export_options, not_exported);
+  return *options;
+}
+
+std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::object& source,
+                                            const py::kwargs& kwargs) {
+  refuse_fork();
+  ExportArguments o = export_options().read(kwargs);
+  if (py::isinstance<RecordingObject>(source)) {
+    o.task.source = "recording:" + source.cast<const RecordingObject&>().source;
+  } else {
+    o.task.source = file_of("source", source);
+  }
+  o.task.scene = py::isinstance<SceneObject>(scene) ? scene.cast<const SceneObject&>().source : file_of("scene", scene);
+  o.task.common.quiet = true;  // a bar on a terminal would be printing
+  const std::vector<session::SourceKind> sources = driver::camera_sources();
+  setup::check(o.task, sources, true);
+  auto made = std::make_shared<ExportObject>();
+  std::atomic<bool> stop{false};
+  run_beside(stop, [&] {
+    setup::FocusRows rows;
+    session::Link* link = &rows;
+    setup::ExportRun run(o.task, sources, stop, {&link, 1});
+    made->result = run.run();
+    made->rows = rows.rows();
+  });
+  return made;
+}
+
+py::dict foci_table(const ExportObject& o) {
+  const auto count = static_cast<py::ssize_t>(o.rows.size());
+  py::dict table;
+  const auto whole = [&](const char* key, auto get) {
+    py::array_t<std::int64_t> column(count);
+    for (std::size_t i = 0; i < o.rows.size(); ++i)
+      column.mutable_data()[i] = static_cast<std::int64_t>(get(o.rows[i]));
+    table[key] = sealed(std::move(column));
+  };
+  const auto real = [&](const char* key, auto get) {
+    py::array_t<double> column(count);
+    for (std::size_t i = 0; i < o.rows.size(); ++i)
+      column.mutable_data()[i] = double{get(o.rows[i])};
+    table[key] = sealed(std::move(column));
+  };
+  using Row = setup::FocusRow;
+  whole("slot", [](const Row& r) { return r.slot; });
+  real("time", [](const Row& r) { return r.time_s; });
+  whole("finger", [](const Row& r) { return r.finger; });
+  whole("solid", [](const Row& r) { return r.solid; });
+  whole("focus", [](const Row& r) { return r.focus; });
+  real("x", [](const Row& r) { return r.position.x; });
+  real("y", [](const Row& r) { return r.position.y; });
+  real("z", [](const Row& r) { return r.position.z; });
+  real("gain", [](const Row& r) { return r.gain; });
+  return table;
+}
+
+void add_recording(py::module_& m) {
+  py::class_<RecordingObject>(m, "Recording", R"(Depth frames that `palpa run --record` wrote.
+
+Parameters
+----------
+folder : path
+
+Raises
+------
+BadInput
+    The folder has no recording, or a broken one.)")
+      .def(py::init([](const py::object& folder) {
+             const std::string path = file_of("folder", folder);
+             return std::make_unique<RecordingObject>(
+                 RecordingObject{path, unlocked([&] { return sensing::load_recording(path); })});
+           }),
+           py::arg("folder"))
+      .def_readonly("source", &RecordingObject::source, "str: its folder.")
+      .def("__len__", [](const RecordingObject& o) { return o.recording.entries.size(); })
+      .def_property_readonly(
+          "cameras",
+          [](const RecordingObject& o) {
+            std::vector<std::string> names;
+            for (const sensing::Camera& camera : o.recording.cameras)
+              names.push_back(camera.name);
+            return names;
+          },
+          "list of str: the names of its cameras.")
+      .def_property_readonly(
+          "times",
+          [](const RecordingObject& o) {
+            std::vector<double> times;
+            for (const sensing::Recording::Entry& entry : o.recording.entries)
+              times.push_back(entry.time_s);
+            return copied(std::span<const double>(times));
+          },
+          "ndarray of float64, shape (n,): capture times, seconds.")
+      .def("images", &images_of, py::arg("frame"), R"(The depth images of a frame.
+
+Parameters
+----------
+frame : int
+
+Returns
+-------
+list of Any
+    An array of uint16 for each camera, shape (height, width), in the camera's depth unit; 0 means no data.)")
+      .def("__repr__", [](const RecordingObject& o) {
+        return fmt::format("<palpa.Recording {}: {} frames of {} cameras>", o.source, o.recording.entries.size(),
+                           o.recording.cameras.size());
+      });
+  py::class_<ExportObject, std::shared_ptr<ExportObject>>(m, "Export", "The foci of all frames of a source.")
+      .def_property_readonly(
+          "foci", &foci_table,
+          "dict: one array per column, one entry per focus of a frame: slot, time (s), finger, solid, "
+          "focus, x, y, z (m, world), gain. pandas.DataFrame(export.foci) is a table.")
+      .def_property_readonly(
+          "frames", [](const ExportObject& o) { return o.result.stats.frames; }, "int")
+      .def_property_readonly(
+          "slot", [](const ExportObject& o) { return o.result.stats.slot_s; }, "float: seconds of one drive.")
+      .def(
+          "json", [](const ExportObject& o) { return setup::to_json(o.result); },
+          "str: what `palpa export --json` writes.")
+      .def("__repr__", [](const ExportObject& o) {
+        return fmt::format("<palpa.Export: {} frames, {} rows>", o.result.stats.frames, o.rows.size());
+      });
+  const std::string doc = export_options().documented(
+      R"(Play a source on its own clock, and take the foci, drives and events of all its frames.
+
+Parameters
+----------
+scene : Scene or path
+source : Recording, str or path
+    A Recording, or what --source takes: "recording:DIR", "bag:FILE", "synthetic".
+
+Returns
+-------
+Export
+
+Raises
+------
+BadUsage
+    The source does not end by itself and `frames` is missing, or options do not go together.
+BadInput
+    A file is missing or broken.)");
+  m.def("export", &export_frames, py::arg("scene"), py::arg("source"), doc.c_str());
+}
+
+}  // namespace
+
+void add_tasks(py::module_& m) {
+  add_parts(m);
+  add_calibration(m);
+  add_recording(m);
+}
+
+}  // namespace palpa::python

@@ -1,0 +1,95 @@
+// Shared by engine/touch/known/known_pass.cpp, by the passes that split and join clusters, and by their kernels.
+#ifndef PALPA_SHADERS_KNOWN_H
+#define PALPA_SHADERS_KNOWN_H
+#include "shaders/shared/shared.h"
+PALPA_SHADER_BEGIN
+
+PALPA_CONST known_fingers = 64u;  // as fingers_most
+PALPA_CONST known_samples = 64u;  // as bridge_samples
+PALPA_CONST known_none = 0xffffffffu;
+// In KnownPush::elapsed_us and wherever a pass asks for known fingers: there are none.
+PALPA_CONST known_restart = 0xffffffffu;
+
+// The rules that are on, as bits.
+PALPA_CONST known_few = 1u;       // a known finger needs half as many contacts, and half as many firm ones
+PALPA_CONST known_islands = 2u;   // a small island beside a known finger waits
+PALPA_CONST known_apart = 4u;     // known fingers stay apart
+PALPA_CONST known_together = 8u;  // a known finger stays one
+
+// A finger of the frame before.
+struct KnownFinger {
+  uint solid;
+  uint contacts;
+  uint samples;
+  uint parting_us;  // since it last looked like several fingers, or known_never
+  vec4 velocity;    // of its track
+  uint meeting_us;  // for how long it has looked like one with another
+  uint unused0;
+  uint unused1;
+  uint unused2;
+};
+PALPA_CHECK_SIZE(KnownFinger, 48);
+PALPA_CHECK_OFFSET(KnownFinger, velocity, 16);
+PALPA_CHECK_OFFSET(KnownFinger, meeting_us, 32);
+PALPA_CONST known_never = 0xffffffffu;
+
+// Bits of KnownTable::doubts: what this frame shows against what is known of a finger.
+PALPA_CONST doubt_one = 1u;    // it looks like several fingers
+PALPA_CONST doubt_apart = 2u;  // it looks like one with another
+
+// A small cluster beside a known finger that is not a finger yet.
+struct Island {
+  float x;
+  float y;
+  float z;
+  uint solid;
+  uint age_us;
+  uint unused0;
+  uint unused1;
+  uint unused2;
+};
+PALPA_CHECK_SIZE(Island, 32);
+PALPA_CHECK_OFFSET(Island, age_us, 16);
+
+struct KnownTable {
+  uint count;
+  uint islands;
+  uint unused0;
+  uint unused1;
+  KnownFinger fingers[known_fingers];
+  uint doubts[known_fingers];  // of the known fingers in this frame
+  Island island[known_fingers];
+  vec4 insides[known_fingers * known_samples];  // per finger and sample: the point inside the finger, see split_math.h
+};
+PALPA_CHECK_SIZE(KnownTable, 16 + 64 * 48 + 64 * 4 + 64 * 32 + 64 * 64 * 16);
+PALPA_CHECK_OFFSET(KnownTable, fingers, 16);
+PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 84);
+
+// What a finger of this frame has to do with those of the frame before.
+struct Claim {
+  uint known;  // the finger that most of its samples belong to, and at least half of them; or known_none
+  uint near;   // the known finger of its solid that is nearest, within a finger width; or known_none
+  uint contacts;
+  uint parting_us;  // as of the known finger, after this frame
+  uint meeting_us;
+  uint unused0;
+  uint unused1;
+  uint unused2;
+};
+PALPA_CHECK_SIZE(Claim, 32);
+
+struct KnownPush {
+  uint most_contacts;
+  uint cameras;
+  float finger_width;
+  uint min_points;
+  uint elapsed_us;  // from the frame before, or known_restart
+  uint rules;
+  uint unused0;
+  uint unused1;
+};
+PALPA_CHECK_SIZE(KnownPush, 32);
+PALPA_CHECK_OFFSET(KnownPush, elapsed_us, 16);
+
+PALPA_SHADER_END
+#endif

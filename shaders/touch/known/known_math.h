@@ -1,0 +1,71 @@
+// The arithmetic of known fingers, the same in shaders and twins: see exact_math.h. The rules are in docs/touch.md.
+#ifndef PALPA_SHADERS_KNOWN_MATH_H
+#define PALPA_SHADERS_KNOWN_MATH_H
+#include "shaders/shared/exact_math.h"
+#include "shaders/touch/known/known.h"
+PALPA_SHADER_BEGIN
+
+// Skin belongs to a known finger if its inside is within this share of the greatest width of a finger.
+#define PALPA_KNOWN_REACH 0.4f
+// An island is not born until it has been there for this time. It is the same island if it begins within this distance.
+PALPA_CONST island_wait_us = 50000u;
+#define PALPA_ISLAND_REACH 8e-3f
+
+PALPA_FN float known_seconds(uint us) {
+  PALPA_EXACT float s = float(us) * 1.0e-6f;
+  return s;
+}
+
+// Where a point was in the frame before, if it has moved with a finger.
+PALPA_FN Float3 moved_back(Float3 place, vec4 velocity, float elapsed_s) {
+  PALPA_EXACT Float3 r;
+  r.x = place.x - velocity.x * elapsed_s;
+  r.y = place.y - velocity.y * elapsed_s;
+  r.z = place.z - velocity.z * elapsed_s;
+  return r;
+}
+
+PALPA_FN uint older(uint age_us, uint elapsed_us) {
+  return age_us > 0xffffffffu - elapsed_us ? 0xffffffffu : age_us + elapsed_us;
+}
+
+// A known finger parts if it looks like several fingers in two frames that are no farther apart than the first time. It
+// is one with another finger once it has looked like that, in every frame, for the second time.
+PALPA_CONST parting_us_most = 100000u;
+PALPA_CONST meeting_us_least = 50000u;
+
+PALPA_FN bool may_part(KnownFinger finger, uint elapsed_us) {
+  return older(finger.parting_us, elapsed_us) <= parting_us_most;
+}
+PALPA_FN bool may_meet(KnownFinger finger, uint elapsed_us) {
+  return older(finger.meeting_us, elapsed_us) >= meeting_us_least;
+}
+
+PALPA_FN uint next_parting_us(KnownFinger finger, uint doubts, uint elapsed_us) {
+  return (doubts & doubt_one) != 0u ? 0u : older(finger.parting_us, elapsed_us);
+}
+PALPA_FN uint next_meeting_us(KnownFinger finger, uint doubts, uint elapsed_us) {
+  return (doubts & doubt_apart) != 0u ? older(finger.meeting_us, elapsed_us) : 0u;
+}
+
+PALPA_FN bool same_island(Island a, Island b) {
+  PALPA_EXACT float x = a.x - b.x;
+  PALPA_EXACT float y = a.y - b.y;
+  PALPA_EXACT float z = a.z - b.z;
+  PALPA_EXACT float square = x * x + y * y + z * z;
+  return square <= product(PALPA_ISLAND_REACH, PALPA_ISLAND_REACH);
+}
+
+// The number of contacts that a finger needs.
+PALPA_FN uint least_contacts(uint min_points, bool known) {
+  const uint least = min_points > 1u ? min_points : 1u;
+  return known ? (least + 1u) / 2u : least;
+}
+
+// Whether `contacts` are few beside a known finger's.
+PALPA_FN bool small_beside(uint contacts, uint known_contacts) {
+  return contacts < known_contacts / 4u;
+}
+
+PALPA_SHADER_END
+#endif

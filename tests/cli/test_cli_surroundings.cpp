@@ -1,0 +1,164 @@
+// What cameras see besides the hand, in `palpa run`, `palpa export` and `palpa calibrate --background`.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "geometry/files/ply.hpp"
+#include "sensing/rig.hpp"
+#include "support/files.hpp"
+#include "support/shapes.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+class Surroundings : public testing::Test {
+ protected:
+  std::filesystem::path folder = scratch_folder("surroundings");
+  std::string rig = source_file("tests/cli/support/small_rig.toml").string();
+  std::string hand = source_file("assets/hand.glb").string();
+  std::string cube = source_file("assets/cube.glb").string();
+
+  std::string in(const std::string& name) const { return (folder / name).string(); }
+
+  /// An export's JSON; `err` gets what it wrote on stderr.
+  json exported(const std::vector<std::string>& words, std::string* err = nullptr, int frames = 5) const {
+    const std::vector<std::string> line{"export",        "--frames", std::to_string(frames), "--events",
+                                        in("all.jsonl"), "--json",   in("all.json")};
+    std::vector<std::string> all = line;
+    all.insert(all.end(), words.begin(), words.end());
+    const Result result = palpa_here(all);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    if (err) *err = result.err;
+    return json::parse(read_text(in("all.json")));
+  }
+
+  /// The small rig with more lines.
+  std::string rig_with(const std::string& more) const {
+    write_text(in("more.toml"), read_text(rig) + more);
+    return in("more.toml");
+  }
+};
+
+TEST_F(Surroundings, BoardsThatReachIntoTheObjectAreNoSkin) {
+  std::string err;
+  const json counted = exported({"--scene", hand, "--backend", "cpu"}, &err, 2);
+  EXPECT_GT(counted["dropped"]["boards"], 90'000);
+  EXPECT_EQ(counted["dropped"]["screen"], 0);
+  EXPECT_CONTAINS(err, "hand.glb: mesh \"hand\" reaches into");
+  EXPECT_CONTAINS(err, "--keep-boards");
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+  EXPECT_EQ(exported({"--scene", hand}, nullptr, 2), counted);  // the device counts the same
+}
+
+TEST_F(Surroundings, KeepBoardsKeepsThem) {
+  const std::string events = in("events.jsonl");
+  const auto deepest = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> line{"export",   "--scene", hand,       "--rig", rig,       "--backend", "cpu",
+                                  "--frames", "1",       "--events", events,  "--quiet", "--json",    in("kept.json")};
+    line.insert(line.end(), more.begin(), more.end());
+    const Result result = palpa_here(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    double most = 0;
+    std::istringstream lines(read_text(events));
+    for (std::string text; std::getline(lines, text);)
+      most = std::max(most, json::parse(text)["depth_m"].get<double>());
+    return most;
+  };
+  const double with_boards = deepest({"--keep-boards"});
+  EXPECT_FALSE(json::parse(read_text(in("kept.json"))).contains("dropped"));
+  const double without = deepest({});
+  EXPECT_TRUE(json::parse(read_text(in("kept.json"))).contains("dropped"));
+  EXPECT_GT(with_boards, without + 5e-3) << "a false touch deep inside";
+  EXPECT_LT(without, 0.012);
+
+  write_text(in("bare.toml"), "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
+  const Result refused = palpa_here({"export", "--scene", cube, "--layout", in("bare.toml"), "--frames", "1",
+                                     "--events", "-", "--keep-boards", "--backend", "cpu"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_CONTAINS(refused.err, "has no boards to keep");
+}
+
+TEST_F(Surroundings, ScreenAndRoomDropWhatIsThere) {
+  // The screen lies in the finger, so its tip is dropped, and the finger touches nothing.
+  const std::string screen = rig_with(
+      "[screen]\nwidth_m = 0.2\nheight_m = 0.2\nT_world_screen = [[1, 0, 0, 0], [0, 0, 1, 0.01], [0, -1, 0, 0], "
+      "[0, 0, 0, 1]]\neye_m = [0, 0.1, 0.6]\n");
+  std::string err;
+  const json on_screen = exported({"--scene", cube, "--rig", screen, "--backend", "cpu"}, &err);
+  EXPECT_GT(on_screen["dropped"]["screen"], 10);
+  EXPECT_EQ(on_screen["touching"], 0);
+  EXPECT_CONTAINS(err, "reaches into the screen");
+
+  const json inside =
+      exported({"--scene", cube, "--rig", rig_with("[room]\nlow_m = [-0.1, -0.1, -0.1]\nhigh_m = [0.1, 0.1, 0.1]\n"),
+                "--backend", "cpu"});
+  EXPECT_EQ(inside["dropped"]["room"], 0);
+  EXPECT_GT(inside["touching"], 0);
+  const json cut =
+      exported({"--scene", cube, "--rig", rig_with("[room]\nlow_m = [-0.1, -0.1, -0.1]\nhigh_m = [0.1, -0.01, 0.1]\n"),
+                "--backend", "cpu"});
+  EXPECT_GT(cut["dropped"]["room"], 20);
+  EXPECT_EQ(cut["touching"], 0);
+
+  const Result elsewhere =
+      palpa_here({"run", "--scene", cube, "--rig", rig_with("[room]\nlow_m = [1, 1, 1]\nhigh_m = [2, 2, 2]\n"),
+                  "--frames", "1", "--backend", "cpu"});
+  EXPECT_EQ(elsewhere.exit_code, 4);
+  EXPECT_CONTAINS(elsewhere.err, "more.toml: line 23: the room contains no solid");
+  EXPECT_EQ(std::count(elsewhere.err.begin(), elsewhere.err.end(), '\n'), 1) << elsewhere.err;
+}
+
+TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
+  const geometry::Mesh stick = box({-0.006, -0.02, -0.006}, {0.006, 0.03, 0.006});  // it stands in the cube
+  geometry::write_ply(in("stick.ply"), stick.positions, stick.triangles);
+  const Result learned =
+      palpa_here({"calibrate", "--background", "--rig", rig, "--source", "synthetic:" + in("stick.ply"), "--frames",
+                  "20", "--out", in("quiet.toml"), "--json", in("learned.json")});
+  ASSERT_EQ(learned.exit_code, 0) << learned.err;
+  EXPECT_EQ(learned.err, "");
+  const json said = json::parse(read_text(in("learned.json")));
+  EXPECT_EQ(said["frames"], 20);
+  const json& camera = said["cameras"][0];
+  EXPECT_EQ(camera["file"], in("quiet-front-left.png"));
+  EXPECT_GT(camera["pixels"], 20'000);
+  EXPECT_LT(camera["margin_m"], 0.012);
+  const sensing::Rig quiet = sensing::load_rig(in("quiet.toml"));
+  ASSERT_NE(quiet.cameras[0].background, nullptr);
+  EXPECT_EQ(quiet.cameras[0].background->margin_m, camera["margin_m"]);
+  EXPECT_CONTAINS(read_text(in("quiet.toml")), "background = \"quiet-front-left.png\"");
+
+  // In five frames, the source's motion moves the stick by less than the noise.
+  const auto seen = [&](const std::string& with_rig) {
+    return exported({"--scene", cube, "--rig", with_rig, "--source", "synthetic:" + in("stick.ply"), "--seed", "5",
+                     "--backend", "cpu"});
+  };
+  const json noisy = seen(rig), clean = seen(in("quiet.toml"));
+  EXPECT_EQ(noisy["dropped"]["background"], 0);
+  EXPECT_GT(noisy["touching"], 2);
+  EXPECT_GT(clean["dropped"]["background"], 100);
+  EXPECT_EQ(clean["touching"], 0);
+  write_text(in("other.toml"),
+             read_text(in("quiet.toml")).replace(read_text(in("quiet.toml")).find("front left"), 10, "front right"));
+  const Result other = palpa_here({"run", "--scene", cube, "--rig", in("other.toml"), "--frames", "1"});
+  EXPECT_EQ(other.exit_code, 4);
+  EXPECT_CONTAINS(other.err, "quiet-front-left.png: is of the camera front left");
+
+  const Result refused = palpa_here({"calibrate", "--background", "--rig", rig, "--frames", "5"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_CONTAINS(refused.err, "a background is learned from 10 to 1000");
+}
+
+}  // namespace
+}  // namespace palpa::test

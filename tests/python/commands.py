@@ -1,0 +1,162 @@
+"""The documented command lines, and the same in Python."""
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+
+import palpa
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PALPA = os.environ.get("PALPA_BINARY", str(ROOT / "build/release/bin/palpa"))
+# Options of outputs, of which the module has arrays.
+OUTPUTS = {"csv", "png", "vtu", "json"}
+FLAGS = {"spectrum", "tune", "force", "no_absorption", "absorption", "noise_free", "figure6", "quiet", "allow_outside"}
+
+
+def documented(*commands):
+    """The lines of the README and the pages that call one of these commands, without their comments."""
+    lines = []
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+        for line in re.findall(r"^    (palpa .+)$", text, re.M):
+            words = shlex.split(line.split(" #")[0])
+            if words[1] in commands and "$" not in line and words not in lines:
+                lines.append(words)
+    return lines
+
+
+def run(words, cwd=ROOT):
+    """What the command prints."""
+    done = subprocess.run([PALPA, *words], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def without_outputs(words):
+    """The line without options that write files."""
+    kept, skip = [], False
+    for word in words:
+        skip_this, skip = skip, False
+        if skip_this:
+            continue
+        if word.lstrip("-") in OUTPUTS and word.startswith("--"):
+            skip = True
+            continue
+        kept.append(word)
+    return kept
+
+
+def options_of(words):
+    """{keyword: value} of a command line; several values are a list."""
+    options, at = {}, 0
+    while at < len(words):
+        key, _, value = words[at][2:].partition("=")
+        key = key.replace("-", "_")
+        at += 1
+        if key in FLAGS:
+            options[key] = True
+            continue
+        values = [value] if value else [words[at]]
+        at += 0 if value else 1
+        if key == "line":
+            values = [words[at - 1], words[at]]
+            at += 1
+        options.setdefault(key, []).extend(values)
+    return {key: value[0] if isinstance(value, list) and len(value) == 1 else value for key, value in options.items()}
+
+
+UNITS = {"mm": 1000, "cm": 100, "m": 1}
+
+
+def metres(text):
+    """A length of the command line. Division gives the double that is nearest to the decimal, as palpa reads it."""
+    for unit in ("mm", "cm", "m"):
+        if text.endswith(unit):
+            return float(text[:-len(unit)]) / UNITS[unit]
+    return float(text)
+
+
+def point(text):
+    return [metres(part) for part in text.split(",")[:3]]
+
+
+def as_list(value):
+    return value if isinstance(value, list) else [value]
+
+
+def foci(texts):
+    """(points, gains) of --focus."""
+    return [point(text) for text in as_list(texts)], [float(text.split(",")[3]) if text.count(",") == 3 else 1 for text in as_list(texts)]
+
+
+def places(options):
+    if "plane" in options:
+        size = [metres(part) for part in options.pop("size").split(",")]
+        pixels = options.pop("pixels", None)
+        return palpa.plane(options.pop("plane"), centre=point(options.pop("centre", "0,0,0")), size=size,
+                           pixels=[int(n) for n in pixels.split(",")] if pixels else None)
+    if "line" in options:
+        ends = options.pop("line")
+        return palpa.line(point(ends[0]), point(ends[1]), samples=int(options.pop("samples", 201)))
+    if "points" in options:
+        return palpa.read_ply(options.pop("points"))
+    return None
+
+
+def touch(options):
+    scene = palpa.Scene(options.pop("scene"), **{key: options.pop(key) for key in ("gltf_scene", "surface", "parts") if key in options})
+    skin = palpa.read_ply(options.pop("points")) if "points" in options else None
+    penetration = metres(options.pop("penetration")) if "penetration" in options else None
+    return scene.touch(skin, penetration=penetration, **options)
+
+
+def drive(options):
+    layout = palpa.Layout(options.pop("layout"))
+    if "touch" in options:
+        slot = options.pop("slot", None)
+        return layout.solve_touch(options.pop("touch"), slot=None if slot is None else int(slot), **options)
+    where, gains = foci(options.pop("focus"))
+    finger = palpa.Mesh(options.pop("mesh")) if "mesh" in options else None
+    return layout.solve(where, gains, finger=finger, **options)
+
+
+def field(options):
+    layout = palpa.Layout(options.pop("layout"))
+    where = places(options)
+    if "drive" in options:
+        sound = layout.read_drive(options.pop("drive"))
+    else:
+        solved = {key: options.pop(key) for key in ("amplitude", "solver", "constraint", "pressure") if key in options}
+        at, gains = foci(options.pop("focus"))
+        air = {key: options[key] for key in ("temperature", "sound_speed", "frequency", "directivity") if key in options}
+        sound = layout.solve(at, gains, backend="cpu", **solved, **air)
+    return layout.field(sound, where, **options)
+
+
+def scatter(options):
+    where = places(options)
+    waves = {key: point(options.pop(key)) for key in ("plane_wave", "point_source") if key in options}
+    if "layout" in options:
+        layout = palpa.Layout(options.pop("layout"))
+        waves |= {"layout": layout, "drive": layout.read_drive(options.pop("drive"))}
+    return palpa.scatter(palpa.Mesh(options.pop("mesh")), where=where, **waves, **options)
+
+
+def simulate(options):
+    scene, finger = palpa.Scene(options.pop("scene")), palpa.Mesh(options.pop("finger"))
+    penetration = {"penetration": metres(options.pop("penetration"))} if "penetration" in options else {}
+    return palpa.simulate(scene, finger, **penetration, **options)
+
+
+IN_PYTHON = {"touch": touch, "drive": drive, "field": field, "scatter": scatter, "simulate": simulate}
+
+
+def in_python(words):
+    """The result of the line ["touch", "--scene", ...] in Python."""
+    return IN_PYTHON[words[0]](options_of(words[1:]))
+
+
+def same_but_times(text):
+    """Without the times, which differ from run to run."""
+    return re.sub(r'"timing_ms": \{[^}]*\}', '"timing_ms": {}', text)

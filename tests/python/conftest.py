@@ -1,0 +1,62 @@
+"""Tests of the Python module. They run in the source tree, where assets/ is."""
+import os
+import pathlib
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(autouse=True)
+def in_the_tree(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.fixture(scope="session")
+def cube():
+    import palpa
+    return palpa.Scene(ROOT / "assets/cube.glb")
+
+
+@pytest.fixture(scope="session")
+def finger():
+    import palpa
+    return palpa.read_ply(ROOT / "assets/finger.ply")
+
+
+@pytest.fixture(scope="session")
+def openmpd():
+    import palpa
+    return palpa.Layout("openmpd")
+
+
+def pytest_collection_modifyitems(items):
+    """Long cases run where the matrix asks for every case."""
+    if os.environ.get("PALPA_EXHAUSTIVE"):
+        return
+    for item in items:
+        if "exhaustive" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="long: PALPA_EXHAUSTIVE=1 runs it"))
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "exhaustive: long, only with PALPA_EXHAUSTIVE=1")
+
+
+@pytest.fixture(scope="session")
+def sphere():
+    """Writes a sphere of 10 mm."""
+    import numpy as np
+    import palpa
+
+    def write(file):
+        corners = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+        triangles = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+        for _ in range(3):
+            a, b, c = (corners[triangles[:, i]] for i in range(3))
+            middle = np.stack([a, b, c, a + b, b + c, c + a], axis=1)
+            corners = (middle / np.linalg.norm(middle, axis=2, keepdims=True)).reshape(-1, 3)
+            triangles = (6 * np.arange(len(triangles))[:, None] + np.array([0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5])).reshape(-1, 3)
+        palpa.write_ply(file, 0.01 * corners, triangles)
+
+    return write

@@ -1,0 +1,148 @@
+"""Bad arrays and bad options: one clear message, of the right class, and nothing else happens."""
+import numpy as np
+import pytest
+
+import palpa
+
+
+def message(kind, call):
+    with pytest.raises(kind) as caught:
+        call()
+    text = str(caught.value)
+    assert "\n" not in text and 0 < len(text) < 500
+    return text
+
+
+@pytest.mark.parametrize("skin, says", [
+    (np.zeros((4, 2)), "shape (4, 2)"),
+    (np.zeros((2, 3, 1)), "shape (2, 3, 1)"),
+    (np.zeros(4), "shape (4,)"),
+    (np.float64(1), "shape ()"),
+    (np.zeros((4, 3), complex), "type complex128"),
+    (np.zeros((4, 3), bool), "type bool"),
+    (np.array([["a", "b", "c"]]), "type <U1"),
+    (np.array([[None, 1, 2]]), "type object"),
+    ([[1, 2, 3], [4, 5]], "not list"),
+    (object(), "shape ()"),
+    (np.array([[0, 0, 0], [0, np.nan, 0]]), "row 1 is not finite"),
+    (np.array([[np.inf, 0, 0]]), "row 0 is not finite"),
+    (np.broadcast_to(np.zeros(3), (10**12, 3)), "at most 16777216"),
+    (np.full((2, 3), 1e300), "vertex 0 lies beyond 3e38 m"),
+])
+def test_points(cube, skin, says):
+    assert says in message(ValueError, lambda: cube.touch(skin, backend="cpu"))
+
+
+@pytest.mark.parametrize("change", [
+    lambda a: a.astype(np.float32), lambda a: np.asfortranarray(a), lambda a: np.ascontiguousarray(a[:, ::-1])[:, ::-1],
+    lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: a.astype(">f8"), lambda a: a.tolist(), lambda a: a.view(np.matrix),
+])
+def test_any_memory_order_is_taken(cube, finger, change):
+    expected = cube.touch(finger.astype(np.float32).astype(float), penetration=3e-3, backend="cpu")
+    touch = cube.touch(change(finger.astype(np.float32).astype(float)), penetration=3e-3, backend="cpu")
+    assert np.array_equal(touch.contacts.depths, expected.contacts.depths)
+
+
+def test_an_array_is_not_changed(cube, finger):
+    mine = finger.copy()
+    mine.flags.writeable = False
+    cube.touch(mine, penetration=3e-3, backend="cpu")
+    assert np.array_equal(mine, finger)
+
+
+def test_no_points_touch_nothing(cube):
+    touch = cube.touch(np.zeros((0, 3)), backend="cpu")
+    assert len(touch.contacts) == 0 and touch.fingers == [] and touch.contacts.positions.shape == (0, 3)
+
+
+@pytest.mark.parametrize("drive, says", [
+    (np.ones(255, complex), "shape (255,)"),
+    (np.ones((256, 1), complex), "shape (256, 1)"),
+    (np.full(256, 1.001 + 0j), "entry 0 has the amplitude 1.001"),
+    (np.full(256, np.nan + 0j), "entry 0 has the amplitude nan"),
+    (np.array(["x"] * 256), "type <U1"),
+])
+def test_drives(openmpd, drive, says):
+    assert says in message(palpa.BadUsage, lambda: openmpd.field(drive, [0, 0, 0.15], backend="cpu"))
+
+
+@pytest.mark.parametrize("call, says", [
+    (lambda a: a.solve([0, 0, 0.15], gains=[1, 1]), "2 for 1 foci"),
+    (lambda a: a.solve([0, 0, 0.15], gains=[0]), "gain of 0"),
+    (lambda a: a.solve(np.zeros((0, 3)), backend="cpu"), "no focus"),
+    (lambda a: a.solve([0, 0, 1e3]), "farther than 100 m"),
+    (lambda a: a.solve(a.positions[3]), "transducer 3"),
+    (lambda a: a.solve([0, 0, 0.15], solver="best"), "naive"),
+    (lambda a: a.solve([0, 0, 0.15], solver="adjoint"), "finger is missing"),
+    (lambda a: a.solve([0, 0, 0.15], pressure=1e9), "out of range"),
+    (lambda a: a.solve([0, 0, 0.15], pressure=1e3, constraint="clamp"), "--constraint"),
+    (lambda a: a.solve([0, 0, 0.15], temperature=20, sound_speed=343), "--temperature"),
+    (lambda a: a.solve([0, 0, 0.15], backend="cpu", gpu="0"), "--gpu"),
+    (lambda a: a.solve([0, 0, 0.15], slover="naive"), "did you mean solver?"),
+    (lambda a: a.solve([0, 0, 0.15], json="-"), "no option 'json'"),
+    (lambda a: a.field(np.ones(256), np.zeros((0, 3)), backend="cpu"), "point"),
+    (lambda a: a.field(np.ones(256), [0, 0, 200.0], backend="cpu"), "100 m"),
+    (lambda a: a.field(np.ones(256), [0, 0, 0.15], solver="naive"), "no option 'solver'"),
+    (lambda a: a.field(np.ones(256), [0, 0, 0.15], no_absorption=True, humidity=30, backend="cpu"), "--humidity"),
+    (lambda a: a.field(np.ones(256), [0, 0, 0.15], no_absorption=1, backend="cpu"), "True or False"),
+    (lambda a: a.transfer([0, 0, 101.0]), "100 m"),
+    (lambda a: a.transfer(np.broadcast_to(0.1, (1 << 21, 3))), "give fewer at a time"),
+    (lambda a: a.moved(np.eye(3)), "shape (3, 3)"),
+    (lambda a: a.moved(2 * np.eye(4)), "no rigid transform"),
+    (lambda a: a.moved(np.full((4, 4), np.nan)), "no rigid transform"),
+    (lambda a: palpa.plane("zz", size=(1, 1)), "not one of xy, xz, yz"),
+    (lambda a: palpa.plane("xy", size=(1, 1), pixels=(1.5, 2)), "whole number"),
+    (lambda a: palpa.plane("xy", size=(0, 1)), "plane"),
+    (lambda a: palpa.line([0, 0, 0], [0, 0, 0]), "line"),
+    (lambda a: palpa.Mesh((np.zeros((3, 3)), [[0, 1, 3]])), "vertex 3, but there are 3"),
+    (lambda a: palpa.Mesh((np.zeros((3, 3)), [[0, 1, -1]])), "vertex -1"),
+    (lambda a: palpa.Mesh((np.zeros((3, 3)), [[0.0, 1, 2]])), "whole numbers"),
+    (lambda a: palpa.Mesh(3), "give a palpa.Mesh"),
+    (lambda a: palpa.Scene(3), "path"),
+    (lambda a: palpa.Scene("assets/cube.glb", parts=3), "--parts"),
+])
+def test_arguments(openmpd, call, says):
+    assert says in message(palpa.BadUsage, lambda: call(openmpd))
+
+
+@pytest.mark.parametrize("options, says", [
+    ({"foci": 0}, "--foci"), ({"foci": 2.5}, "--foci"), ({"foci": 10, "stride": 5}, "--stride"), ({"delta": "3kg"}, "--delta"),
+    ({"delta": float("nan")}, "--delta"), ({"method": "best"}, "cross-section"), ({"layout": "nowhere"}, "nowhere"), ({"pressure": 100}, "--layout"),
+    ({"spot": 1e-3}, "--spot"), ({"finger_width": 0.02}, "--finger-width"), ({"tune": "yes"}, "True or False"), ({"method": ""}, "empty"),
+    ({"delta": [1, 2]}, "--delta"), ({"delta": None, "dwell": -1}, "--dwell"), ({"penetration": 11}, "penetration"), ({"camera": "x.toml"}, "--camera"),
+])
+def test_options_of_a_touch(cube, finger, options, says):
+    assert says in message(palpa.Error, lambda: cube.touch(finger, backend="cpu", **options))
+
+
+def test_depth_images(cube):
+    camera = "assets/depth/camera.toml"
+    right = np.zeros((480, 848), np.uint16)
+    for bad, says in [(right.astype(np.int32), "uint16"), (right[:, 1:], "shape"), (right[None], "list"), (right.astype(float), "uint16")]:
+        message(ValueError, lambda: cube.touch(depth=bad, camera=camera, backend="cpu"))
+    assert "no skin" in message(palpa.BadUsage, lambda: cube.touch(backend="cpu"))
+    assert "exclude" in message(palpa.BadUsage, lambda: cube.touch(np.zeros((1, 3)), depth=right, camera=camera, backend="cpu"))
+
+
+def test_files_are_named(tmp_path):
+    broken = tmp_path / "a: b.glb"
+    broken.write_bytes(b"no model")
+    with pytest.raises(palpa.BadInput) as caught:
+        palpa.Scene(broken)
+    assert caught.value.file == str(broken) and caught.value.exit_code == 4 and str(caught.value).startswith(str(broken))
+    with pytest.raises(palpa.BadInput) as caught:
+        palpa.Layout("openmpd").read_drive(tmp_path / "missing.csv")
+    assert caught.value.file == str(tmp_path / "missing.csv")
+
+
+def test_classes():
+    assert issubclass(palpa.BadInput, palpa.Error) and issubclass(palpa.BadInput, ValueError)
+    assert issubclass(palpa.BadUsage, palpa.Error) and issubclass(palpa.BadUsage, ValueError)
+    assert issubclass(palpa.NoDevice, palpa.Error) and issubclass(palpa.NoDevice, RuntimeError)
+    assert palpa.Error.__module__ == "palpa"
+
+
+def test_no_device(cube, finger):
+    with pytest.raises(palpa.NoDevice) as caught:
+        cube.touch(finger, gpu="no such device")
+    assert caught.value.exit_code == 3

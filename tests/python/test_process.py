@@ -1,0 +1,215 @@
+"""Threads, signals, fork, the end of the interpreter, time, and what the module leaves behind."""
+import os
+import pathlib
+import signal
+import statistics
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import palpa
+from commands import ROOT
+
+
+def python(code, **more):
+    """Runs a program of its own."""
+    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False, **more)
+
+
+def test_import_is_quick():
+    code = ("import time, numpy; a = time.perf_counter(); import palpa; b = time.perf_counter(); print(b - a); "
+            "import sys; print('logging' in sys.modules)")
+    assert min(float(python(code).stdout.split()[0]) for _ in range(3)) < 0.05
+
+
+def test_a_touch_costs_little_more_than_in_cpp(cube, finger):
+    """`timing["total"]` is the time within the engine's function."""
+    ratios = []
+    for _ in range(300):
+        begin = time.perf_counter()
+        touch = cube.touch(finger, backend="cpu")
+        ratios.append((time.perf_counter() - begin) / touch.timing["total"])
+    # The limit is 1.2; other programs may run beside a test.
+    assert statistics.median(ratios) < 1.5
+
+
+def test_the_lock_is_released(openmpd):
+    """Python runs while the engine computes."""
+    drive = openmpd.drive([0, 0, 0.15], backend="cpu")
+    plane = palpa.plane("xy", centre=(0, 0, 0.15), size=(0.2, 0.2), pixels=(400, 400))
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    openmpd.field(drive, plane, backend="cpu")
+    end = time.perf_counter()
+    done.set()
+    thread.join()
+    assert end - begin > 0.005 and len([t for t in ticks if begin < t < end]) > 3
+
+
+def test_many_threads(cube, finger, openmpd):
+    expected = cube.touch(finger, penetration=3e-3, backend="cpu").contacts.depths
+    drive = openmpd.drive([0, 0, 0.15], backend="cpu")
+    faults = []
+
+    def work():
+        try:
+            for _ in range(20):
+                assert np.array_equal(cube.touch(finger, penetration=3e-3, backend="cpu", foci=7).contacts.depths, expected)
+                assert np.array_equal(openmpd.drive([0, 0, 0.15], backend="cpu"), drive)
+                with pytest.raises(palpa.BadUsage):
+                    cube.touch(finger, delta=-1, backend="cpu")
+        except BaseException as fault:  # pylint: disable=broad-except
+            faults.append(fault)
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not faults
+
+
+def test_two_threads_share_the_device(openmpd):
+    expected = openmpd.drive([0, 0, 0.15])
+    same = []
+    threads = [threading.Thread(target=lambda: same.append(all(np.array_equal(openmpd.drive([0, 0, 0.15]), expected) for _ in range(3))))
+               for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert same == [True, True]
+
+
+def test_fork_is_refused(cube, finger):
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            cube.touch(finger, backend="cpu")
+            os.write(write, b"computed")
+        except palpa.Error as error:
+            os.write(write, str(error).encode())
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    assert b"spawn" in os.read(read, 1000)
+    os.close(read)
+    os.close(write)
+
+
+def test_a_forked_process_ends():
+    """Its objects are destroyed without their threads and devices."""
+    code = """
+import os, palpa
+openmpd = palpa.Layout("openmpd")
+field = openmpd.field(openmpd.drive([0, 0, 0.15]), [0, 0, 0.15])
+child = os.fork()
+if child == 0:
+    del field
+    raise SystemExit(7)
+print(os.waitpid(child, 0)[1] >> 8)
+"""
+    done = python(code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "7\n", "")
+
+
+LONG = """
+import palpa, numpy as np
+openmpd = palpa.Layout("openmpd")
+drive = openmpd.drive([0, 0, 0.15], backend="cpu")
+print("ready", flush=True)
+"""
+
+
+def test_ctrl_c_ends_a_long_computation():
+    code = LONG + """
+try:
+    palpa.simulate(palpa.Scene("assets/cube.glb"), "assets/finger.ply", backend="cpu")
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.readline()
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert out in {"interrupted\n", "finished\n"} and err == "" and process.returncode == 0
+
+
+def test_the_interpreter_ends_while_threads_compute():
+    code = LONG + """
+import threading
+def work():
+    plane = palpa.plane("xy", centre=(0, 0, 0.15), size=(0.2, 0.2), pixels=(400, 400))
+    while True:
+        openmpd.field(drive, plane, backend="cpu")
+for _ in range(3):
+    threading.Thread(target=work, daemon=True).start()
+import time; time.sleep(0.2)
+"""
+    for _ in range(3):
+        done = python(code)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "ready\n", "")
+
+
+def test_garbage_in_any_order():
+    code = """
+import gc, palpa
+scene = palpa.Scene("assets/cube.glb")
+touch = scene.touch(palpa.read_ply("assets/finger.ply"), penetration=3e-3)
+fingers, contacts, solid = touch.fingers, touch.contacts, scene[0]
+del scene, touch
+gc.collect()
+foci, vertices = fingers[0].foci, solid.vertices
+del fingers, solid
+gc.collect()
+print(foci.shape, vertices.shape, len(contacts))
+"""
+    done = python(code)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("(10, 3) (8, 3) ")
+
+
+def test_the_module_prints_nothing():
+    done = python("import palpa; palpa.Scene('assets/cube.glb').touch([0, 1, 0], backend='cpu', dwell=0.1)")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    loud = python("import palpa; palpa.set_log_level('warning'); palpa.Scene('assets/cube.glb').touch([0, 1, 0], backend='cpu', dwell=0.1)")
+    assert loud.stderr.startswith("palpa: warning: ")
+
+
+def test_stubs_have_every_name():
+    text = pathlib.Path(palpa.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    for name in palpa.__all__:
+        assert f"class {name}" in text or f"def {name}(" in text, name
+    assert "finger_gap: float | str | None = ..." in text and '-> NDArray[np.complex128]: ...' in text
+
+
+def test_every_name_has_a_docstring():
+    for name in palpa.__all__:
+        value = getattr(palpa, name)
+        assert value.__doc__, name
+        if not isinstance(value, type) or issubclass(value, BaseException):
+            continue
+        for member, inner in vars(value).items():
+            if not member.startswith("_"):
+                assert inner.__doc__ or getattr(inner, "__func__", inner).__doc__, f"{name}.{member}"
+
+
+@pytest.mark.exhaustive
+def test_stubs_with_mypy(tmp_path):
+    pytest.importorskip("mypy")
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "palpa", "--allowlist", str(ROOT / "tests/python/stubtest.txt")], cwd=tmp_path,
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout

@@ -1,0 +1,291 @@
+"""Sessions, frame by frame and live."""
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import palpa
+from commands import ROOT, run
+
+
+def pressed(skin, depth):
+    """The skin with its lowest point `depth` below y = 0."""
+    return skin + [0, -depth - skin[:, 1].min(), 0]
+
+
+def test_frame_by_frame(cube, finger):
+    session = palpa.Session(cube, backend="cpu", layout="openmpd")
+    kinds = []
+    for n, depth in enumerate([-1e-3, 1e-3, 2e-3, 2e-3, -1e-3]):
+        touch = session.touch(pressed(finger, depth), n / 90)
+        kinds += [event.kind for event in session.events]
+        if depth > 0:
+            assert [one.id for one in touch.fingers] == [0] and touch.time == n / 90
+            assert session.drives.shape[1] == 256 and 0 < np.abs(session.drives).max() <= 1 + 1e-12
+        else:
+            assert touch.fingers == []
+    assert kinds[0] == "touch" and "move" in kinds
+    assert kinds[-1] == "release" or [event.kind for event in session.end()] == ["release"]
+
+
+def test_a_solid_moves(cube, finger):
+    session = palpa.Session(cube, backend="cpu")
+    skin = pressed(finger, 1e-3)
+    before = session.touch(skin, 0).contacts.depths.max()
+    lower = np.eye(4)
+    lower[1, 3] = -2e-3
+    session.set_pose("cube", lower)
+    assert len(session.touch(skin, 0.01).contacts) == 0
+    session.set_pose(0, np.eye(4))
+    assert session.touch(skin, 0.02).contacts.depths.max() == pytest.approx(before, abs=1e-6)
+    for pose in (2 * np.eye(4), np.eye(3)):
+        with pytest.raises(palpa.BadUsage):
+            session.set_pose(0, pose)
+    with pytest.raises(KeyError):
+        session.set_pose("sphere", np.eye(4))
+
+
+def test_misuse(cube, finger):
+    session = palpa.Session(cube, backend="cpu")
+    for call in (lambda: session.touch(finger, np.nan), lambda: session.touch(), lambda: session.touch(depth=[]), lambda: session.run(),
+                 lambda: session.wait(), lambda: session.set_gain(1), lambda: palpa.Session(cube, link="null:x", backend="cpu"),
+                 lambda: palpa.Session(cube, record="take", backend="cpu"), lambda: palpa.Session(cube, source="synthetic", depth=True),
+                 lambda: palpa.Session(cube, frames=3)):
+        with pytest.raises(palpa.BadUsage):
+            call()
+    live = palpa.Session(cube, source="nowhere", backend="cpu")
+    with pytest.raises(palpa.BadUsage, match="nowhere"):
+        live.run(frames=1)
+
+
+def cross(finger):
+    """Four foci around the centroid, along the axes of the cross-section."""
+    arms = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]) @ finger.axes
+    return finger.centroid + 4e-3 * arms
+
+
+def test_a_method_of_ones_own(cube, finger):
+    session = palpa.Session(cube, method=cross, layout="openmpd", backend="cpu")
+    (one,) = session.touch(pressed(finger, 2e-3)).fingers
+    assert np.allclose(one.foci, cross(one), atol=1e-7) and np.allclose(one.played_foci, one.foci)
+    assert one.positions.shape == (len(one.contacts), 3) and np.allclose(one.positions.mean(axis=0), one.centroid, atol=1e-6)
+    assert sorted(one.order.tolist()) == [0, 1, 2, 3] and session.drives.shape == (4, 256)
+    moved = []
+    live(cube, method=cross).run(frames=8, on_frame=lambda touch: moved.extend(len(finger.foci) for finger in touch.fingers))
+    assert set(moved) == {4}
+
+
+@pytest.mark.parametrize("method, kind, says", [
+    (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "0 foci"), (lambda finger: np.zeros((65, 3)), palpa.BadUsage, "65 foci"),
+    (lambda finger: np.full((2, 3), np.nan), palpa.BadUsage, "not finite"), (lambda finger: [[0, 0, 200.0]], palpa.BadUsage, "100 m"),
+    (lambda finger: "ring", palpa.BadUsage, "method"), (lambda finger: finger.nothing, AttributeError, "nothing"),
+])
+def test_what_a_method_returns_is_checked(cube, finger, method, kind, says):
+    session = palpa.Session(cube, method=method, backend="cpu")
+    for _ in range(2):  # the session goes on
+        with pytest.raises(kind, match=says):
+            session.touch(pressed(finger, 2e-3))
+    with pytest.raises(kind, match=says):
+        live(cube, method=method).run(frames=8)
+
+
+def focusing(transfer, gains):
+    """All transducers in full, in phase at the foci on the whole."""
+    drive = np.conj(transfer.T @ gains)
+    return drive / np.maximum(np.abs(drive), 1e-12)
+
+
+def test_a_solver_of_ones_own(cube, finger, openmpd):
+    foci = [[0, 0, 0.15], [0.02, 0, 0.15]]
+    own = openmpd.solve(foci, [1, 0.5], solver=focusing)
+    assert np.allclose(own.vector, focusing(openmpd.transfer(foci), np.array([1, 0.5])), atol=1e-6)
+    assert np.allclose(own.pressures, np.abs(openmpd.transfer(foci) @ own.vector), rtol=1e-4)
+    session = palpa.Session(cube, solver=focusing, layout="openmpd", backend="cpu")
+    session.touch(pressed(finger, 2e-3))
+    assert session.drives.shape == (10, 256) and np.allclose(np.abs(session.drives), 1, atol=1e-6)
+    for solver, says in ((lambda g, a: np.ones(3), "shape"), (lambda g, a: 2 * np.ones(256), "amplitude 2"), (lambda g, a: np.full(256, np.nan), "nan")):
+        with pytest.raises(palpa.BadUsage, match=says):
+            openmpd.solve(foci, solver=solver)
+    with pytest.raises(ZeroDivisionError):
+        openmpd.drive(foci, solver=lambda g, a: 1 / 0)
+    with pytest.raises(palpa.BadUsage):
+        live(cube, solver=focusing)
+
+
+def live(cube, **options):
+    return palpa.Session(cube, **{"source": "synthetic", "every_frame": True, "backend": "cpu", "layout": "openmpd"} | options)
+
+
+def test_live_frames_are_those_of_the_export(cube):
+    touches, events = [], []
+    stats = live(cube, noise_free=True).run(frames=12, on_frame=touches.append, on_event=events.append)
+    assert stats.frames == 12 == len(touches) and stats.drives > 0 and '"frames"' in stats.json()
+    foci = palpa.export(cube, "synthetic", frames=12, noise_free=True, backend="cpu", layout="openmpd").foci
+    rows = [(touch.time, *focus) for touch in touches for finger in touch.fingers for focus in finger.played_foci]
+    assert len(rows) == len(foci["x"]) > 0
+    times = np.array([row[0] for row in rows])
+    assert np.allclose(times - times[0], foci["time"] - foci["time"][0], atol=1e-9)
+    assert np.allclose([row[1:] for row in rows], np.stack([foci["x"], foci["y"], foci["z"]], axis=1), atol=1e-7)
+    assert {event.kind for event in events} <= {"touch", "move", "press", "release"} and events[0].kind == "touch"
+
+
+def drives_in(file, transducers=256):
+    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md."""
+    data = file.read_bytes()
+    assert data[:8] == b"palpadrv"
+    (version, count) = struct.unpack_from("<II", data, 8)
+    assert (version, count) == (1, transducers)
+    slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
+    return np.frombuffer(data[24:], slot)["drive"][:, :, 0]
+
+
+def test_the_gain_multiplies_amplitudes_and_the_last_drive_is_silent(cube, tmp_path):
+    file = tmp_path / "drives.bin"
+    session = live(cube, link=f"record:{file}", noise_free=True)
+    session.set_gain(0.25)
+    session.run(frames=12)
+    amplitudes = drives_in(file)
+    assert amplitudes.max() == pytest.approx(0.25, rel=1e-6) and amplitudes[-1].max() == 0
+
+
+def test_false_ends_a_run(cube):
+    seen = []
+
+    def on_frame(touch):
+        seen.append(touch)
+        return len(seen) < 3
+
+    assert live(cube).run(on_frame=on_frame).frames >= 3 and 3 <= len(seen) <= 5
+
+
+def test_an_exception_of_a_callback_is_raised_again(cube):
+    session = live(cube)
+
+    def on_frame(touch):
+        raise LookupError("mine")
+
+    with pytest.raises(LookupError, match="mine"):
+        session.run(on_frame=on_frame)
+    assert not session.running
+    assert session.run(frames=2).frames == 2  # it can run again
+
+
+def test_from_other_threads(cube):
+    session = live(cube, every_frame=False)
+    with session:
+        session.start()
+        assert session.running
+        with pytest.raises(palpa.BadUsage):
+            session.start()
+        begin = time.perf_counter()
+        workers = [threading.Thread(target=lambda: [session.set_gain(0.5), session.set_aim([0, 1e-3, 0]), session.set_pose(0, np.eye(4))])
+                   for _ in range(4)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        assert time.perf_counter() - begin < 0.5
+        session.stop()
+        session.wait()
+    assert not session.running
+
+
+def test_two_sessions_at_a_time(cube):
+    one, two = live(cube), live(cube)
+    one.start(frames=5)
+    two.start(frames=5)
+    assert one.wait().frames == two.wait().frames == 5
+
+
+def test_points_pushed_into_a_run(cube, finger, tmp_path):
+    file = tmp_path / "drives.bin"
+    session = palpa.Session(cube, source="points", layout="openmpd", link=f"record:{file}", backend="cpu")
+    with pytest.raises(palpa.BadUsage, match="start"):
+        session.push_points(finger)
+    touches, kinds = [], []
+    arrived = threading.Event()
+
+    def on_frame(touch):
+        touches.append(touch)
+        arrived.set()
+
+    with session:
+        session.start(on_frame=on_frame, on_event=lambda event: kinds.append(event.kind))
+        for n, depth in enumerate([1e-3, 2e-3, -5e-3]):
+            arrived.clear()
+            begin = time.perf_counter()
+            session.push_points(pressed(finger, depth), n / 90)
+            assert time.perf_counter() - begin < 0.1
+            assert arrived.wait(10)
+            time.sleep(0.03)
+        for bad in (finger[:, :2], finger * np.nan):
+            with pytest.raises(palpa.BadUsage):
+                session.push_points(bad)
+        session.stop()
+        stats = session.wait()
+    assert stats.frames == 3 == len(touches) and stats.touching == 2 and [touch.time for touch in touches] == [0, 1 / 90, 2 / 90]
+    # The same contacts as frame by frame, and a sound that ends in silence.
+    alone = palpa.Session(cube, backend="cpu").touch(pressed(finger, 1e-3))
+    assert np.array_equal(alone.contacts.indices, touches[0].contacts.indices)
+    amplitudes = drives_in(file)
+    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0
+    assert kinds[0] == "touch" and kinds[-1] == "release"
+
+
+@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}, {"hold": "auto"}])
+def test_options_that_points_do_not_have(cube, options):
+    with pytest.raises(palpa.BadUsage):
+        palpa.Session(cube, source="points", backend="cpu", **options)
+
+
+PROGRAM = """
+import palpa, sys
+scene = palpa.Scene("assets/cube.glb")
+session = palpa.Session(scene, source="synthetic", backend="cpu", layout="openmpd")
+def on_frame(touch):
+    if not on_frame.told:
+        print("runs", flush=True)
+        on_frame.told = True
+on_frame.told = False
+"""
+
+
+def test_ctrl_c():
+    code = PROGRAM + """
+try:
+    session.run(on_frame=on_frame)
+except KeyboardInterrupt:
+    print("interrupted", session.running)
+"""
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "runs\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    assert (out, err, process.returncode) == ("interrupted False\n", "", 0)
+
+
+@pytest.mark.parametrize("end", ["", "del session", "sys.exit(0)", "import gc; del session; gc.collect()"])
+def test_the_interpreter_ends_while_a_session_runs(end):
+    code = PROGRAM + "session.start(on_frame=on_frame)\nimport time\nwhile not on_frame.told: time.sleep(0.01)\n" + end
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=30, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "runs\n", "")
+
+
+def test_a_recording_exported(cube, tmp_path):
+    recording = palpa.Recording("assets/depth/take")
+    result = palpa.export(cube, recording, backend="cpu")
+    file = tmp_path / "foci.csv"
+    json = run(["export", "--scene", "assets/cube.glb", "--source", "recording:assets/depth/take", "--foci", str(file), "--backend", "cpu",
+                "--json", "-"])
+    assert result.json() == json
+    table = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    foci = result.foci
+    assert len(table) == len(foci["x"]) > 50
+    for column in ("x", "y", "z"):
+        assert np.allclose(table[column], foci[column], atol=1e-7)
+    assert len(recording) == 12 and recording.times.shape == (12,)

@@ -1,0 +1,170 @@
+// The prediction of fingertips on the shared recordings, relative to the newest place that was seen.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "hand_motion.hpp"
+#include "session/predict/motion_filter.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::session {
+namespace {
+
+using palpa::test::PredictionError;
+using palpa::test::TipPath;
+using palpa::test::TipPredictor;
+
+TipPredictor filtered(double noise_m) {
+  const auto filter = std::make_shared<MotionFilter>(MotionNoise{.place_m = noise_m});
+  return {[filter](double t, const Vec3& place) { filter->see(t, place); },
+          [filter](double ahead) { return filter->at(ahead); }};
+}
+
+PredictionError on(const std::vector<TipPath>& paths, double ahead_s, double noise_m, double assumed_m) {
+  return error_of(
+      paths, [=] { return filtered(assumed_m); }, ahead_s, noise_m);
+}
+
+std::string text_of(const PredictionError& error, double ahead_s, double noise_m) {
+  return fmt::format("{} s, {} m: move {:.2f}, median {:.2f}, rest {:.2f}, turn {:.2f}", ahead_s, noise_m, error.move,
+                     error.median, error.rest, error.turn);
+}
+
+std::vector<TipPath> thinned(const std::vector<TipPath>& paths, double rate_hz) {
+  std::vector<TipPath> out;
+  for (const TipPath& path : paths) {
+    const double own = static_cast<double>(path.time_s.size() - 1) / (path.end_s() - path.begin_s());
+    out.push_back(path.thinned(static_cast<std::size_t>(std::lround(own / rate_hz))));
+  }
+  return out;
+}
+
+TEST(MotionFilter, HalvesTheErrorOfMarkersWhileTheyMove) {
+  PALPA_SHARED_OR_SKIP(data, "hand-motion");
+  const auto tips = test::marker_tips();
+  ASSERT_EQ(tips.size(), 16U);
+  for (const double noise : {0.1e-3, 0.2e-3, 0.3e-3}) {
+    for (const double ahead : {20e-3, 30e-3, 50e-3}) {
+      const PredictionError error = on(tips, ahead, noise, noise);
+      ASSERT_GT(error.moves, 1000U);
+      ASSERT_GT(error.rests, 1000U);
+      ASSERT_GT(error.turns, 5U);
+      SCOPED_TRACE(text_of(error, ahead, noise));
+      EXPECT_LE(error.rest, 1.1);
+      EXPECT_LE(error.turn, 1.1);
+      EXPECT_LE(error.move, ahead <= 30e-3 ? 0.5 : 0.6);
+      EXPECT_LE(error.median, 0.5);
+    }
+  }
+}
+
+TEST(MotionFilter, PredictsAtTheRatesOfSlowCameras) {
+  PALPA_SHARED_OR_SKIP(data, "hand-motion");
+  const auto tips = thinned(test::marker_tips(), 30);
+  for (const double ahead : {30e-3, 50e-3}) {
+    const PredictionError error = on(tips, ahead, 0.3e-3, 0.3e-3);
+    SCOPED_TRACE(text_of(error, ahead, 0.3e-3));
+    EXPECT_LE(error.move, ahead <= 30e-3 ? 0.55 : 0.65);
+    EXPECT_LE(error.rest, 1.1);
+    EXPECT_LE(error.turn, 1.1);
+  }
+}
+
+TEST(MotionFilter, PredictsWhatATrackerSees) {
+  PALPA_SHARED_OR_SKIP(data, "hand-motion");
+  const auto tips = test::leap_tips();
+  ASSERT_GT(tips.size(), 30U);
+  for (const double ahead : {20e-3, 30e-3, 50e-3}) {
+    const PredictionError error = on(tips, ahead, 0, 0.1e-3);
+    SCOPED_TRACE(text_of(error, ahead, 0));
+    ASSERT_GT(error.moves, 5000U);
+    EXPECT_LE(error.move, ahead <= 30e-3 ? 0.55 : 0.65);
+    EXPECT_LE(error.median, ahead <= 30e-3 ? 0.5 : 0.55);
+    EXPECT_LE(error.rest, 1.1);
+    EXPECT_LE(error.turn, 1.1);
+  }
+}
+
+/// The sensor's noise is known only roughly.
+TEST(MotionFilter, ToleratesAWrongNoise) {
+  PALPA_SHARED_OR_SKIP(data, "hand-motion");
+  const auto tips = test::marker_tips();
+  for (const double noise : {0.1e-3, 0.3e-3}) {
+    for (const double assumed : {0.2e-3, 0.4e-3}) {
+      const PredictionError error = on(tips, 30e-3, noise, assumed);
+      SCOPED_TRACE(text_of(error, assumed, noise));
+      EXPECT_LE(error.move, 0.55);
+      EXPECT_LE(error.rest, 1.2);
+      EXPECT_LE(error.turn, 1.2);
+    }
+  }
+}
+
+/// A point that moves at a constant speed, as a camera of this rate sees it.
+void see_motion(MotionFilter& filter, const Vec3& velocity, double from_s, double to_s, double rate_hz, double noise_m,
+                std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  for (double t = from_s; t < to_s; t += 1 / rate_hz)
+    filter.see(t, velocity * t + noise_m * Vec3(normal(random), normal(random), normal(random)));
+}
+
+TEST(MotionFilter, FollowsASteadyMotionAndPredictsNothingAtRest) {
+  for (const double rate : {30.0, 90.0}) {
+    for (const double noise : {0.1e-3, 0.3e-3}) {
+      double sum = 0;
+      for (std::uint32_t seed = 0; seed < 20; ++seed) {
+        MotionFilter moving({.place_m = noise}), still({.place_m = noise});
+        see_motion(moving, {0.2, 0, 0}, 0, 0.5, rate, noise, seed);
+        sum += moving.velocity().x / 20;
+        see_motion(still, Vec3(0), 0, 0.5, rate, noise, seed);
+        EXPECT_LT(glm::length(still.velocity()) * 60e-3, 1.5 * noise) << "hardly more than the noise";
+      }
+      EXPECT_LT(sum, 0.95 * 0.2) << "the factor of the prediction";
+      EXPECT_GT(sum, (rate > 50 ? 0.6 : 0.35) * 0.2) << "at a low rate, less is certain";
+    }
+  }
+}
+
+TEST(MotionFilter, KnowsNoSpeedAtFirst) {
+  MotionFilter filter;
+  EXPECT_EQ(filter.velocity(), Vec3(0));
+  filter.see(1, {0.1, 0.2, 0.3});
+  EXPECT_EQ(filter.velocity(), Vec3(0));
+  EXPECT_EQ(filter.at(0.06), Vec3(0.1, 0.2, 0.3));
+  filter.see(1.011, {0.1004, 0.2, 0.3});
+  EXPECT_LT(glm::length(filter.velocity()), 0.01) << "one step of a millimetre may be noise";
+}
+
+TEST(MotionFilter, RestartsWhenTheClockJumpsAndStandsWhenItStands) {
+  MotionFilter filter;
+  for (const double jump_s : {-1e-3, -3600.0, 3600.0, 0.2}) {
+    filter.restart();
+    see_motion(filter, {0, 0.3, 0}, 0, 0.3, 90, 0, 1);
+    EXPECT_GT(filter.velocity().y, 0.2);
+    const double last_s = 26.0 / 90;
+    filter.see(last_s + jump_s, {0, 0.09, 0});
+    EXPECT_EQ(filter.velocity(), Vec3(0)) << jump_s;
+    EXPECT_EQ(filter.place(), Vec3(0, 0.09, 0));
+  }
+  filter.restart();
+  for (int k = 0; k < 50; ++k) {  // a clock that stands still says nothing about speed
+    filter.see(5, {0.004 * k, 0, 0});
+    EXPECT_EQ(filter.velocity(), Vec3(0));
+  }
+}
+
+TEST(MotionFilter, IsNeverFasterThanAHand) {
+  MotionFilter filter;
+  see_motion(filter, {60, 0, 0}, 0, 0.3, 90, 0, 1);
+  EXPECT_NEAR(glm::length(filter.velocity()), MotionFilter::most_speed, 1e-9);
+}
+
+}  // namespace
+}  // namespace palpa::session

@@ -1,0 +1,148 @@
+// A session live from points that are pushed, a loudness that changes while a link plays, and a method of the caller's.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "fakes.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "session/links/gain_link.hpp"
+#include "session/points_run.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::session {
+namespace {
+
+std::vector<geometry::Solid> touchable_cube() {
+  return geometry::make_solids(geometry::load_gltf(test::source_file("assets/cube.glb")));
+}
+
+/// The finger model with its tip at this height.
+std::vector<glm::vec3> pushed_finger(double y) {
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : geometry::read_ply(test::source_file("assets/finger.ply")).positions)
+    points.emplace_back(p + Vec3(0, y, 0));
+  return points;
+}
+
+struct PointsPlay {
+  Session session{{.solids = touchable_cube(), .layout = test::small_layout()}};
+  PushedPoints source;
+  test::SpyLink link;
+  std::atomic<bool> stop{false};
+  std::vector<EventKind> kinds;
+  std::vector<std::uint32_t> fingers;
+
+  LoopStats play(std::uint64_t frames) {
+    return run_points(session, source, link, stop,
+                      {.frames = frames,
+                       .events =
+                           [&](std::span<const Event> events) {
+                             for (const Event& event : events)
+                               kinds.push_back(event.kind);
+                           },
+                       .planned =
+                           [&](const FrameReport& frame, const Plan&) {
+                             fingers.push_back(frame.touch->finger_count);
+                             while (link.most == 0 && frame.touch->finger_count > 0 && fingers.size() > 1 && !stop)
+                               std::this_thread::yield();
+                             if (fingers.size() < 3)
+                               source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
+                           }});
+  }
+};
+
+TEST(PointsRun, PlaysWhatIsPushedAndEndsInSilence) {
+  PointsPlay run;
+  run.source.push(pushed_finger(-0.001), 0);
+  const LoopStats stats = run.play(3);
+  EXPECT_EQ(stats.captured, 3U);
+  EXPECT_EQ(stats.touching, 2U);
+  EXPECT_EQ(run.fingers, (std::vector<std::uint32_t>{1, 1, 0}));
+  EXPECT_GT(run.link.most, 0.0F);
+  EXPECT_TRUE(run.link.ended_silent());
+  EXPECT_TRUE(run.link.finished);
+  ASSERT_FALSE(run.kinds.empty());
+  EXPECT_EQ(run.kinds.front(), EventKind::touch);
+  EXPECT_EQ(run.kinds.back(), EventKind::release);
+}
+
+TEST(PointsRun, EndsWithTheErrorOfItsLink) {
+  PointsPlay run;
+  run.link.fail_at = 0;
+  EXPECT_THROW(run.play(3), Error);
+  EXPECT_TRUE(run.stop);
+}
+
+TEST(PointsRun, TheNewestFrameWins) {
+  PushedPoints source;
+  EXPECT_FALSE(source.push({{0, 0, 0}}, 1));
+  EXPECT_TRUE(source.push({{0, 0, 0}, {1, 0, 0}}, 2));
+  std::vector<glm::vec3> points;
+  double time_s = 0;
+  EXPECT_TRUE(source.take(points, time_s, 0));
+  EXPECT_EQ(points.size(), 2U);
+  EXPECT_EQ(time_s, 2);
+  EXPECT_FALSE(source.take(points, time_s, 0.001));
+}
+
+TEST(PointsRun, NeedsAnArray) {
+  Session session({.solids = touchable_cube()});
+  PushedPoints source;
+  test::SpyLink link;
+  std::atomic<bool> stop{false};
+  EXPECT_THROW(run_points(session, source, link, stop), Error);
+}
+
+TEST(GainLink, MultipliesPlansAndDrives) {
+  auto owned = std::make_unique<test::SpyLink>();
+  test::SpyLink& spy = *owned;
+  std::atomic<double> gain{1};
+  GainLink link(std::move(owned), gain);
+  const array::Drive drive{{1.0F, 0.5F}, {0.5F, -3.0F}, {0.0F, 3.0F}};
+  Plan touch;
+  touch.schedule = test::touching(Vec3(0, 0.15, 0));
+  touch.cycle.length = 1;
+  touch.drives = drive;
+  link.plan(played(touch, 3, 0, 60));
+  link.send(0, drive);
+  gain = 0.25;
+  link.plan(played(touch, 3, 1, 60));
+  link.send(1, drive);
+  link.finish();
+  ASSERT_EQ(spy.plans.size(), 2U);
+  EXPECT_EQ(spy.plans[0].schedule, &touch.schedule) << "at a gain of 1, nothing is copied";
+  EXPECT_EQ(spy.sent[0], drive.data());
+  EXPECT_EQ(spy.plans[0].gain, 1);
+  EXPECT_EQ(spy.plans[1].gain, 0.25);
+  EXPECT_EQ(spy.plans[1].loudest, 0.25F);
+  EXPECT_EQ(spy.loudest, (std::vector<float>{1.0F, 0.25F}));
+  EXPECT_TRUE(spy.finished);
+}
+
+TEST(OwnMethod, PlacesTheFociOfASession) {
+  SessionSetting setting{.solids = touchable_cube()};
+  setting.schedule.own_method = [](const touch::Touch&, const touch::Finger& finger, touch::Placement& out) {
+    out.foci.clear();
+    for (int i = 0; i < 4; ++i)
+      out.foci.push_back(
+          {.position = finger.section.centroid + glm::vec3(0.001F * static_cast<float>(i), 0, 0), .points = 1});
+    out.complete = true;
+    out.together = false;
+  };
+  Session session(std::move(setting));
+  ASSERT_EQ(session.touch(pushed_finger(-0.001), 0).finger_count, 1U);
+  const array::Voice& voice = session.schedule().voices[0];
+  ASSERT_EQ(voice.foci.size(), 4U);
+  EXPECT_NEAR(voice.foci[3].x - voice.foci[0].x, 0.003, 1e-6);
+  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace palpa::session

@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/locked_bytes.hpp"
+#include "base/sha256.hpp"
+#include "base/version.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "sweep/hdf5_table.hpp"
+
+namespace palpa::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SweepGather : public testing::Test {
+ protected:
+  fs::path folder_ =
+      scratch_folder(std::string("gather-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path plan_ = folder_ / "plan.toml";
+  std::string out_ = folder_ / "out";
+  void SetUp() override {
+    const std::string layout = "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n";
+    write_text(folder_ / "my,layout.toml", layout);
+    write_text(plan_,
+               "command = \"drive\"\n[options]\nfocus = \"0,0,100mm\"\n[vary]\n"
+               "layout = [\"openmpd\", \"my,layout.toml\"]\npressure = [500, \"1kPa\"]\n");
+  }
+  Result sweep(const std::vector<std::string>& more) const {
+    return palpa_here(with({"sweep", plan_.string(), "--out", out_}, more));
+  }
+};
+
+TEST_F(SweepGather, ResultsThatAreMissingAreToldOrLeftOut) {
+  expect_failure(sweep({"--gather", folder_ / "t.csv"}), 1, "has no result of this plan; compute it first");
+  sweep({"--backend", "cpu", "--shard", "0/2"});
+  expect_failure(sweep({"--gather", folder_ / "t.csv"}), 1,
+                 "2 of 4 cases have no result yet; run the sweep again, or give --partial");
+  EXPECT_FALSE(fs::exists(folder_ / "t.csv"));
+  const Result partial = sweep({"--gather", folder_ / "t.csv", "--partial"});
+  EXPECT_EQ(partial.out, "2 rows; 2 without a result\n");
+  expect_failure(sweep({"--gather", folder_ / "t.txt"}), 2, "must end in .csv");
+  expect_failure(sweep({"--gather", folder_ / "other.csv", "--partial"}), 1,
+                 "ro-crate-metadata.json: describes other results than other.csv; gather into another folder");
+}
+
+TEST_F(SweepGather, TwoAtATimeAreRefused) {
+  sweep({"--backend", "cpu"});
+  LockedBytes lock(fs::path(out_) / "gather-lock");
+  ASSERT_TRUE(lock.try_lock(0));
+  expect_failure(sweep({"--gather", folder_ / "t.csv"}), 1, "another palpa sweep --gather works on it");
+  lock.unlock(0);
+  EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
+}
+
+TEST_F(SweepGather, TheProvenanceSaysWhereResultsComeFrom) {
+  for (const char* shard : {"0/2", "1/2"})
+    sweep({"--backend", "cpu", "--shard", shard});
+  fs::create_directory(folder_ / "crate");
+  EXPECT_EQ(sweep({"--gather", folder_ / "crate/t.csv"}).out, "4 rows\n");
+  const std::string csv = read_text(folder_ / "crate/t.csv");
+  EXPECT_NE(csv.find(",\"my,layout.toml\",500,1,"), std::string::npos) << csv;
+  EXPECT_EQ(read_text(folder_ / "crate/plan.toml"), read_text(plan_));
+  const std::string provenance = read_text(folder_ / "crate/provenance.csv");
+  EXPECT_TRUE(provenance.starts_with("id,state,took_s,ended,run,host,device,error\n"));
+  EXPECT_NE(provenance.find(",the processor,\n"), std::string::npos);
+
+  const auto crate = nlohmann::json::parse(read_text(folder_ / "crate/ro-crate-metadata.json"));
+  EXPECT_EQ(crate["@context"], "https://w3id.org/ro/crate/1.1/context");
+  std::map<std::string, nlohmann::json> entities;
+  int actions = 0;
+  for (const auto& entity : crate["@graph"]) {
+    EXPECT_TRUE(entities.emplace(entity["@id"], entity).second) << entity["@id"] << " is there twice";
+    actions += entity["@type"] == "CreateAction" ? 1 : 0;
+  }
+  EXPECT_EQ(actions, 2);
+  EXPECT_EQ(entities.at("ro-crate-metadata.json")["about"]["@id"], "./");
+  EXPECT_EQ(entities.at("#palpa")["version"], version());
+  for (const char* file : {"t.csv", "plan.toml", "provenance.csv"}) {
+    EXPECT_EQ(entities.at(file)["sha256"], sha256(read_text(folder_ / "crate" / file))) << file;
+    EXPECT_EQ(entities.at(file)["@type"], "File");
+  }
+  EXPECT_EQ(entities.at("#input-1")["name"], "my,layout.toml");
+  EXPECT_EQ(entities.at("#input-1")["sha256"], sha256(read_text(folder_ / "my,layout.toml")));
+  // Every reference leads to an entity of the crate, or away from it.
+  for (const auto& [id, entity] : entities) {
+    for (const auto& [key, value] : entity.items()) {
+      const auto check = [&](const nlohmann::json& one) {
+        if (!one.is_object() || !one.contains("@id")) return;
+        const std::string to = one["@id"];
+        EXPECT_TRUE(to.starts_with("https://") || entities.contains(to)) << id << " " << key << " " << to;
+      };
+      if (value.is_array()) {
+        for (const auto& one : value)
+          check(one);
+      } else {
+        check(value);
+      }
+    }
+  }
+  // The same once more replaces it; inputs and results of the sweep stay unharmed.
+  EXPECT_EQ(sweep({"--gather", folder_ / "crate/t.csv"}).exit_code, 0);
+  EXPECT_EQ(read_text(folder_ / "crate/t.csv"), csv);
+  expect_failure(sweep({"--gather", plan_}), 2, "");
+}
+
+TEST_F(SweepGather, IntoThePlansOwnFolder) {
+  sweep({"--backend", "cpu"});
+  const std::string before = read_text(plan_);
+  EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
+  EXPECT_EQ(read_text(plan_), before);
+  EXPECT_TRUE(fs::exists(folder_ / "ro-crate-metadata.json"));
+}
+
+TEST_F(SweepGather, Hdf5HasTheSameBytesForTheSameResults) {
+  sweep({"--backend", "cpu"});
+  const std::string file = folder_ / "t.h5";
+  if (!sweep::has_hdf5()) {
+    expect_failure(sweep({"--gather", file}), 2, "this palpa was built without HDF5");
+    return;
+  }
+  EXPECT_EQ(sweep({"--gather", file}).exit_code, 0);
+  const std::string bytes = read_text(file);
+  EXPECT_TRUE(bytes.starts_with("\x89HDF\r\n\x1a\n"));
+  for (const char* column : {"id", "layout", "pressure", "pressures_pa.min", "state"})
+    EXPECT_NE(bytes.find(column), std::string::npos) << column;
+  out_ = folder_ / "again";
+  for (const char* shard : {"0/2", "1/2"})
+    sweep({"--backend", "cpu", "--shard", shard});
+  EXPECT_EQ(sweep({"--gather", file}).exit_code, 0);
+  EXPECT_EQ(read_text(file), bytes);
+}
+
+}  // namespace
+}  // namespace palpa::test

@@ -1,0 +1,198 @@
+// Fingers of the frame before decide which clusters are fingers: films of hands and fingers that flicker without it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "geometry/gltf/gltf.hpp"
+#include "sensing/recording.hpp"
+#include "shaders/touch/known/known_math.h"
+#include "support/hand_films.hpp"
+#include "support/shared_data.hpp"
+#include "touch/harness.hpp"
+
+namespace palpa::touch::test {
+namespace {
+
+using palpa::test::FilmNoise;
+using palpa::test::fingers_scene;
+using palpa::test::hand_scene;
+using palpa::test::HandFilm;
+using palpa::test::HandScene;
+
+std::vector<geometry::Solid> plate_of(const HandFilm& film) {
+  return {box({-0.3, -film.scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")};
+}
+
+StageSetting holding(Hysteresis hysteresis = Hysteresis::on) {
+  return {.follow = true, .hysteresis = hysteresis};
+}
+
+/// The ids of the fingers of each frame.
+std::vector<std::vector<std::uint32_t>> ids_in(const HandFilm& film, const StageSetting& setting) {
+  HostStage stage(plate_of(film), film.cameras, setting);
+  Touch touch;
+  std::vector<std::vector<std::uint32_t>> all;
+  for (const sensing::FrameSet& set : film.frames) {
+    stage.touch(set.frames, touch, set.time_s);
+    std::vector<std::uint32_t>& ids = all.emplace_back();
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f)
+      ids.push_back(touch.fingers[f].id);
+    std::ranges::sort(ids);
+  }
+  return all;
+}
+
+int changes_in(const std::vector<std::vector<std::uint32_t>>& ids, std::size_t from) {
+  int changes = 0;
+  for (std::size_t k = from + 1; k < ids.size(); ++k)
+    changes += ids[k] != ids[k - 1] ? 1 : 0;
+  return changes;
+}
+
+TEST(KnownFingers, AreTheSameOnTheDeviceAndOnTheHost) {
+  for (const HandScene& scene : {fingers_scene(2, 14e-3, 2e-3, 0), hand_scene("spread", 20e-3, 60)}) {
+    const HandFilm film = make_film(scene, {.frames = 6});
+    HostStage host(plate_of(film), film.cameras, holding());
+    DeviceStage device(plate_of(film), film.cameras, holding());
+    Touch of_host, of_device;
+    for (const sensing::FrameSet& set : film.frames) {
+      host.touch(set.frames, of_host, set.time_s);
+      device.touch(set.frames, of_device, set.time_s);
+      ASSERT_GE(of_host.finger_count, 1U);
+      expect_identical(of_host, of_device);
+    }
+  }
+}
+
+TEST(KnownFingers, StayApartWhereOneFrameAloneCannotTell) {
+  const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.cameras = 1, .frames = 27});
+  EXPECT_GE(changes_in(ids_in(film, holding(Hysteresis::off)), 9), 3) << "the film does not flicker";
+  const auto ids = ids_in(film, holding());
+  EXPECT_EQ(changes_in(ids, 9), 0);
+  EXPECT_EQ(ids.back().size(), 2U);
+}
+
+/// A finger, and beside it a thin one that touches as `touches` says.
+HandFilm with_a_thin_one(std::size_t frames, const std::function<bool(double time_s)>& touches) {
+  HandScene scene = fingers_scene(1, 18e-3, 4e-3, 0);
+  HandScene thin = fingers_scene(1, 3e-3, 0.6e-3, 0);
+  thin.skin[0].T_world_mesh[3] += Vec4(16e-3, 0, 0, 0);
+  scene.skin.push_back(thin.skin[0]);
+  return make_film(scene, {.frames = frames, .motion = [touches](std::size_t skin, double time_s) {
+                             return Vec3(0, skin == 1 && !touches(time_s) ? 20e-3 : 0, 0);
+                           }});
+}
+
+TEST(KnownFingers, AnIslandBesideAFingerWaits) {
+  const HandFilm film = with_a_thin_one(21, [](double t) { return (t > 0.04 && t < 0.06) || t > 0.105; });
+  const auto off = ids_in(film, holding(Hysteresis::off)), on = ids_in(film, holding());
+  std::size_t born = 0, there = 0;
+  for (std::size_t k = 0; k < film.frames.size(); ++k) {
+    const double t = film.frames[k].time_s;
+    const bool touches = (t > 0.04 && t < 0.06) || t > 0.105;
+    ASSERT_EQ(off[k].size(), touches ? 2U : 1U) << k;
+    if (t > 0.105 && there == 0) there = k;
+    if (on[k].size() == 2 && born == 0) born = k;
+  }
+  ASSERT_GT(born, 0U);
+  EXPECT_NEAR(film.frames[born].time_s - film.frames[there].time_s, 0.05, 0.012);
+  EXPECT_EQ(on.back().size(), 2U);
+}
+
+TEST(KnownFingers, ContinueWithHalfOfMinPoints) {
+  // Two thirds of the contacts of the first frames are left.
+  const auto rises = [](std::size_t, double t) { return Vec3(0, t > 0.03 ? 1.4e-3 : 0, 0); };
+  const HandFilm film = make_film(fingers_scene(1, 18e-3, 2e-3, 0), {.cameras = 1, .frames = 8, .motion = rises});
+  HostStage counts(plate_of(film), film.cameras);
+  Touch touch;
+  counts.touch(film.frames.back().frames, touch);
+  ASSERT_EQ(touch.finger_count, 1U);
+  StageSetting setting = holding();
+  setting.parameters.min_points = touch.fingers[0].contact_count * 3 / 2;
+  EXPECT_EQ(ids_in(film, setting).back().size(), 1U);
+  setting.hysteresis = Hysteresis::off;
+  EXPECT_EQ(ids_in(film, setting).front().size(), 1U);
+  EXPECT_EQ(ids_in(film, setting).back().size(), 0U);
+  // A new finger needs all of them.
+  HandFilm late = film;
+  late.frames.erase(late.frames.begin(), late.frames.begin() + 4);
+  setting.hysteresis = Hysteresis::on;
+  EXPECT_EQ(ids_in(late, setting).back().size(), 0U);
+}
+
+TEST(KnownFingers, EndAtOnceWhenTheyLeave) {
+  for (const double speed : {0.02, 0.1, 0.3}) {
+    // 1 mm deep: the skin leaves the plate after 1 mm.
+    const auto leaves = [&](std::size_t, double t) { return Vec3(0, t * speed, 0); };
+    const double leaving_s = 1e-3 / speed;
+    const HandFilm film = make_film(fingers_scene(1, 18e-3, 1e-3, 0),
+                                    {.frames = static_cast<std::size_t>(leaving_s * 90) + 6, .motion = leaves});
+    const auto ids = ids_in(film, holding());
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      // Noise of the sensor: a quarter of a millimetre.
+      if (film.frames[k].time_s * speed <= 1e-3 + 0.5e-3) continue;
+      EXPECT_TRUE(ids[k].empty()) << speed << " m/s, frame " << k;
+    }
+  }
+}
+
+TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
+  PALPA_SHARED_OR_SKIP(folder, "flicker");
+  struct Hand {
+    const char* name;
+    std::filesystem::path scene;
+    std::size_t fingers;  ///< at the end
+  };
+  for (const Hand& hand :
+       {Hand{"one-finger-through-semi-sphere", palpa::test::source_file("assets/semi-sphere.glb"), 1},
+        Hand{"two-fingers-touching", folder / "plate.glb", 2}}) {
+    const sensing::Recording recording = sensing::load_recording(folder / hand.name);
+    std::array<int, 2> changes{};
+    for (const Hysteresis hysteresis : {Hysteresis::off, Hysteresis::on}) {
+      HostStage stage(geometry::make_solids(geometry::load_gltf(hand.scene)), recording.cameras, holding(hysteresis));
+      Touch touch;
+      sensing::FrameSet set;
+      std::uint32_t before = 0;
+      for (std::size_t k = 0; k < recording.entries.size(); ++k) {
+        read_entry(recording, k, set);
+        stage.touch(set.frames, touch, recording.entries[k].time_s);
+        changes[hysteresis == Hysteresis::on ? 1 : 0] += k > 0 && touch.finger_count != before ? 1 : 0;
+        before = touch.finger_count;
+      }
+      if (hysteresis == Hysteresis::on) {
+        EXPECT_EQ(before, hand.fingers) << hand.name;
+      }
+    }
+    EXPECT_GE(changes[0], 9) << hand.name;
+    EXPECT_LE(changes[1], 1) << hand.name;
+  }
+}
+
+TEST(KnownFingers, AreForgottenIfTheClockGoesBack) {
+  const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.frames = 3});
+  HostStage stage(plate_of(film), film.cameras, holding()), fresh(plate_of(film), film.cameras, holding());
+  Touch touch, first;
+  stage.touch(film.frames[0].frames, touch, 10);
+  stage.touch(film.frames[1].frames, touch, 10.01);
+  stage.touch(film.frames[2].frames, touch, 3);
+  fresh.touch(film.frames[2].frames, first, 3);
+  ASSERT_EQ(touch.finger_count, first.finger_count);
+  for (std::uint32_t f = 0; f < first.finger_count; ++f)
+    EXPECT_EQ(touch.fingers[f].contacts, first.fingers[f].contacts);
+}
+
+TEST(KnownFingers, RulesAreNumbers) {
+  EXPECT_EQ(shader::least_contacts(5, false), 5U);
+  EXPECT_EQ(shader::least_contacts(5, true), 3U);
+  EXPECT_EQ(shader::least_contacts(0, true), 1U);
+  EXPECT_TRUE(shader::small_beside(24, 100));
+  EXPECT_FALSE(shader::small_beside(25, 100));
+}
+
+}  // namespace
+}  // namespace palpa::touch::test
