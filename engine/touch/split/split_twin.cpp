@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "shaders/touch/known/known_math.h"
@@ -47,8 +48,8 @@ class Parts {
  public:
   /// `labels`: the samples' known fingers.
   Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width,
-        const std::vector<std::uint32_t>& labels, const Known& known)
-      : samples_(samples), labels_(labels), fingers_(known), count_(samples.size()), width_(finger_width) {
+        std::vector<std::uint32_t> labels, const Known& known)
+      : samples_(samples), labels_(std::move(labels)), fingers_(known), count_(samples.size()), width_(finger_width) {
     for (std::size_t c = 0; c < sight.cameras.size(); ++c)
       look(sight, c);
     known_ = looked_;
@@ -294,7 +295,7 @@ class Parts {
   }
 
   const std::vector<SkinSample>& samples_;
-  const std::vector<std::uint32_t>& labels_;
+  const std::vector<std::uint32_t> labels_;
   const Known& fingers_;  ///< of the frame before
   std::size_t count_;
   float width_;
