@@ -144,9 +144,11 @@ def scatter(options):
 
 
 def simulate(options):
-    scene, finger = palpa.Scene(options.pop("scene")), palpa.Mesh(options.pop("finger"))
+    finger = palpa.Mesh(options.pop("finger", "assets/finger.ply"))
     penetration = {"penetration": metres(options.pop("penetration"))} if "penetration" in options else {}
-    return palpa.simulate(scene, finger, **penetration, **options)
+    if options.pop("figure6", False):
+        return palpa.figure6(finger, **penetration, **options)
+    return palpa.simulate(palpa.Scene(options.pop("scene")), finger, **penetration, **options)
 
 
 IN_PYTHON = {"touch": touch, "drive": drive, "field": field, "scatter": scatter, "simulate": simulate}
