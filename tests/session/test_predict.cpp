@@ -368,6 +368,13 @@ std::size_t lines_of(const std::string& text) {
 
 TEST(CaptureTimes, SaysOnceWhatCannotBeACameras) {
   EXPECT_EQ(said_of({1, 1.011, 1.022, 1.022, 1.033, 1.3}), "") << "a pause and a repeated frame are normal";
+  EXPECT_EQ(test::stderr_of([] {
+              CaptureTimes times;
+              times.see(25.285, 26.34, 0);
+              times.see(26.351, 26.37, 0.019);
+            }),
+            "")
+      << "a frame that waited while palpa started is normal";
   const std::string back = said_of({5, 5.01, 4, 3, 2, 1});
   EXPECT_CONTAINS(back, "run backwards (from 5.010 s to 4.000 s)");
   EXPECT_EQ(lines_of(back), 1U);

@@ -15,7 +15,9 @@ class CaptureTimes {
   void see(double time_s, double arrived_s, double age_s);
   void see(double time_s);
 
-  static constexpr double longest_jump_s = 1;     ///< beyond the time that has passed
+  /// Beyond the time that has passed between two arrivals. A frame that waited in the source's queue, for example
+  /// because palpa was starting, is followed by one that is seconds newer. That is no fault.
+  static constexpr double longest_jump_s = 30;
   static constexpr double longest_gap_s = 600;    ///< if no arrival is known
   static constexpr std::uint32_t most_equal = 3;  ///< frames in a row with one time
   /// A busy machine delays single frames. Only if more than most_late of late_among frames in a row are too old for
