@@ -31,6 +31,12 @@ std::optional<std::string> path_of(py::handle value) {
   return py::str(value.attr("__fspath__")()).cast<std::string>();
 }
 
+std::string file_of(const char* name, py::handle value) {
+  const std::optional<std::string> path = path_of(value);
+  if (!path) throw bad_usage(fmt::format("{}: give the path of a file", name));
+  return *path;
+}
+
 NamedMesh mesh_of(const std::string& what, py::handle value) {
   if (py::isinstance<MeshObject>(value)) {
     const auto& own = value.cast<const MeshObject&>();
