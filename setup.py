@@ -19,5 +19,5 @@ setup(
     install_requires=["numpy"],
     cmake_install_dir="python",
     cmake_install_target="install-python",
-    cmake_args=["-DCMAKE_BUILD_TYPE=Release", "-DPALPA_BUILD_TESTS=OFF", "-DPALPA_BUILD_VIEWER=OFF", "-DPALPA_PYTHON=ON"],
+    cmake_args=["-DCMAKE_BUILD_TYPE=Release", "-DPALPA_BUILD_TESTS=OFF", "-DPALPA_BUILD_VIEWER=OFF", "-DPALPA_PYTHON=ON", "-DPALPA_UNITS=ON"],
 )
