@@ -1,7 +1,5 @@
 """Sweeps: the command's numbers, shards, and bad plans."""
 import csv
-import os
-import pathlib
 import signal
 import subprocess
 import sys
@@ -110,16 +108,3 @@ def test_ctrl_c_loses_one_case(tmp_path):
     (lines,) = tmp_path.glob("out/runs/*/cases.jsonl")
     states = [line.split('"state":"')[1].split('"')[0] for line in lines.read_text().splitlines()]
     assert 0 < len(states) < 300 and set(states) == {"done"}
-
-
-@pytest.mark.exhaustive
-def test_dask(tmp_path):
-    """The example of docs/sweeps.md, with two worker processes."""
-    pytest.importorskip("distributed")
-    (piece,) = [piece.split("```")[0] for piece in (ROOT / "docs/sweeps.md").read_text(encoding="utf-8").split("```python\n")[1:]]
-    (tmp_path / "plan.toml").write_text(PLAN)
-    (tmp_path / "many.py").write_text(piece)
-    done = subprocess.run([sys.executable, "many.py"], cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False,
-                          env=os.environ | {"PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1]), "LP_NUM_THREADS": "1"})
-    assert done.returncode == 0, done.stderr
-    assert len(table((tmp_path / "results/table.csv").read_text())) == 12 and len(list((tmp_path / "results/runs").iterdir())) == 8
