@@ -239,16 +239,19 @@ END
 }
 
 with_scaling() {
-  local n i begin pids
-  sed 's/64,64/300,300/' "$work/plan.toml" >"$work/large.toml"
+  local n i begin pids TIMEFORMAT=%U
+  sed 's/64,64/120,120/' "$work/plan.toml" >"$work/large.toml"
   for n in 1 2 4; do
     begin=$(date +%s.%N) pids=()
     for ((i = 0; i < n; i++)); do
-      taskset -c $((i % $(nproc))) "$palpa" sweep "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n &
+      { time taskset -c $((i % $(nproc))) "$palpa" sweep "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n; } \
+        2>>"$work/scaling-$n.log" &
       pids+=($!)
     done
-    wait "${pids[@]}"
-    awk -v n="$n" -v begin="$begin" -v end="$(date +%s.%N)" 'BEGIN { printf "cluster: scaling: %d processes, each on one core: %.1f s\n", n, end - begin }'
+    wait "${pids[@]}" || die "scaling: $(cat "$work/scaling-$n.log")"
+    awk -v n="$n" -v begin="$begin" -v end="$(date +%s.%N)" '
+      { all = all " " $1 }
+      END { printf "cluster: scaling: %d processes, each on one core: %.1f s; processor time of each:%s s\n", n, end - begin, all }' "$work/scaling-$n.log"
   done
 }
 
