@@ -213,5 +213,6 @@ def test_every_name_has_a_docstring():
 def test_stubs_with_mypy(tmp_path):
     pytest.importorskip("mypy")
     done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "palpa", "--allowlist", str(ROOT / "tests/python/stubtest.txt")], cwd=tmp_path,
-                          capture_output=True, text=True, check=False)
+                          capture_output=True, text=True, check=False,
+                          env=os.environ | {"PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
     assert done.returncode == 0, done.stdout
