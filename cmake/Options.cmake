@@ -57,9 +57,11 @@ if(PALPA_SANITIZE)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
   # The sanitizers' data on every check and global is full of addresses. A position-independent program has to relocate
   # over a million of them at every start, and tests start thousands of programs.
+  # The rooms stay position-independent, because they are in the Python module, too; in a program, the linker resolves
+  # their addresses.
   if(NOT PALPA_SANITIZE STREQUAL "thread")
-    target_compile_options(palpa_options INTERFACE -fno-pie)
-    target_link_options(palpa_options INTERFACE -no-pie)
+    target_compile_options(palpa_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fno-pie>)
+    target_link_options(palpa_options INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-no-pie>)
   endif()
   # The programs have about 100 MB each. LLVM's linker, if installed, takes less than half the time.
   find_program(PALPA_LLD ld.lld)

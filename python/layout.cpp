@@ -23,6 +23,7 @@
 #include "layout_doc.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "own.hpp"
 #include "places.hpp"
 #include "running.hpp"
 #include "setup/drive_file.hpp"
@@ -229,20 +230,17 @@ std::shared_ptr<DriveObject> drive_on_finger(const LayoutPtr& self, std::span<co
 
 /// The options, except a solver that is a function.
 SolveArguments solve_arguments(Declared<SolveArguments>& options, const py::kwargs& kwargs) {
-  if (!kwargs.contains("solver") || !PyCallable_Check(py::object(kwargs["solver"]).ptr())) return options.read(kwargs);
   const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
-  PyDict_DelItemString(rest.ptr(), "solver");
+  OwnFunctions own;
+  take_solver(rest, own);
   SolveArguments made = options.read(rest);
-  made.own_solver = kwargs["solver"];
+  made.own_solver = own.solver;
   return made;
 }
 
 /// By the caller's solver, in free air.
 std::shared_ptr<DriveObject> solve_by(const LayoutPtr& self, std::span<const setup::AskedFocus> asked,
                                       const SolveArguments& o) {
-  if (!(o.drive == setup::DriveOptionsGroup{.directivity = o.drive.directivity, .medium = o.drive.medium}) ||
-      !o.spread.text.empty())
-    throw bad_usage("with a function as solver, amplitude, transfer, constraint, pressure and spread have no effect");
   if (asked.empty()) throw bad_usage("no focus is given");
   const array::DriveOptions options = setup::drive_options(o.drive);
   array::Schedule schedule = setup::schedule_of(asked, self->layout);

@@ -75,26 +75,6 @@ void call_back(Run& run, const py::object& callback, const Make& argument) {
   }
 }
 
-/// The foci that the caller's function places, checked like the content of a file.
-std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, const touch::Finger& finger) {
-  auto whole = std::make_shared<TouchObject>();
-  whole->values.touch.contacts = touch.contacts;
-  whole->values.touch.fingers = {finger};
-  whole->values.touch.finger_count = 1;
-  whole->values.solids.assign(finger.solid + std::size_t{1}, "");
-  whole->values.fingers.resize(1);
-  whole->values.schedule.add_voice();
-  std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
-  if (foci.empty() || foci.size() > touch::max_foci)
-    throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
-  for (const Vec3& focus : foci) {
-    if (!array::drivable({.position = focus}))
-      throw bad_usage(
-          fmt::format("method: returned a focus at ({}, {}, {}), farther than 100 m away", focus.x, focus.y, focus.z));
-  }
-  return foci;
-}
-
 void change_solids(Run& run, session::Session& session) {
   const std::lock_guard lock(run.mutex);
   for (const auto& [solid, pose] : run.poses)
@@ -149,7 +129,7 @@ session::RunOptions observers_of(SessionObject& o, session::Session& session) {
                         const session::FrameReport& report, const session::Plan& plan) {
     change_solids(run, session);
     if (run.on_frame)
-      call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.method}); });
+      call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.own.method}); });
   };
   if (run.on_event) {
     looking.events = [&run, solids = session.solid_names()](std::span<const session::Event> events) {
@@ -232,25 +212,6 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
   to->push(std::move(skin), time_s);
 }
 
-session::OwnMethod method_of(SessionObject& o) {
-  return [&o](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
-    out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
-    out.complete = true;
-    out.together = false;
-    const py::gil_scoped_acquire locked;
-    if (o.method_fault) return;
-    try {
-      const std::vector<Vec3> foci = foci_by(o.method, touch, finger);
-      out.foci.clear();
-      for (const Vec3& focus : foci)
-        out.foci.push_back({.position = glm::vec3(focus), .points = 1});
-    } catch (...) {
-      o.method_fault = std::current_exception();
-      o.run.stop = true;
-    }
-  };
-}
-
 void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame, const py::object& on_event) {
   refuse_fork();
   Run& run = o->run;
@@ -265,7 +226,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   run.stop = false;
   run.over = false;
   run.fault = nullptr;
-  o->method_fault = nullptr;
+  o->own.fault = nullptr;
   run.callback_fault.reset();
   run.stats.reset();
   SessionObject* const session = o.get();  // its destructor waits for the thread
@@ -300,7 +261,7 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
     run.callback_fault.reset();
     throw fault;
   }
-  if (o->method_fault) std::rethrow_exception(std::exchange(o->method_fault, nullptr));
+  o->own.throw_fault();
   if (run.fault) std::rethrow_exception(std::exchange(run.fault, nullptr));
   return run.stats;
 }
@@ -309,7 +270,7 @@ void set_pose(SessionObject& o, const py::object& solid, const py::object& pose)
   const auto index = static_cast<std::uint32_t>(solid_index(*o.scene, solid));
   const Transform transform = transform_of("pose", pose);
   if (!o.live()) {
-    const std::lock_guard turn(o.turn);
+    const Turn turn(o);
     return o.session->set_pose(index, transform);
   }
   const std::lock_guard lock(o.run.mutex);
@@ -320,7 +281,7 @@ void set_pose(SessionObject& o, const py::object& solid, const py::object& pose)
 void set_aim(SessionObject& o, const py::object& offset) {
   const Vec3 by = point_of("offset", offset);
   if (!o.live()) {
-    const std::lock_guard turn(o.turn);
+    const Turn turn(o);
     return o.session->set_aim(by);
   }
   const std::lock_guard lock(o.run.mutex);

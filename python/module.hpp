@@ -17,5 +17,6 @@ void add_layout(py::module_& m);
 void add_bodies(py::module_& m);
 void add_tasks(py::module_& m);
 void add_session(py::module_& m);
+void add_sweeps(py::module_& m);
 
 }  // namespace palpa::python

@@ -9,11 +9,16 @@
 #include <map>
 #include <utility>
 
+#include "array/free_field.hpp"
+#include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "layout.hpp"
 #include "module.hpp"
+#include "own.hpp"
 #include "setup/nearest_word.hpp"
 #include "setup/option_table.hpp"
+#include "touch_object.hpp"
 
 namespace palpa::python {
 namespace {
@@ -168,6 +173,95 @@ std::string OptionTable::documented(const std::string& doc) const {
                         info.initial.empty() ? "" : fmt::format(" [{}]", in_python(info.initial)));
   }
   return text;
+}
+
+// ---- functions instead of words -------------------------------------------------------------------------------------
+
+namespace {
+
+/// Takes a function from the keyword arguments; null if the value is a text. Refuses the arguments `idle` beside it.
+py::object take_function(const py::kwargs& arguments, const char* name, std::initializer_list<const char*> idle) {
+  if (!arguments.contains(name)) return {};
+  py::object value = arguments[name];
+  if (!PyCallable_Check(value.ptr())) return {};
+  for (const char* const other : idle) {
+    if (arguments.contains(other) && !py::object(arguments[other]).is_none())
+      throw bad_usage(fmt::format("{} has no effect with a function as {}; leave it out", other, name));
+  }
+  PyDict_DelItemString(arguments.ptr(), name);
+  return value;
+}
+
+/// The foci that the caller's function places.
+std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, const touch::Finger& finger) {
+  auto whole = std::make_shared<TouchObject>();
+  whole->values.touch.contacts = touch.contacts;
+  whole->values.touch.fingers = {finger};
+  whole->values.touch.finger_count = 1;
+  whole->values.solids.assign(finger.solid + std::size_t{1}, "");
+  whole->values.fingers.resize(1);
+  whole->values.schedule.add_voice();
+  std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
+  if (foci.empty() || foci.size() > touch::max_foci)
+    throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
+  for (const Vec3& focus : foci) {
+    if (!array::drivable({.position = focus}))
+      throw bad_usage(
+          fmt::format("method: returned a focus at ({}, {}, {}), farther than 100 m away", focus.x, focus.y, focus.z));
+  }
+  return foci;
+}
+
+/// Calls a function with the interpreter's lock, unless one has failed before.
+template <typename Call>
+void call_own(OwnFunctions& own, const Call& call) {
+  const py::gil_scoped_acquire locked;
+  if (own.fault) return;
+  try {
+    call();
+  } catch (...) {
+    own.fault = std::current_exception();
+    if (own.stop) *own.stop = true;
+  }
+}
+
+}  // namespace
+
+void OwnFunctions::throw_fault() {
+  if (fault) std::rethrow_exception(std::exchange(fault, nullptr));
+}
+
+void take_method(const py::kwargs& arguments, OwnFunctions& functions) {
+  functions.method = take_function(arguments, "method", {"foci", "spacing", "tune"});
+}
+
+void take_solver(const py::kwargs& arguments, OwnFunctions& functions) {
+  functions.solver =
+      take_function(arguments, "solver", {"amplitude", "transfer", "constraint", "pressure", "spread", "finger"});
+}
+
+session::OwnMethod own_method(OwnFunctions& functions) {
+  if (!functions.method) return {};
+  return [&functions](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
+    out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
+    out.complete = true;
+    out.together = false;
+    call_own(functions, [&] {
+      const std::vector<Vec3> foci = foci_by(functions.method, touch, finger);
+      out.foci.clear();
+      for (const Vec3& focus : foci)
+        out.foci.push_back({.position = glm::vec3(focus), .points = 1});
+    });
+  };
+}
+
+session::OwnSolver own_solver(OwnFunctions& functions) {
+  if (!functions.solver) return {};
+  return [&functions](const array::Layout& layout, const array::DriveOptions& options,
+                      std::span<const array::SlotFocus> foci, std::span<array::TransducerDrive> out) {
+    std::ranges::fill(out, array::TransducerDrive{0, 0});
+    call_own(functions, [&] { std::ranges::copy(drive_by(functions.solver, layout, foci, options), out.begin()); });
+  };
 }
 
 void add_options(py::module_& m) {

@@ -111,15 +111,6 @@ void refuse_camera_options(const setup::LiveOptions& o) {
   }
 }
 
-/// Takes a function from the keyword arguments; nothing if the value is a text.
-py::object take_function(const py::kwargs& arguments, const char* name) {
-  if (!arguments.contains(name)) return {};
-  py::object value = arguments[name];
-  if (!PyCallable_Check(value.ptr())) return {};
-  PyDict_DelItemString(arguments.ptr(), name);
-  return value;
-}
-
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
   const setup::LiveOptions& options = o.options;
   setup::check(options.drive, o.scene->solids);
@@ -141,12 +132,13 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   SessionPtr made(new SessionObject(), EndingSession());
   made->scene = scene;
   const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
-  made->method = take_function(rest, "method");
-  made->solver = take_function(rest, "solver");
+  made->own.stop = &made->run.stop;
+  take_method(rest, made->own);
+  take_solver(rest, made->own);
   made->options = session_options().read(rest).live;
   setup::LiveOptions& o = made->options;
-  if (made->method) o.own_method = method_of(*made);
-  if (made->method && o.touch.tune) throw bad_usage("tune goes with palpa's own methods");
+  o.own_method = own_method(made->own);
+  o.own_solver = own_solver(made->own);
   o.scene = scene->source;
   o.gltf_scene = scene->gltf_scene;
   o.solids = scene->options;
@@ -155,12 +147,13 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   check(o.common);
   if (made->live()) {
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
-    if (made->solver) throw bad_usage("a function as solver is for sessions without a source");
     check(o);
     if (made->from_points()) refuse_camera_options(o);
     return made;
   }
   refuse_live_options(o);
+  if (made->own.solver && o.rig.layout.empty() && o.rig.rig.empty())
+    throw bad_usage("a function as solver goes with layout or rig: without an array, there are no drives");
   check(o.touch);
   if (!depth && !camera.is_none()) throw bad_usage("camera goes with depth=True");
   if (!depth) setup::refuse_finger_width(o.touch, "depth=True");
@@ -210,40 +203,23 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
       images.push_back({depths_of("depth", image, cameras[i].width, cameras[i].height), time});
     }
   }
+  const Turn turn(o);
   std::shared_ptr<TouchObject> made = unlocked([&] {
-    const std::lock_guard turn(o.turn);
     const touch::Touch& touch =
         images.empty() ? session.touch(std::span<const sensing::SkinPoint>(points), time) : session.touch(images, time);
     o.events = events_of(session.events(), session.solid_names());
     return std::make_shared<TouchObject>(TouchObject{setup::values_of(session, touch), time, std::nullopt});
   });
-  if (o.method_fault) std::rethrow_exception(std::exchange(o.method_fault, nullptr));
+  o.own.throw_fault();
   return made;
-}
-
-/// The drives of each slot by the caller's function.
-py::object drives_by_solver(const SessionObject& o, const session::Session& session) {
-  const array::Layout& layout = session.setting().layout;
-  const std::uint32_t slots = session.plan().cycle.length;
-  py::array_t<std::complex<double>> drives(
-      {static_cast<py::ssize_t>(slots), static_cast<py::ssize_t>(layout.transducers.size())});
-  std::complex<double>* to = drives.mutable_data();
-  std::vector<array::SlotFocus> foci;
-  for (std::uint32_t slot = 0; slot < slots; ++slot) {
-    array::foci_of_slot(session.schedule(), slot, foci);
-    for (const auto [amplitude, phase] : drive_by(o.solver, layout, foci, session.setting().drive))
-      *to++ = std::polar(double{amplitude}, double{phase});
-  }
-  return sealed(std::move(drives));
 }
 
 py::object drives_of(SessionObject& o) {
   const session::Session& session = frame_by_frame(o);
-  const std::lock_guard turn(o.turn);
+  const Turn turn(o);
   const std::size_t transducers = session.setting().layout.transducers.size();
   const session::Plan& plan = session.plan();
   if (transducers == 0 || !plan.cycle.is_listed()) return py::none();
-  if (o.solver) return drives_by_solver(o, session);
   py::array_t<std::complex<double>> drives(
       {static_cast<py::ssize_t>(plan.cycle.length), static_cast<py::ssize_t>(transducers)});
   std::complex<double>* to = drives.mutable_data();
@@ -301,7 +277,7 @@ Touch)")
           "end",
           [](SessionObject& o) {
             session::Session& session = frame_by_frame(o);
-            const std::lock_guard turn(o.turn);
+            const Turn turn(o);
             return events_of(session.end(), session.solid_names());
           },
           "list of Event: ends the stream of frames; the releases of fingers that still touch.")

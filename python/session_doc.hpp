@@ -6,9 +6,10 @@ namespace palpa::python {
 inline constexpr const char* session_doc =
     R"(A scene and its fingers over time: frame by frame, or live from cameras to a link.
 
-Without `source`, give the frames yourself with touch(). With source="points", push_points() gives frames to a run. With `source`, run() or start() take frames from it and play
-the drives to `link`, each part on its own thread. The last thing that the link gets is always silence: at the end, after
-an exception in a callback, after Ctrl-C, and when the interpreter ends. Fingers keep their ids from frame to frame.
+Without `source`, give the frames yourself with touch(). With source="points", push_points() gives frames to a run. With
+`source`, run() or start() take frames from it and play the drives to `link`, each part on its own thread. The last thing
+that the link gets is always silence: at the end, after an exception in a callback, a method or a solver, after Ctrl-C,
+and when the interpreter ends. Fingers keep their ids from frame to frame.
 
 Parameters
 ----------
@@ -17,6 +18,12 @@ depth : bool, optional
     Frames are depth images of the rig's cameras, or of `camera`, and not points.
 camera : path or list of paths, optional
     TOML files of these cameras.
+method : str or callable, optional
+    `method` may also be a function: it gets a Finger and returns its foci, an array_like of shape (n, 3), metres, world.
+solver : str or callable, optional
+    `solver` may also be a function: it gets the transfer matrix (n, M) of Layout.transfer for the n foci that sound
+    together, and their gains (n,), and returns a complex vector (M,) of amplitudes up to 1. It is called for each slot
+    of a frame's schedule, on the thread that computes, so it should take less than a millisecond.
 
 Raises
 ------
@@ -40,8 +47,8 @@ on_event : callable, optional
 
 inline constexpr const char* run_doc = R"(Run the live loop until it ends, and return what it measured.
 
-Ctrl-C ends it in silence and raises KeyboardInterrupt. An exception of a callback ends it in silence and is raised
-here.
+Ctrl-C ends it in silence and raises KeyboardInterrupt. An exception of a callback, a method or a solver ends it in
+silence and is raised here.
 
 Parameters
 ----------

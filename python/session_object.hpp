@@ -16,7 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "gpu/device.hpp"
+#include "own.hpp"
 #include "running.hpp"
 #include "session/points_run.hpp"
 #include "session/session.hpp"
@@ -68,9 +70,9 @@ struct SessionObject {
   std::unique_ptr<gpu::Device> device;  ///< frame by frame
   std::unique_ptr<session::Session> session;
   std::vector<EventObject> events;
-  std::mutex turn;
-  py::object method, solver;        ///< functions of the caller's instead of palpa's
-  std::exception_ptr method_fault;  ///< what `method` raised in the newest frame
+  std::mutex turn;  ///< of its calls frame by frame; see Turn
+  std::atomic<std::thread::id> whose_turn;
+  OwnFunctions own;
   Run run;
 
   bool live() const { return !options.source.empty(); }
@@ -80,6 +82,26 @@ struct SessionObject {
     run.stop = true;
     run.thread.join();
   }
+};
+
+/// One call at a time. The interpreter's lock is released while this thread waits, because another call may need it for
+/// a function of the caller's. Throws bad_usage if such a function calls its own session.
+class Turn {
+ public:
+  explicit Turn(SessionObject& session) : session_(session) {
+    if (session.whose_turn == std::this_thread::get_id())
+      throw bad_usage("a method or solver cannot call the session that calls it");
+    const Unlocked open;
+    lock_ = std::unique_lock(session.turn);
+    session.whose_turn = std::this_thread::get_id();
+  }
+  ~Turn() { session_.whose_turn = std::thread::id(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  SessionObject& session_;
+  std::unique_lock<std::mutex> lock_;
 };
 
 /// A session may be destroyed while it runs: its end needs the interpreter's lock for callbacks.
@@ -95,10 +117,6 @@ struct EndingSession {
   }
 };
 using SessionPtr = std::shared_ptr<SessionObject>;
-
-/// A method (session::OwnMethod) that calls SessionObject::method. Its fault is kept, and the foci are then one, at the
-/// centroid. `session` must outlive it.
-session::OwnMethod method_of(SessionObject& session);
 
 /// Starts the live loop on a thread of its own, and returns.
 void start(const SessionPtr& session, std::uint64_t frames, const py::object& on_frame, const py::object& on_event);

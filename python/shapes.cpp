@@ -26,9 +26,22 @@
 namespace palpa::python {
 
 std::optional<std::string> path_of(py::handle value) {
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (!py::hasattr(value, "__fspath__")) return std::nullopt;
-  return py::str(value.attr("__fspath__")()).cast<std::string>();
+  std::string path;
+  if (py::isinstance<py::str>(value)) {
+    path = value.cast<std::string>();
+  } else if (py::hasattr(value, "__fspath__")) {
+    path = py::str(value.attr("__fspath__")()).cast<std::string>();
+  } else {
+    return std::nullopt;
+  }
+  if (path.find('\0') != std::string::npos) throw bad_usage("a path cannot have a zero character");
+  return path;
+}
+
+std::string file_of(const char* name, py::handle value) {
+  const std::optional<std::string> path = path_of(value);
+  if (!path) throw bad_usage(fmt::format("{}: give the path of a file", name));
+  return *path;
 }
 
 NamedMesh mesh_of(const std::string& what, py::handle value) {

@@ -50,5 +50,7 @@ NamedMesh mesh_of(const std::string& what, py::handle value);
 
 /// A text, or the path of an object with __fspath__; nullopt for everything else.
 std::optional<std::string> path_of(py::handle value);
+/// The same; throws bad_usage naming the argument `name` if there is no path.
+std::string file_of(const char* name, py::handle value);
 
 }  // namespace palpa::python

@@ -31,12 +31,6 @@
 namespace palpa::python {
 namespace {
 
-std::string file_of(const char* name, const py::object& value) {
-  const std::optional<std::string> path = path_of(value);
-  if (!path) throw bad_usage(fmt::format("{}: give the path of a file", name));
-  return *path;
-}
-
 // ---- parts ----------------------------------------------------------------------------------------------------------
 
 struct PartsObject {

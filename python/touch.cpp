@@ -13,6 +13,7 @@
 #include "base/log.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "own.hpp"
 #include "running.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
@@ -59,12 +60,6 @@ std::vector<py::object> one_or_several(const py::object& value) {
   return several;
 }
 
-std::string text_of_path(const char* name, const py::object& value) {
-  const std::optional<std::string> path = path_of(value);
-  if (!path) throw bad_usage(fmt::format("{}: give the path of a file", name));
-  return *path;
-}
-
 /// Depth images as arrays, with the cameras of files.
 setup::TouchInput depth_arrays(const std::vector<py::object>& images, const setup::TouchInputOptions& o) {
   setup::TouchInput input;
@@ -84,13 +79,13 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
   o.scene = scene.source;
   const std::vector<py::object> images = one_or_several(depth);
   for (const py::object& file : one_or_several(camera))
-    o.cameras.push_back(text_of_path("camera", file));
-  if (!rig.is_none()) o.rig = text_of_path("rig", rig);
+    o.cameras.push_back(file_of("camera", file));
+  if (!rig.is_none()) o.rig = file_of("rig", rig);
   if (!penetration.is_none()) o.penetration_m = numbers_of("penetration", penetration).at(0);
   if (o.penetration_m && std::abs(*o.penetration_m) > 10) throw bad_usage("penetration: at most 10 m");
   const bool files = std::ranges::all_of(images, is_text_or_path);
   for (std::size_t i = 0; i < images.size(); ++i)
-    o.depths.push_back(files ? text_of_path("depth", images[i]) : fmt::format("image {}", i));
+    o.depths.push_back(files ? file_of("depth", images[i]) : fmt::format("image {}", i));
   std::vector<Vec3> points;
   if (!skin.is_none()) {
     o.points = path_of(skin).value_or("skin");
@@ -113,16 +108,22 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
                                          const py::object& camera, const py::object& rig, const py::object& penetration,
                                          const py::kwargs& kwargs) {
   refuse_fork();
-  TouchArguments o = touch_options().read(kwargs);
+  const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
+  OwnFunctions own;
+  take_method(rest, own);
+  TouchArguments o = touch_options().read(rest);
   o.task.compute = o.common;
+  o.task.own_method = own_method(own);
   const setup::Stopwatch begin;
   const setup::TouchInput input = skin_of(scene, skin, depth, camera, rig, penetration);
   check(o.task, !input.cameras.empty());
-  return unlocked([&] {
+  std::shared_ptr<TouchObject> made = unlocked([&] {
     const setup::TouchResult result = setup::touch_scene(o.task, scene.source, scene.solids, input, begin);
-    if (result.unreached) log::warning(*result.unreached);
+    if (result.unreached && !own.fault) log::warning(*result.unreached);
     return std::make_shared<TouchObject>(TouchObject{values_of(result), 0, result.unreached});
   });
+  own.throw_fault();
+  return made;
 }
 
 template <typename T, typename Get>
@@ -421,6 +422,8 @@ rig : path, optional
     TOML file of all cameras, instead of `camera`. The default is the paper's rig.
 penetration : float, optional
     Moves `skin` along y, so that its lowest point is this far below the solids' top, in metres.
+method : str or callable, optional
+    `method` may also be a function: it gets a Finger and returns its foci, an array_like of shape (n, 3), metres, world.
 
 Returns
 -------

@@ -71,6 +71,11 @@ struct Session::State {
     if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
       throw bad_usage(
           "the solver greedy drives all transducers in full: it cannot give a pressure; use gs-pat or naive");
+    if (setting.own_solver && (scheduler.needs_pressures() || setting.finger)) {
+      throw bad_usage(
+          "a solver of one's own works in free air, and does not reach pressures: solids and options may not ask for "
+          "a pressure or a finger's transfer");
+    }
     if (setting.finger && !setting.live())
       throw bad_usage("a session computes foci on fingers only while it runs, from the images of depth cameras");
     if (setting.finger) fingers = std::make_unique<LiveFingers>(setting);

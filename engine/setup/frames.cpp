@@ -81,6 +81,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .touch = o.touch.parameters,
           .schedule = schedule,
           .drive = drive_options(o.drive, o.touch.method.method, mesh),
+          .own_solver = o.own_solver,
           .finger = finger_of(o),
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
           .axes = o.axes,

@@ -55,6 +55,7 @@ struct FrameOptions {
   void refuse_unmeasured_prediction(const char* who) const;
   void leave_out_unmeasured_prediction();
   session::OwnMethod own_method{};  ///< instead of --method
+  session::OwnSolver own_solver{};  ///< instead of --solver
 };
 
 /// palpa's own sources and the given ones, which replace those of the same name.

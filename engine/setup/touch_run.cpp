@@ -37,7 +37,7 @@ double Stopwatch::lap_ms() {
 
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    TouchArray array, StepTimes& times) {
+                    TouchArray array, StepTimes& times, session::OwnMethod own_method) {
   Stopwatch watch;
   session::SessionSetting setting{.scene = scene,
                                   .solids = std::move(solids),
@@ -52,6 +52,7 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
                                   .follow = false,
                                   .frame_by_frame = true};
   setting.schedule.voice.pressure_pa = array.pressure_pa;
+  setting.schedule.own_method = std::move(own_method);
   const bool on_gpu = compute.backend == Backend::gpu;
   if (on_gpu) check_points(input);
   UsedDevice device(compute);

@@ -48,11 +48,8 @@ std::string provenance_csv(const Table& table) {
   std::string csv = "id,state,took_s,ended,run,host,device,error\n";
   for (const Row& row : table.rows) {
     const RunInfo& run = table.runs[row.run];
-    csv += fmt::format("{},{},{},{},{},{},{},{}\n", row.id,
-                       row.state == State::done      ? "done"
-                       : row.state == State::refused ? "refused"
-                                                     : "failed",
-                       row.took_s, iso_time(row.ended_s), csv_cell(run.name), csv_cell(run.host), csv_cell(run.device),
+    csv += fmt::format("{},{},{},{},{},{},{},{}\n", row.id, word_of(state_words, row.state), row.took_s,
+                       iso_time(row.ended_s), csv_cell(run.name), csv_cell(run.host), csv_cell(run.device),
                        csv_cell(row.error));
   }
   return csv;

@@ -129,7 +129,7 @@ std::string to_csv(const Table& table) {
       csv.append(",").append(csv_cell(value));
     for (std::size_t p = 0; p < table.paths.size(); ++p)
       csv.append(",").append(row.state == State::done ? cell_of(row.results[p]) : std::string());
-    csv += row.state == State::done ? ",done\n" : row.state == State::refused ? ",refused\n" : ",failed\n";
+    csv.append(",").append(word_of(state_words, row.state)).append("\n");
   }
   return csv;
 }

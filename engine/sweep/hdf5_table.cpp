@@ -140,9 +140,7 @@ std::string to_hdf5(const Table& table) {
     column(table.varied[v], [v](const Row& row) { return row.settings[v]; });
   for (std::size_t p = 0; p < table.paths.size(); ++p)
     column(table.paths[p], [p](const Row& row) { return row.state == State::done ? row.results[p] : std::string(); });
-  column("state", [](const Row& row) {
-    return row.state == State::done ? "done" : row.state == State::refused ? "refused" : "failed";
-  });
+  column("state", [](const Row& row) { return std::string(word_of(state_words, row.state)); });
   return file.bytes();
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/locked_bytes.hpp"
 #include "base/sha256.hpp"
@@ -41,6 +42,8 @@ class Sweep {
 
   SweepReport run() {
     const Clock::time_point begin = Clock::now();
+    std::optional<Cancellable> cancellable;
+    if (task_.stop) cancellable.emplace(*task_.stop);
     const Store store(task_.out);
     store.check_version();
     const std::vector<Case> all = list_cases(plan_, inputs_, true);
@@ -57,6 +60,7 @@ class Sweep {
     states_ = store.states();
     std::vector<Case> failed;
     for (Case& one : mine) {
+      report_.ids.push_back(one.id);
       const auto known = states_.find(one.id);
       if (known == states_.end()) {
         todo_.push_back(std::move(one));
@@ -136,6 +140,8 @@ class Sweep {
     return goes_on;
   }
 
+  bool stopped() const { return task_.stop && *task_.stop; }
+
   /// False if the caller wants no more.
   bool compute_one(const Case& one) {
     // Two values of a plan may mean the same case.
@@ -153,6 +159,7 @@ class Sweep {
       const std::unique_ptr<Line> options = read_line(command_of(plan_.command), given_by(inputs_.resolved(settings)));
       json = bench_->compute(*options);
     } catch (const Error& error) {
+      if (stopped()) return false;
       end_if_lost(error);
       const bool for_ever = error.code() == Exit::usage || error.code() == Exit::bad_input;
       line.state = for_ever ? State::refused : State::failed;
@@ -165,6 +172,7 @@ class Sweep {
     writer_->add(line);
     states_[one.id] = line.state;
     count(line, settings);
+    if (stopped()) return false;
     return !after_ || after_(line, report_.done + report_.refused + report_.failed, todo_.size());
   }
 

@@ -6,9 +6,11 @@
 //   for (const sweep::Row& row : sweep::table_of(plan, "results").rows) ...    (gather.hpp)
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "setup/options.hpp"
 #include "sweep/plan.hpp"
@@ -24,6 +26,8 @@ struct SweepTask {
   /// system with locks.
   bool claim = false;
   setup::ComputeOptions compute = {};  ///< its seed is not used: cases have their own
+  /// If given: the sweep ends soon after it became true. The case that is computed at that time gets no line.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 struct SweepReport {
@@ -33,6 +37,7 @@ struct SweepReport {
   std::uint64_t done = 0, refused = 0, failed = 0;  ///< computed now, by their ends
   std::uint64_t elsewhere = 0;                      ///< that another process computes at the moment
   std::string first_fault;                          ///< a case that was refused or failed, and why
+  std::vector<std::string> ids;                     ///< of the shard's cases
   double seconds = 0;
 };
 

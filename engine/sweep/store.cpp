@@ -28,7 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 3> state_words{"done", "refused", "failed"};
 /// A case's line with everything may have megabytes.
 constexpr std::size_t most_waiting = std::size_t{1} << 30;
 constexpr std::uint64_t most_file_bytes = std::uint64_t{16} << 30;
@@ -84,8 +83,8 @@ std::optional<std::pair<std::string_view, State>> head_of(std::string_view line)
   if (end == std::string_view::npos) return std::nullopt;
   const std::string_view id = line.substr(0, end);
   line.remove_prefix(end);
-  for (std::size_t s = 0; s < state_words.size(); ++s) {
-    if (line.starts_with(fmt::format(R"(","state":"{}")", state_words[s]))) return std::pair(id, static_cast<State>(s));
+  for (const auto& [word, state] : state_words) {
+    if (line.starts_with(fmt::format(R"(","state":"{}")", word))) return std::pair(id, state);
   }
   return std::nullopt;
 }
@@ -115,8 +114,8 @@ fs::path make_run_folder(const fs::path& runs, const RunInfo& info) {
 }  // namespace
 
 std::string to_json_line(const CaseLine& line) {
-  std::string text = fmt::format(R"({}{}","state":"{}","case":{{)", line_begin, line.id,
-                                 state_words[static_cast<std::size_t>(line.state)]);
+  std::string text =
+      fmt::format(R"({}{}","state":"{}","case":{{)", line_begin, line.id, word_of(state_words, line.state));
   const auto add = [&](const auto& members, const auto& value) {
     for (std::size_t i = 0; i < members.size(); ++i)
       text += fmt::format("{}{}:{}", i == 0 ? "" : ",", in_quotes(members[i].first), value(members[i].second));

@@ -16,6 +16,7 @@
 
 #include "base/outputs.hpp"
 #include "base/stream_writer.hpp"
+#include "base/words.hpp"
 
 namespace palpa::sweep {
 
@@ -25,6 +26,9 @@ enum class State {
   refused,  ///< its options do not fit together, or an input is not as the command needs it: the same for ever
   failed,   ///< for another reason, such as too little memory: computed again when the sweep continues
 };
+
+inline constexpr Word<State> state_words[] = {
+    {"done", State::done}, {"refused", State::refused}, {"failed", State::failed}};
 
 /// What a process was, for the provenance.
 struct RunInfo {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh [parallel|slurm|mpirun|snakemake|claim|scaling]...: sweeps under real schedulers on this machine; all of them if none
+# run.sh [parallel|slurm|mpirun|snakemake|dask|claim|scaling]...: sweeps under real schedulers on this machine; all of them if none
 # is named. A scheduler that is not installed is skipped with a reason; if all are, the exit code is still 0.
 #
 #   parallel   GNU parallel with three shards
@@ -7,14 +7,15 @@
 #              scratch folder. A job array and srun; a task is killed by SIGKILL and requeued
 #   mpirun     OpenMPI with two processes
 #   snakemake  the Snakefile of docs/examples/sweep
+#   dask       the program of docs/sweeps.md
 #   claim      two processes with --claim, one of them killed
 #   scaling    the times of 1, 2 and 4 processes
 #
 # Each of them must give the same table, byte for byte, as one process alone. PALPA_CLUSTER_KEEP: if set, the scratch
-# folder stays. build/release/bin/palpa must be built.
+# folder stays. build/release/bin/palpa and the Python module must be built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-palpa=$PWD/build/release/bin/palpa
+palpa=$PWD/build/release/bin/palpa python=$PWD/build/release/python
 export PATH=$PWD/build/release/bin:$PATH LP_NUM_THREADS=1
 export PALPA_ASSETS=$PWD/assets
 
@@ -91,6 +92,23 @@ with_snakemake() {
   }
   cmp "$work/one/table.csv" "$work/snakemake-job/results/table.csv" || die "snakemake: the table differs"
   say "snakemake: the same table"
+}
+
+with_dask() {
+  python3 -c 'import distributed' 2>/dev/null || {
+    say "dask: skipped: there is no distributed here: apt-get install python3-distributed"
+    return 0
+  }
+  mkdir "$work/dask-job"
+  # shellcheck disable=SC2016  # Markdown
+  sed -n '/^```python$/,/^```$/p' docs/sweeps.md | sed '/^```/d; s/shard=(i, n)/&, backend="cpu"/' >"$work/dask-job/many.py"
+  cp "$work/plan.toml" "$work/dask-job/"
+  (cd "$work/dask-job" && PYTHONPATH=$python python3 many.py >log 2>&1) || {
+    tail -n 20 "$work/dask-job/log"
+    die "dask failed"
+  }
+  cmp "$work/one/table.csv" "$work/dask-job/results/table.csv" || die "dask: the table differs"
+  say "dask: the same table, $(cat "$work/dask-job/log")"
 }
 
 with_claim() {
@@ -221,20 +239,23 @@ END
 }
 
 with_scaling() {
-  local n i begin pids
-  sed 's/64,64/300,300/' "$work/plan.toml" >"$work/large.toml"
+  local n i begin pids TIMEFORMAT=%U
+  sed 's/64,64/120,120/' "$work/plan.toml" >"$work/large.toml"
   for n in 1 2 4; do
     begin=$(date +%s.%N) pids=()
     for ((i = 0; i < n; i++)); do
-      taskset -c $((i % $(nproc))) "$palpa" sweep "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n &
+      { time taskset -c $((i % $(nproc))) "$palpa" sweep "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n; } \
+        2>>"$work/scaling-$n.log" &
       pids+=($!)
     done
-    wait "${pids[@]}"
-    awk -v n="$n" -v begin="$begin" -v end="$(date +%s.%N)" 'BEGIN { printf "cluster: scaling: %d processes, each on one core: %.1f s\n", n, end - begin }'
+    wait "${pids[@]}" || die "scaling: $(cat "$work/scaling-$n.log")"
+    awk -v n="$n" -v begin="$begin" -v end="$(date +%s.%N)" '
+      { all = all " " $1 }
+      END { printf "cluster: scaling: %d processes, each on one core: %.1f s; processor time of each:%s s\n", n, end - begin, all }' "$work/scaling-$n.log"
   done
 }
 
-(($#)) || set -- parallel mpirun claim snakemake slurm scaling
+(($#)) || set -- parallel mpirun claim snakemake dask slurm scaling
 for what; do
   declare -F "with_$what" >/dev/null || die "there is no $what here"
   "with_$what"

@@ -19,6 +19,7 @@ PLACES = {
     "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",
     "engine/setup/program.cpp": "/dev/null",
     "engine/sweep/store.cpp": "makes the folders of its results",
+    "python/sweep.cpp": "makes and removes a folder for results that are only returned",
     "viewer/run/film.cpp": "makes its folder", "viewer/options/settings.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
     "driver/rosbag/bag.cpp": "reads a bag as a stream; tells the register itself",

@@ -99,6 +99,7 @@ def test_drives(openmpd, drive, says):
     (lambda a: palpa.Mesh((np.zeros((3, 3)), [[0.0, 1, 2]])), "whole numbers"),
     (lambda a: palpa.Mesh(3), "give a palpa.Mesh"),
     (lambda a: palpa.Scene(3), "path"),
+    (lambda a: palpa.Scene("a\0b.glb"), "zero character"),
     (lambda a: palpa.Scene("assets/cube.glb", parts=3), "--parts"),
 ])
 def test_arguments(openmpd, call, says):

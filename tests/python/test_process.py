@@ -20,12 +20,14 @@ def python(code, **more):
     return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False, **more)
 
 
+@pytest.mark.times
 def test_import_is_quick():
     code = ("import time, numpy; a = time.perf_counter(); import palpa; b = time.perf_counter(); print(b - a); "
             "import sys; print('logging' in sys.modules)")
     assert min(float(python(code).stdout.split()[0]) for _ in range(3)) < 0.05
 
 
+@pytest.mark.times
 def test_a_touch_costs_little_more_than_in_cpp(cube, finger):
     """`timing["total"]` is the time within the engine's function."""
     ratios = []
@@ -207,9 +209,10 @@ def test_every_name_has_a_docstring():
                 assert inner.__doc__ or getattr(inner, "__func__", inner).__doc__, f"{name}.{member}"
 
 
-@pytest.mark.exhaustive
+@pytest.mark.times
 def test_stubs_with_mypy(tmp_path):
     pytest.importorskip("mypy")
     done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "palpa", "--allowlist", str(ROOT / "tests/python/stubtest.txt")], cwd=tmp_path,
-                          capture_output=True, text=True, check=False)
+                          capture_output=True, text=True, check=False,
+                          env=os.environ | {"PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
     assert done.returncode == 0, done.stdout

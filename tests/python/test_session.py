@@ -113,8 +113,107 @@ def test_a_solver_of_ones_own(cube, finger, openmpd):
             openmpd.solve(foci, solver=solver)
     with pytest.raises(ZeroDivisionError):
         openmpd.drive(foci, solver=lambda g, a: 1 / 0)
-    with pytest.raises(palpa.BadUsage):
-        live(cube, solver=focusing)
+    with pytest.raises(palpa.BadUsage, match="layout"):
+        palpa.Session(cube, solver=focusing, backend="cpu")
+    for idle in ({"amplitude": "uniform"}, {"constraint": "clamp"}, {"pressure": 1e3}):
+        with pytest.raises(palpa.BadUsage, match="no effect"):
+            palpa.Session(cube, solver=focusing, layout="openmpd", backend="cpu", **idle)
+
+
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_a_live_solver_of_ones_own(cube, tmp_path, backend):
+    """What the link gets is what the function returns; a fifth of the full amplitude is not one of palpa's own drives."""
+    shapes, file = set(), tmp_path / "drives.bin"
+
+    def soft(transfer, gains):
+        shapes.add((transfer.shape, gains.shape))
+        return 0.2 * focusing(transfer, gains)
+
+    live(cube, solver=soft, link=f"record:{file}", noise_free=True, backend=backend).run(frames=12)
+    amplitudes = drives_in(file)
+    sounding = amplitudes[amplitudes.max(axis=1) > 0]
+    assert shapes == {((1, 256), (1,))} and len(sounding) > 10
+    assert np.allclose(sounding, 0.2, atol=1e-6) and amplitudes[-1].max() == 0
+    shapes.clear()
+    live(cube, solver=soft, method="multi-focus", noise_free=True, backend=backend).run(frames=12)
+    ((matrix, gains),) = shapes
+    assert matrix == (gains[0], 256) and gains[0] > 1
+
+
+@pytest.mark.parametrize("solver, kind, says", [
+    (lambda g, a: np.ones(3), palpa.BadUsage, "shape"), (lambda g, a: 2 * np.ones(256), palpa.BadUsage, "amplitude 2"),
+    (lambda g, a: 1 / 0, ZeroDivisionError, "division"), (lambda g: g, TypeError, "argument"),
+])
+def test_a_live_solver_that_fails_ends_in_silence(cube, tmp_path, solver, kind, says):
+    session = live(cube, solver=solver, link=f"record:{tmp_path}/drives.bin", noise_free=True)
+    for _ in range(2):  # it can run again
+        with pytest.raises(kind, match=says):
+            session.run()
+        (tmp_path / "drives.bin").exists() and (tmp_path / "drives.bin").rename(tmp_path / "first.bin")
+    amplitudes = drives_in(tmp_path / "first.bin")
+    assert not amplitudes.any()
+
+
+def test_a_solver_that_fails_late_ends_in_silence(cube, tmp_path):
+    calls = []
+
+    def once(transfer, gains):
+        calls.append(gains)
+        if len(calls) > 25:
+            raise LookupError("mine")
+        return focusing(transfer, gains)
+
+    with pytest.raises(LookupError, match="mine"):
+        live(cube, solver=once, link=f"record:{tmp_path}/drives.bin", noise_free=True).run()
+    amplitudes = drives_in(tmp_path / "drives.bin")
+    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0 and len(calls) == 26
+
+
+def test_a_solver_of_a_run_from_points(cube, finger, tmp_path):
+    session = palpa.Session(cube, source="points", layout="openmpd", solver=lambda g, a: 0.3 * focusing(g, a), backend="cpu",
+                            link=f"record:{tmp_path}/drives.bin")
+    with session:
+        session.start()
+        for n in range(5):
+            session.push_points(pressed(finger, 2e-3), n / 90)
+            time.sleep(0.02)
+        session.stop()
+        session.wait()
+    assert drives_in(tmp_path / "drives.bin").max() == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_function_cannot_call_its_own_session(cube, finger):
+    session = palpa.Session(cube, method=lambda finger: session.set_aim([0, 0, 0]), backend="cpu")
+    with pytest.raises(palpa.BadUsage, match="calls it"):
+        session.touch(pressed(finger, 2e-3))
+
+
+def test_two_threads_and_a_method_share_a_session(cube, finger):
+    """The method needs the interpreter's lock while another thread waits for its turn."""
+    session = palpa.Session(cube, method=cross, layout="openmpd", backend="cpu")
+    workers = [threading.Thread(target=lambda: [session.touch(pressed(finger, 2e-3)) for _ in range(10)]),
+               threading.Thread(target=lambda: [(session.set_aim([0, 0, 0]), session.drives) for _ in range(50)])]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join(20)
+        assert not worker.is_alive()
+
+
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_a_method_of_ones_own_in_a_single_touch(cube, finger, backend):
+    touch = cube.touch(finger, penetration=2e-3, method=cross, layout="openmpd", backend=backend)
+    (one,) = touch.fingers
+    usual = cube.touch(finger, penetration=2e-3, backend=backend).fingers[0]
+    assert np.allclose(one.foci, cross(usual), atol=1e-7) and sorted(one.order.tolist()) == [0, 1, 2, 3]
+    assert one.pressures.shape == (4,) and one.pressures.min() > 0 and '"foci_m"' in touch.json()
+    for idle in ({"foci": 4}, {"spacing": "arc"}, {"tune": True}):
+        with pytest.raises(palpa.BadUsage, match="no effect"):
+            cube.touch(finger, method=cross, backend=backend, **idle)
+    for method, kind, says in ((lambda finger: 1 / 0, ZeroDivisionError, "division"),
+                               (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "0 foci")):
+        with pytest.raises(kind, match=says):
+            cube.touch(finger, penetration=2e-3, method=method, backend=backend)
 
 
 def live(cube, **options):

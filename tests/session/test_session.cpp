@@ -185,6 +185,51 @@ TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
   }
 }
 
+TEST_P(Touching, ASolverOfOnesOwnMakesEveryDrive) {
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("openmpd")};
+  std::size_t calls = 0;
+  setting.own_solver = [&calls](const array::Layout& layout, const array::DriveOptions&,
+                                std::span<const array::SlotFocus> foci, std::span<array::TransducerDrive> out) {
+    EXPECT_EQ(out.size(), layout.transducers.size());
+    EXPECT_EQ(foci.size(), 1U);
+    std::ranges::fill(out, array::TransducerDrive{0.25F * foci[0].gain, static_cast<float>(calls++ % 3)});
+  };
+  Session session = make(setting);
+  session.touch(finger_at({0, -0.003, 0}), 0);
+  const Plan& plan = session.plan();
+  ASSERT_EQ(plan.cycle.length, 10U);
+  EXPECT_EQ(calls, 10U);
+  for (std::uint64_t slot = 0; slot < 10; ++slot) {
+    const auto drive = plan.drive(slot, setting.layout.transducers.size());
+    EXPECT_EQ(drive.front().amplitude, 0.25F);
+    EXPECT_EQ(drive.back().phase, static_cast<float>(slot % 3));
+  }
+  session.touch(finger_at({0, 0.01, 0}), 0.1);
+  EXPECT_EQ(calls, 10U) << "nothing is touched";
+  setting.schedule.voice.pressure_pa = 300;
+  EXPECT_ERROR(make(setting), Exit::usage, "a solver of one's own");
+}
+
+TEST(OwnSolver, ListsSlotsThatDoNotRepeatSoonEnough) {
+  const array::Layout layout = array::load_layout("openmpd");
+  Plan plan;
+  for (const double dwell_s : {1.5e-3, 1.637e-3}) {
+    array::Voice& voice = plan.schedule.add_voice();
+    voice.foci.assign(7, Vec3(0, 0, 0.15));
+    array::fill_order(7, 2, voice.order);
+    voice.dwell_s = dwell_s;
+  }
+  SlotWork work;
+  std::uint32_t calls = 0;
+  drive_by_own(
+      plan, layout, {}, [&](const auto&, const auto&, const auto& foci, const auto&) { calls += foci.size() == 2; },
+      work);
+  EXPECT_TRUE(plan.cycle.is_listed()) << "the output must not wait for the solver";
+  EXPECT_FALSE(plan.cycle.too_long);
+  EXPECT_EQ(calls, most_cycle);
+  EXPECT_EQ(plan.drives.size(), most_cycle * layout.transducers.size());
+}
+
 TEST(SessionGrows, WithTheCloudItIsGiven) {
   Session session(palpa::test::test_device(), {.solids = cube(0.001)});
   std::vector<glm::vec3> many = finger_at({0, -0.001, 0});

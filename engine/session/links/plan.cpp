@@ -51,6 +51,7 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
     planned = &work.unmodulated;
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
+  if (!silent && !cycle.is_listed() && work.lists_always) cycle.length = most_cycle;
   cycle.too_long = !silent && !cycle.is_listed();
   if (schedule.advance.moves()) {
     list_advance(plan, work.lists_standing);
@@ -79,6 +80,17 @@ void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOp
     } else {
       array::drive_by_factors(layout, foci, factors, options, out, scratch);
     }
+  });
+}
+
+void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,
+                  SlotWork& work) {
+  const std::size_t transducers = layout.transducers.size();
+  work.lists_always = true;
+  plan.drives.clear();
+  plan_slots(plan, work, nullptr, [&](const auto& foci, const auto&) {
+    plan.drives.resize(plan.drives.size() + transducers, {0.0F, 0.0F});
+    if (!foci.empty()) solver(layout, options, foci, std::span(plan.drives).last(transducers));
   });
 }
 

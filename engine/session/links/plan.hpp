@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,8 @@ void reserve(array::Schedule& schedule);
 /// Scratch memory for planning slots; keeps its storage.
 struct SlotWork {
   bool lists_standing = false;  ///< the link plays plans by its own clock
+  /// If a schedule does not repeat soon enough, the plan lists its first most_cycle slots, which then repeat.
+  bool lists_always = false;
   array::Schedule unmodulated;
   std::vector<array::SlotFocus> foci;
 };
@@ -96,5 +99,15 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
 /// request a pressure.
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
                    array::Loudness* loudness, array::DriveScratch& scratch);
+
+/// A solver of the caller's: fills the drive of each transducer of the layout for foci that sound together. There is at
+/// least one focus. Amplitudes are 0 to 1. It is called on the thread that computes, and must not throw.
+using OwnSolver = std::function<void(const array::Layout& layout, const array::DriveOptions& options,
+                                     std::span<const array::SlotFocus> foci, std::span<array::TransducerDrive> out)>;
+
+/// Fills a plan's drives by this solver. The plan lists all of them, because the output must not wait for the solver.
+/// Fingers of the schedule request no pressure.
+void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,
+                  SlotWork& work);
 
 }  // namespace palpa::session

@@ -188,9 +188,9 @@ class GpuPlanner : public Planner {
     list_nothing(flight.plan);
     flight.on_host = false;
     if (!flight.drive_memory) return;
-    if (on_fingers_) {
+    if (setting_.own_solver || on_fingers_) {
       const auto begin = std::chrono::steady_clock::now();
-      flight.on_host = on_fingers_->make(flight.plan);
+      flight.on_host = make_on_host(flight.plan);
       flight.on_host_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
       if (flight.on_host) return;
     }
@@ -200,6 +200,13 @@ class GpuPlanner : public Planner {
       const bool fits = factors.empty() ? memory.add_slot(foci) : memory.add_slot(foci, factors);
       if (!fits) throw failure("a frame has more foci than its buffers hold");
     });
+  }
+
+  /// False if the device computes the drives.
+  bool make_on_host(Plan& plan) {
+    if (!setting_.own_solver) return on_fingers_->make(plan);
+    drive_by_own(plan, setting_.layout, setting_.drive, setting_.own_solver, slot_work_);
+    return true;
   }
 
   void submit_drives(Flight& flight) {
@@ -248,7 +255,7 @@ class GpuPlanner : public Planner {
     plan.drives.resize(plan.listed() * transducers);
     if (flight.on_host) {
       std::ranges::copy(flight.plan.drives, plan.drives.begin());
-      touch_ms_.push_back({"drives on fingers", flight.on_host_ms});
+      touch_ms_.push_back({setting_.own_solver ? "own solver" : "drives on fingers", flight.on_host_ms});
     }
     if (flight.submitted == 0) return;
     timeline_.wait(flight.submitted);

@@ -79,7 +79,10 @@ class HostPlanner : public Planner {
   void make_drives(Plan& plan) {
     plan.drives.clear();
     list_nothing(plan);
-    if (setting_.layout.transducers.empty() || (on_fingers_ && on_fingers_->make(plan))) return;
+    if (setting_.layout.transducers.empty()) return;
+    if (setting_.own_solver)
+      return drive_by_own(plan, setting_.layout, setting_.drive, setting_.own_solver, slot_work_);
+    if (on_fingers_ && on_fingers_->make(plan)) return;
     drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
   }
 

@@ -13,6 +13,7 @@
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/links/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/predict/prediction.hpp"
@@ -40,6 +41,7 @@ struct SessionSetting {
   touch::Parameters touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
+  OwnSolver own_solver{};  ///< instead of the solver of `drive`; no finger may request a pressure
   /// The field of a focus for spectra and Tune::all, instead of the layout's field in free air. It must outlive the
   /// session.
   const acoustics::FocusField* field = nullptr;

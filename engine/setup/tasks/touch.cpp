@@ -71,7 +71,7 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   TouchArray array = load_array(options, solids);
   times.emplace_back("load", since.lap_ms());
   TouchResult result{.one = touch_once(options.compute, options.touch, options.felt, scene, std::move(solids), skin,
-                                       std::move(array), times),
+                                       std::move(array), times, options.own_method),
                      .points = skin.point_count};
   bool warned = false;
   warn_of_left_out_fingers(result.touch(), warned);

@@ -30,7 +30,8 @@ struct TouchTask {
   ComputeOptions compute;
   TouchOptions touch;
   FeltOptions felt;
-  ArrayOptions array;  ///< without a layout, nothing sounds
+  ArrayOptions array;               ///< without a layout, nothing sounds
+  session::OwnMethod own_method{};  ///< instead of the touch's method
 };
 /// Throws bad_usage if the options do not fit together; warns of unusual values. `depth_images`: the skin comes from
 /// depth images; a finger's width has an effect only with them.
