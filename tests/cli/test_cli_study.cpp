@@ -122,7 +122,7 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
   EXPECT_EQ(sixth["steps"][0]["method"], "cross-section");
   const Result text = palpa_here({"study", "plan", paper, "--csv", path("order.csv")});
   EXPECT_NE(text.out.find("single-focus   trial           40 x 10 s"), std::string::npos) << text.out;
-  EXPECT_EQ(read_text(path("order.csv")).substr(0, 38), "step,kind,method,shape,second_shape\n1,f");
+  EXPECT_EQ(read_text(path("order.csv")).substr(0, 39), "step,kind,method,shape,second_shape\n1,f");
   // A model of the plan is an input.
   write_text(folder_ / "cube.glb", "x");
   write_text(folder_ / "ball.glb", "x");

@@ -79,7 +79,9 @@ void run_level(const LevelCommand& o) {
 void add_study_level(Program& program) {
   add_subcommand<LevelCommand>(program,
                                {"study level", "how loud the array will be at a participant's ears",
-                                "  palpa study level assets/studies/paper.toml", "--override",
+                                "  palpa study level assets/studies/paper.toml\n"
+                                "  palpa study level loud.toml --override 'ethics 12/2026'",
+                                "--override",
                                 "It fails if the level is above the limit of the plan. A prediction replaces no "
                                 "measurement: measure the level before the first participant comes."},
                                add_options_of_level, run_level);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 
 #include "base/error.hpp"
@@ -21,7 +22,7 @@ namespace {
 struct RehearseCommand {
   setup::CommonOptions common;
   std::vector<std::string> plan;
-  std::uint32_t participant = 0;
+  std::optional<std::uint32_t> participant;
   std::string out;
   double accuracy = 0.5;
 };
@@ -29,7 +30,7 @@ struct RehearseCommand {
 void add_options_of_rehearse(CLI::App& app, RehearseCommand& o) {
   const setup::Group group(app, "Rehearsal");
   group.words("plan", o.plan, "PLAN", "TOML file of the study");
-  group.integer("--participant", o.participant, 0, study::most_participant_number, "number of the participant, from 1");
+  group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   group.text("--out", o.out, "DIR", "folder of the rehearsal; the participant's folder is made in it");
   group.number("--accuracy", o.accuracy, {0, 1}, "NUMBER", "share of right answers, 0 to 1");
 }
@@ -37,13 +38,13 @@ void add_options_of_rehearse(CLI::App& app, RehearseCommand& o) {
 void run_rehearse(const RehearseCommand& o) {
   setup::refuse_gpu_options(o.common, "palpa study rehearse plays nothing");
   if (o.plan.size() != 1) throw bad_usage("give palpa study rehearse one plan, such as assets/studies/paper.toml");
-  if (o.participant == 0) throw bad_usage("--participant is missing: give a number, such as 1");
+  if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
   if (o.out.empty()) throw bad_usage("--out is missing: give a folder for the rehearsal");
   const Outputs outputs({{"--json", o.common.json}});
   const study::StudyPlan plan = study::read_plan(o.plan.front());
   study::refuse_missing_files(plan);
   const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk did not answer");
-  study::Record record(plan, o.participant, o.out, true);
+  study::Record record(plan, *o.participant, o.out, true);
   const study::ScriptedParticipant participant(o.accuracy, o.common.seed);
   const study::Entry start{.text = study::utc_now(), .version = version_and_commit(), .rehearsal = true};
   // A rehearsal that has finished is only reported again.
@@ -55,7 +56,7 @@ void run_rehearse(const RehearseCommand& o) {
   if (!o.common.json.empty()) {
     JsonWriter json;
     json.begin_object()
-        .member("participant", o.participant)
+        .member("participant", *o.participant)
         .member("complete", agenda.complete())
         .member("void", agenda.voided())
         .member("starts", agenda.starts())
@@ -68,7 +69,7 @@ void run_rehearse(const RehearseCommand& o) {
                               agenda.steps().size()));
   }
   if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", fmt::format("participant {}: {} steps complete, {} void, {} starts; see {}\n", o.participant,
+    write_file("-", fmt::format("participant {}: {} steps complete, {} void, {} starts; see {}\n", *o.participant,
                                 agenda.complete(), agenda.voided(), agenda.starts(), record.folder().beh().string()));
   }
 }

@@ -71,8 +71,9 @@ void add_study_withdraw(Program& program) {
   add_subcommand<WithdrawCommand>(
       program,
       {"study withdraw", "erases everything of a participant, and keeps the number taken",
-       "  palpa study withdraw 7 --out my-study", "--out",
-       "Files are removed from the folder. Copies elsewhere, such as backups, are yours to erase.", "N"},
+       "  palpa study withdraw 7 --out my-study\n"
+       "  palpa study withdraw 7 --out my-study --json withdrawn.json",
+       "--out", "Files are removed from the folder. Copies elsewhere, such as backups, are yours to erase.", "N"},
       add_options_of_withdraw, run_withdraw);
 }
 

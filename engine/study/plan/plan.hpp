@@ -122,7 +122,7 @@ struct PlanRun {
 struct PlanLevel {
   double ceiling = 1;     ///< of every transducer's amplitude, as --ceiling
   double limit_db = 110;  ///< peak sound pressure level, dB re 20 uPa, that may be predicted at an ear
-  std::array<Vec3, 2> ears{Vec3(-0.08, 0.3, 0.4), Vec3(0.08, 0.3, 0.4)};  ///< left, right; metres, world
+  std::array<Vec3, 2> ears{Vec3(-0.08, 0.3, 0.65), Vec3(0.08, 0.3, 0.65)};  ///< left, right; metres, world
 };
 
 /// The screens of a session whose text a plan may set.

@@ -148,6 +148,7 @@ void refuse_missing_files(const StudyPlan& plan) {
   }
   for (const std::vector<PlanMethod>& methods : {plan.methods, plan.candidates}) {
     for (const PlanMethod& method : methods) {
+      if (fs::path(method.layout).extension() == ".toml") refuse_output_as_input(method.layout);
       if (!array::is_layout(method.layout)) {
         throw bad_input(plan.file,
                         fmt::format("the layout of '{}' is '{}'; it should be a layout file, or one of {}",
