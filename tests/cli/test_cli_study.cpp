@@ -1,13 +1,18 @@
 // `palpa study analyse`, `compare` and `power`, as an experimenter uses them.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "base/random.hpp"
 #include "cli/support/here.hpp"
+#include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "support/exhaustive.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
 
@@ -106,6 +111,87 @@ TEST_F(CliStudy, FindsTheNumberOfParticipants) {
   EXPECT_EQ(result["participants"], 6);
   EXPECT_EQ(result["seed"], 3);
   EXPECT_EQ(result["accuracies"], json({0.39, 0.6525}));
+}
+
+TEST_F(CliStudy, ListsAParticipantsSteps) {
+  const std::string paper = source_file("assets/studies/paper.toml");
+  const json first = result_of({"study", "plan", paper}),
+             sixth = result_of({"study", "plan", paper, "--participant", "6"});
+  EXPECT_EQ(first["steps"].size(), 92u);
+  EXPECT_EQ(first["steps"][0]["method"], "single-focus");
+  EXPECT_EQ(sixth["steps"][0]["method"], "cross-section");
+  const Result text = palpa_here({"study", "plan", paper, "--csv", path("order.csv")});
+  EXPECT_NE(text.out.find("single-focus   trial           40 x 10 s"), std::string::npos) << text.out;
+  EXPECT_EQ(read_text(path("order.csv")).substr(0, 39), "step,kind,method,shape,second_shape\n1,f");
+  // A model of the plan is an input.
+  write_text(folder_ / "cube.glb", "x");
+  write_text(folder_ / "ball.glb", "x");
+  write_text(folder_ / "plan.toml",
+             "[[shape]]\nname = \"cube\"\nmodel = \"cube.glb\"\n[[shape]]\nname = \"ball\"\nmodel = \"ball.glb\"\n"
+             "[[method]]\nname = \"single-focus\"\n[study]\ntrials_per_shape = 2\n");
+  expect_failure(palpa_here({"study", "plan", path("plan.toml"), "--csv", path("cube.glb")}), 2, "--csv");
+  EXPECT_EQ(read_text(path("cube.glb")), "x");
+  std::filesystem::remove(path("ball.glb"));
+  expect_failure(palpa_here({"study", "plan", path("plan.toml")}), 4, "the model of 'ball' is missing");
+}
+
+TEST_F(CliStudy, RehearsesAndWithdraws) {
+  const std::string plan = source_file("assets/studies/five-minutes.toml"), out = path("rehearsal");
+  const std::vector<std::string> line{"study", "rehearse", plan, "--participant", "1", "--out", out, "--accuracy", "1"};
+  const json result = result_of(line);
+  EXPECT_EQ(result["ended"], true);
+  EXPECT_EQ(result["complete"], 1 + 2 * (1 + 12));
+  EXPECT_EQ(result_of(line)["starts"], 1) << "what has finished is only reported again";
+  const Result analysis = palpa_here({"study", "analyse", out, "--json", path("a.json")});
+  EXPECT_EQ(analysis.exit_code, 0) << analysis.err;
+  EXPECT_NE(analysis.err.find("is a rehearsal"), std::string::npos) << analysis.err;
+  EXPECT_EQ(json::parse(read_text(path("a.json")))["methods"][0]["mean_accuracy"], 1.0);
+  // No log has the name of the user or the host.
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string text = read_text(entry.path());
+    EXPECT_EQ(text.find(out), std::string::npos) << entry.path();
+  }
+  expect_failure(palpa_here({"study", "rehearse", path("none.toml"), "--participant", "1", "--out", out}), 4,
+                 "no such file");
+  expect_failure(palpa_here({"study", "rehearse", plan, "--out", out}), 2, "--participant is missing");
+  expect_failure(palpa_here({"study", "rehearse", plan, "--participant", "Anna", "--out", out}), 2, "--participant");
+
+  const Result withdrawn = palpa_here({"study", "withdraw", "1", "--out", out});
+  EXPECT_EQ(withdrawn.exit_code, 0) << withdrawn.err;
+  EXPECT_NE(withdrawn.out.find("participant 1 has withdrawn"), std::string::npos);
+  EXPECT_NE(palpa_here({"study", "withdraw", "1", "--out", out}).out.find("had withdrawn before"), std::string::npos);
+  expect_failure(palpa_here(line), 2, "participant 1 withdrew");
+  expect_failure(palpa_here({"study", "analyse", out}), 4, "the participant withdrew");
+  expect_failure(palpa_here({"study", "withdraw", "Anna", "--out", out}), 2, "participants are numbers");
+  expect_failure(palpa_here({"study", "withdraw", "2", "--out", out}), 4, "has no participant 2");
+}
+
+TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
+  const std::string out = path("killed");
+  const std::vector<std::string> line{
+      "rehearse", source_file("assets/studies/paper.toml"), "--participant", "3", "--out", out, "--quiet"};
+  Random random(5);
+  const std::uint32_t kills = exhaustive() ? 100 : 4;
+  std::uint32_t killed = 0;
+  for (std::uint32_t i = 0; i < kills; ++i) {
+    LiveRun run(line, {.command = "study"});
+    const auto wait_us = static_cast<useconds_t>(random.below(exhaustive() ? 60'000 : 300'000));
+    usleep(wait_us);
+    run.signal(SIGKILL);
+    killed += run.wait(60).by_signal == SIGKILL ? 1 : 0;
+  }
+  EXPECT_GT(killed, 0u);
+  const Result end = palpa_here({"study", "rehearse", source_file("assets/studies/paper.toml"), "--participant", "3",
+                                 "--out", out, "--json", "-"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json result = json::parse(end.out);
+  EXPECT_EQ(result["complete"], 92);
+  EXPECT_LE(result["void"].get<std::uint32_t>(), killed);
+  const json people = result_of({"study", "analyse", out})["participants"];
+  ASSERT_EQ(people.size(), 2u) << "one person with two methods";
+  for (const json& person : people)
+    EXPECT_EQ(person["trials"], 40);
 }
 
 TEST_F(CliStudy, SaysWhatIsWrong) {

@@ -31,9 +31,9 @@ TEST(EventsFile, IsReadRowByRow) {
   const EventsFile file = parse_events(events_text("single-focus", 18), "log");
   EXPECT_TRUE(file.faults.empty());
   ASSERT_EQ(file.rows.size(), 43u);
-  EXPECT_EQ(file.rows[0].kind, LogKind::familiarise);
+  EXPECT_EQ(file.rows[0].kind, BlockKind::familiarise);
   EXPECT_EQ(file.rows[0].answer, "");
-  EXPECT_EQ(file.rows[2].kind, LogKind::practice);
+  EXPECT_EQ(file.rows[2].kind, BlockKind::practice);
   const EventRow& trial = file.rows[3];
   EXPECT_EQ(trial.line, 5u);
   EXPECT_EQ(trial.onset_s, 100);
@@ -63,7 +63,8 @@ TEST(EventsFile, AFaultyRowIsLeftOutWithItsLine) {
       {"2\t-1\ttrial\tm\tcube\tcube\t1.5\tanswered", "duration '-1' is not a time"},
       {"2\t10\ttrial\tm\tcube\tcube\tinf\tanswered", "response_time 'inf' is not a time"},
       {"2\t10\ttrial\tm\tcube\tcube\t1,5\tanswered", "response_time '1,5' is not a time"},
-      {"2\t10\ttrail\tm\tcube\tcube\t1\tanswered", "trial_type 'trail' is not familiarise, free, practice or trial"},
+      {"2\t10\ttrail\tm\tcube\tcube\t1\tanswered",
+       "trial_type 'trail' is not familiarise, free, practice, trial, same-different,"},
       {"2\t10\ttrial\tm\tcube\tcube\t1\tok", "status 'ok' is not answered, done or void"},
       {"2\t10\ttrial\tm\tcube\tn/a\t1\tanswered", "an answered trial has no answer"},
       {"2\t10\ttrial\t\tcube\tcube\t1\tanswered", "an answered trial has no method"},

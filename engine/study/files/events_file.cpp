@@ -68,14 +68,14 @@ std::string read_row(const std::vector<std::string_view>& cells, const Places& p
   if (!time(duration, row.duration_s)) return not_a_time(duration);
   if (!time(response_time, row.response_s)) return not_a_time(response_time);
 
-  const std::optional<LogKind> kind = value_of(event_words, cell(trial_type));
-  if (!kind) return fmt::format("trial_type '{}' is not {}", shown(cell(trial_type)), one_of(event_words));
+  const std::optional<BlockKind> kind = value_of(block_words, cell(trial_type));
+  if (!kind) return fmt::format("trial_type '{}' is not {}", shown(cell(trial_type)), one_of(block_words));
   row.kind = *kind;
   const std::optional<EventStatus> state = value_of(status_words, cell(status));
   if (!state) return fmt::format("status '{}' is not {}", shown(cell(status)), one_of(status_words));
   row.status = *state;
 
-  const bool counts = row.kind == LogKind::trial && row.status == EventStatus::answered;
+  const bool counts = row.kind == BlockKind::trial && row.status == EventStatus::answered;
   for (const auto& [column, target] : {std::pair(method, &row.method), {shape, &row.shape}, {answer, &row.answer}}) {
     const bool missing = cell(column).empty() || cell(column) == not_available;
     if (counts && missing) return fmt::format("an answered trial has no {}", column_names[column]);
@@ -83,7 +83,7 @@ std::string read_row(const std::vector<std::string_view>& cells, const Places& p
       return fmt::format("{} '{}' is longer than {} letters", column_names[column], shown(cell(column)), most_name);
     if (!missing) *target = cell(column);
   }
-  if (row.kind == LogKind::trial && row.status == EventStatus::done)
+  if (row.kind == BlockKind::trial && row.status == EventStatus::done)
     return "a trial has the status done, but only answered or void fit";
   return {};
 }
@@ -143,6 +143,8 @@ EventsFile read_events(const std::filesystem::path& path) {
   const EventsSidecar sidecar = read_events_sidecar(beside);
   EventsFile file = parse_events(text, name);
   file.shapes = sidecar.shapes;
+  if (sidecar.rehearsal)
+    file.faults.push_back(name + ": is a rehearsal: no person gave these answers; it is analysed all the same");
   if (sidecar.checksum && *sidecar.checksum != crc32_of(text)) {
     file.faults.push_back(
         fmt::format("{}: was changed after its session ended (its CRC-32 is {:08x}, {} says {:08x}); it is analysed as "

@@ -11,14 +11,9 @@
 #include <vector>
 
 #include "base/words.hpp"
+#include "study/plan/plan.hpp"
 
 namespace palpa::study {
-
-enum class LogKind { familiarise, free, practice, trial };
-inline constexpr Word<LogKind> event_words[] = {{"familiarise", LogKind::familiarise},
-                                                {"free", LogKind::free},
-                                                {"practice", LogKind::practice},
-                                                {"trial", LogKind::trial}};
 
 enum class EventStatus {
   answered,  ///< a trial with its answer
@@ -32,7 +27,7 @@ struct EventRow {
   std::size_t line = 0;  ///< in the file, from 1
   double onset_s = 0;
   std::optional<double> duration_s{};
-  LogKind kind = LogKind::trial;
+  BlockKind kind = BlockKind::trial;  ///< trial_type
   EventStatus status = EventStatus::answered;
   std::string method{}, shape{}, answer{};  ///< empty where the file has n/a
   std::optional<double> response_s{};

@@ -63,6 +63,8 @@ EventsSidecar read_events_sidecar(const std::filesystem::path& file) {
     throw bad_input(file.string(),
                     fmt::format("the log has version {}, this palpa reads version {}", number, log_version));
   EventsSidecar sidecar{.shapes = levels_of(document, file.string())};
+  if (const auto found = document.find("Rehearsal"); found != document.end())
+    sidecar.rehearsal = found->is_boolean() && found->get<bool>();
   if (const auto sum = document.find("EventsCrc32"); sum != document.end()) {
     std::size_t used = 0;
     const std::string digits = sum->is_string() ? sum->get<std::string>() : "";

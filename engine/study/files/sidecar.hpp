@@ -17,6 +17,7 @@ inline constexpr std::uint64_t log_version = 1;
 struct EventsSidecar {
   std::vector<std::string> shapes{};        ///< that were asked for, in their order; may be empty
   std::optional<std::uint32_t> checksum{};  ///< CRC-32 of the log when its session ended
+  bool rehearsal = false;                   ///< no person was there
 };
 /// Throws bad_input for a file that is not such JSON, and for a log of another version.
 EventsSidecar read_events_sidecar(const std::filesystem::path& file);

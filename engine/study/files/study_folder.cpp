@@ -86,7 +86,7 @@ std::vector<Folder> participants_in(const std::string& place, std::vector<std::s
 }
 
 bool counts(const EventRow& row) {
-  return row.kind == LogKind::trial && row.status == EventStatus::answered;
+  return row.kind == BlockKind::trial && row.status == EventStatus::answered;
 }
 
 void read_courses(const fs::path& events, Session& session, std::vector<std::string>& left_out) {
@@ -112,6 +112,10 @@ void read_courses(const fs::path& events, Session& session, std::vector<std::str
 void read_participant(Folder& folder) {
   const fs::path inside = folder.path / "beh";
   std::error_code fault;
+  if (fs::exists(folder.path / (folder.path.filename().string() + tombstone_end), fault)) {
+    folder.left_out.push_back(fmt::format("{}: the participant withdrew", folder.path.string()));
+    return;
+  }
   if (!fs::is_directory(inside, fault)) {
     folder.left_out.push_back(fmt::format("{}: there is no such folder; the participant is left out", inside.string()));
     return;
@@ -224,7 +228,7 @@ Participant assemble(Folder& folder, const Study& study) {
   for (const Session& session : folder.sessions) {
     std::size_t course = 0;
     for (const EventRow& row : session.events.rows) {
-      if (row.kind == LogKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
+      if (row.kind == BlockKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
       if (!counts(row)) continue;
       const std::size_t own_course = course++;
       const auto method = place_in(study.methods, row.method);

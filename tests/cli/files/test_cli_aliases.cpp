@@ -71,6 +71,9 @@ class CliAliases : public testing::Test {
     write_text(folder_ / "plan.toml",
                "command = \"touch\"\n[options]\nscene = \"scene.gltf\"\npoints = \"finger.ply\"\n"
                "layout = \"layout.toml\"\n");
+    write_text(folder_ / "study.toml",
+               "[[shape]]\nname = \"a\"\nmodel = \"scene.gltf\"\n[[shape]]\nname = \"b\"\nmodel = \"scene.gltf\"\n"
+               "[[method]]\nname = \"single-focus\"\nlayout = \"layout.toml\"\n");
     write_text(folder_ / "old", "what was");
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
       if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
@@ -257,6 +260,12 @@ class CliAliases : public testing::Test {
         {{"study", "analyse", path("counts.csv")}, {"counts.csv"}, {json_, html_}},
         {{"study", "compare", "paper", path("counts.csv"), path("study")}, {log_, "counts.csv"}, {json_, csv_, html_}},
         {{"study", "power"}, {}, {json_, csv_, html_}},
+        {{"study", "plan", path("study.toml")}, {"study.toml", "scene.gltf", "layout.toml"}, {json_, csv_}},
+        {{"study", "level", path("study.toml")}, {"study.toml", "layout.toml"}, {json_}},
+        {{"study", "rehearse", path("study.toml"), "--participant", "1", "--out", path("new")},
+         {"study.toml", "scene.gltf"},
+         {json_}},
+        {{"study", "withdraw", "7", "--out", path("study")}, {}, {json_}},
         {{"sweep", path("plan.toml"), "--out", path("new")},
          and_also(scene_files, {"finger.ply", "layout.toml", "plan.toml"}),
          {json_, {"--gather", "", ".csv"}}},

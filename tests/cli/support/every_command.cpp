@@ -86,6 +86,11 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
+  std::filesystem::create_directories(folder_ / "withdrawn/sub-02");
+  write_text(folder_ / "level.toml",
+             "[[shape]]\nname = \"a\"\nmodel = \"plan.toml\"\n[[shape]]\nname = \"b\"\n"
+             "model = \"plan.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
+             "[level]\nceiling = 0.05\n");
   write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
@@ -113,7 +118,13 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"decompose", {"decompose", "--scene", scene, "--out", folder_ / "parts.glb"}},
       {"study analyse", {"study", "analyse", folder_ / "study"}},
       {"study compare", {"study", "compare", "paper"}},
+      {"study level", {"study", "level", folder_ / "level.toml"}},
+      {"study plan", {"study", "plan", source_file("assets/studies/five-minutes.toml")}},
       {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
+      {"study rehearse",
+       {"study", "rehearse", source_file("assets/studies/five-minutes.toml"), "--participant", "1", "--out",
+        folder_ / "rehearsed"}},
+      {"study withdraw", {"study", "withdraw", "2", "--out", folder_ / "withdrawn"}},
       {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},

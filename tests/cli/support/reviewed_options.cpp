@@ -14,6 +14,11 @@
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
+
+std::vector<IdleOption> no_gpu_at_all(const std::string& why) {
+  return {{{"--gpu", "0"}, why}, {{"--validation", "core"}, why}};
+}
+
 namespace {
 
 using Effects = std::vector<EffectiveOption>;
@@ -52,10 +57,6 @@ const Idles felt{{{"--spot", "4mm"}, "--spot goes with"},
                  {{"--tune-shortest", "1ms"}, "go together"},
                  {{"--tune-longest", "2ms"}, "go together"},
                  {{"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "go with --tune"}};
-
-Idles no_gpu_at_all(const std::string& why) {
-  return {{{"--gpu", "0"}, why}, {{"--validation", "core"}, why}};
-}
 
 /// Options from skin to foci.
 const Effects touched{{{"--delta", "1mm"}}, {{"--finger-gap", "0.1mm"}}, {{"--min-points", "100000"}}};
@@ -503,20 +504,11 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
         {.line = {"decompose", "--scene", asset("cube.glb"), "--out", "none/x.glb"},
          .idle = no_gpu_at_all("palpa decompose computes on the processor"),
          .untried = "--scene --gltf-scene --out --parts --resolution --error"},
-        {.line = {"study", "analyse", "none"},
-         .idle = no_gpu_at_all("palpa study analyse computes on the processor"),
-         .untried = "--html --csv"},
-        {.line = {"study", "compare", "paper"},
-         .idle = no_gpu_at_all("palpa study compare computes on the processor"),
-         .untried = "--html --csv"},
-        {.line = {"study", "power"},
-         .idle = no_gpu_at_all("palpa study power computes on the processor"),
-         .untried = "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
-                    "--studies"},
         {.line = {"bench", "--suite", "array"},
          .idle = {{{"--scene", asset("cube.glb")}, "--scene goes with --suite surface"},
                   {{"--backend", "cpu"}, "bench measures the GPU"}},
          .untried = "--suite --runs --csv --gpu --validation"}},
+       of_studies(),
        of_export(scratch),
        of_calibrate(),
        of_drive(scratch),

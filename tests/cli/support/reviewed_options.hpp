@@ -30,6 +30,12 @@ struct ReviewedLine {
 /// word OUT stands for an empty folder.
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch);
 
+/// Those of `palpa study`.
+std::vector<ReviewedLine> of_studies();
+
+/// The options of a GPU, which a command that uses none refuses: the message has `why`.
+std::vector<IdleOption> no_gpu_at_all(const std::string& why);
+
 /// The words of a text, between spaces.
 std::vector<std::string> words_of(const std::string& text);
 

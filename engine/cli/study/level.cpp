@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "cli/study/commands.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+#include "study/plan/plan_file.hpp"
+#include "study/sitting/ear_level.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct LevelCommand {
+  setup::CommonOptions common;
+  std::vector<std::string> plan;
+  std::string override_by;
+};
+
+void add_options_of_level(CLI::App& app, LevelCommand& o) {
+  const setup::Group group(app, "Level");
+  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  group.text("--override", o.override_by, "TEXT",
+             "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+}
+
+std::string level_text(const study::StudyPlan& plan, const study::EarLevel& level) {
+  std::string text = fmt::format("predicted within {:.0f} cm of the ears, in dB SPL: left {:.1f}, right {:.1f}\n",
+                                 study::ear_ball_m * 100, level.db[0], level.db[1]);
+  const auto add = [&](const std::string& line) { text += line + '\n'; };
+  add(fmt::format("reflections may add or take away {:.0f} dB: up to {:.1f} dB", study::reflections_db,
+                  level.loudest_db() + study::reflections_db));
+  add(fmt::format("equivalent for 8 hours, if the array sounds for {:.3g} min: {:.1f} dB", level.sounding_s / 60,
+                  level.equivalent_db()));
+  add(fmt::format("the loudest layout is {}, at the ceiling {}", level.layout, plan.level.ceiling));
+  add(fmt::format("limits:\n  {:5.1f} dB  this plan's", plan.level.limit_db));
+  for (const study::EarLimit& limit : study::ear_limits())
+    add(fmt::format("  {:5.1f} dB  {}: {}", limit.db, limit.who, limit.what));
+  return text;
+}
+
+std::string level_json(const study::StudyPlan& plan, const study::EarLevel& level) {
+  JsonWriter json;
+  json.begin_object()
+      .member("left_db", level.db[0])
+      .member("right_db", level.db[1])
+      .member("equivalent_8h_db", level.equivalent_db())
+      .member("reflections_db", study::reflections_db)
+      .member("sounding_s", level.sounding_s)
+      .member("layout", level.layout)
+      .member("focus_m", level.focus)
+      .member("ceiling", plan.level.ceiling)
+      .member("limit_db", plan.level.limit_db)
+      .end_object();
+  return json.take();
+}
+
+void run_level(const LevelCommand& o) {
+  setup::refuse_gpu_options(o.common, "palpa study level computes on the processor");
+  if (o.plan.size() != 1) throw bad_usage("give palpa study level one plan, such as assets/studies/paper.toml");
+  const Outputs outputs({{"--json", o.common.json}});
+  const study::StudyPlan plan = study::read_plan(o.plan.front());
+  study::refuse_missing_files(plan);
+  const study::EarLevel level = study::predict_ear_level(plan);
+  if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
+    throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
+  if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level));
+  study::refuse_loud(plan, level, o.override_by);
+}
+
+}  // namespace
+
+void add_study_level(Program& program) {
+  add_subcommand<LevelCommand>(program,
+                               {"study level", "how loud the array will be at a participant's ears",
+                                "  palpa study level assets/studies/paper.toml\n"
+                                "  palpa study level loud.toml --override 'ethics 12/2026'",
+                                "--override",
+                                "It fails if the level is above the limit of the plan. A prediction replaces no "
+                                "measurement: measure the level before the first participant comes."},
+                               add_options_of_level, run_level);
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "cli/study/commands.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+#include "study/plan/order.hpp"
+#include "study/plan/plan_file.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct PlanCommand {
+  setup::CommonOptions common;
+  std::vector<std::string> plan;
+  std::uint32_t participant = 1;
+  std::string csv;
+};
+
+void add_options_of_plan(CLI::App& app, PlanCommand& o) {
+  const setup::Group group(app, "Plan");
+  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
+  group.text("--csv", o.csv, "FILE", "writes the participant's order, one row per step");
+}
+
+std::string time_text(double seconds) {
+  return seconds < 120 ? fmt::format("{:.3g} s", seconds) : fmt::format("{:.3g} min", seconds / 60);
+}
+
+std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps) {
+  std::string text =
+      fmt::format("{}: {} shapes, {} methods, {} participants\n", plan.title.empty() ? plan.file : plan.title,
+                  plan.shapes.size(), plan.methods.size(), plan.counts.participants);
+  fmt::format_to(std::back_inserter(text), "participant {}: {} steps, {} of touch\n", participant, steps.size(),
+                 time_text(study::sounding_s(plan)));
+  for (std::size_t i = 0; i < steps.size();) {
+    const study::PlanBlock& block = plan.blocks[steps[i].block];
+    std::size_t end = i;
+    while (end < steps.size() && steps[end].round == steps[i].round)
+      ++end;
+    fmt::format_to(std::back_inserter(text), "  {:<14} {:<14} {:>3} x {}{}\n", plan.methods[steps[i].method].name,
+                   word_of(study::block_words, block.kind), end - i, time_text(block.touch_s),
+                   study::has_two_touches(block.kind) ? ", two touches" : "");
+    i = end;
+  }
+  return text;
+}
+
+std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps) {
+  JsonWriter json;
+  json.begin_object()
+      .member("title", plan.title)
+      .member("sha256", plan.sha256)
+      .member("participant", participant)
+      .member("participants", plan.counts.participants)
+      .member("touch_s", study::sounding_s(plan))
+      .member("masking", plan.run.masking)
+      .member("ceiling", plan.level.ceiling)
+      .member("limit_db", plan.level.limit_db)
+      .key("steps")
+      .begin_array(JsonWriter::Style::rows);
+  for (const study::Step& step : steps) {
+    const study::BlockKind kind = plan.blocks[step.block].kind;
+    json.begin_object()
+        .member("kind", word_of(study::block_words, kind))
+        .member("method", plan.methods[step.method].name);
+    if (step.shape && kind != study::BlockKind::free) json.member("shape", plan.shapes[*step.shape].name);
+    if (step.second) json.member("second_shape", plan.shapes[*step.second].name);
+    json.end_object();
+  }
+  json.end_array().end_object();
+  return json.take();
+}
+
+void run_plan(const PlanCommand& o) {
+  setup::refuse_gpu_options(o.common, "palpa study plan computes nothing");
+  if (o.plan.size() != 1) throw bad_usage("give palpa study plan one plan, such as assets/studies/paper.toml");
+  if (o.common.seed != 0) throw bad_usage("--seed belongs to the plan: set seed in its [run]");
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
+  const study::StudyPlan plan = study::read_plan(o.plan.front());
+  study::refuse_missing_files(plan);
+  const std::vector<study::Step> steps = study::order_of(plan, o.participant);
+  if (!o.common.json.empty()) write_file(o.common.json, plan_json(plan, o.participant, steps));
+  if (!o.csv.empty()) write_file(o.csv, study::order_csv(plan, steps));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", plan_text(plan, o.participant, steps));
+}
+
+}  // namespace
+
+void add_study_plan(Program& program) {
+  add_subcommand<PlanCommand>(
+      program,
+      {"study plan", "checks the plan of a study, and lists a participant's steps",
+       "  palpa study plan assets/studies/paper.toml --participant 6\n"
+       "  palpa study plan assets/studies/five-minutes.toml --csv order.csv",
+       "--participant --csv", "The order depends on the plan and on the participant's number only."},
+      add_options_of_plan, run_plan);
+}
+
+}  // namespace palpa::cli

@@ -1,0 +1,80 @@
+#include "study/sitting/withdrawal.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "cli/study/commands.hpp"
+#include "setup/options.hpp"
+#include "setup/values.hpp"
+#include "study/plan/order.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct WithdrawCommand {
+  setup::CommonOptions common;
+  std::vector<std::string> participant;
+  std::string out;
+};
+
+void add_options_of_withdraw(CLI::App& app, WithdrawCommand& o) {
+  const setup::Group group(app, "Who withdraws");
+  group.words("participant", o.participant, "N", "number of the participant");
+  group.text("--out", o.out, "DIR", "folder of the study");
+}
+
+/// Names are refused: a number is all that palpa knows of a participant.
+std::uint32_t number_in(const std::string& word) {
+  const std::optional<double> number = parse_number(word);
+  if (!number || *number < 1 || *number > study::most_participant_number ||
+      *number != static_cast<double>(static_cast<std::uint32_t>(*number)) || word.find('.') != std::string::npos) {
+    throw bad_usage(fmt::format("participants are numbers from 1 to {}, and '{}' is not one",
+                                study::most_participant_number, printable(word, 40)));
+  }
+  return static_cast<std::uint32_t>(*number);
+}
+
+void run_withdraw(const WithdrawCommand& o) {
+  setup::refuse_gpu_options(o.common, "palpa study withdraw computes nothing");
+  if (o.participant.size() != 1) throw bad_usage("give palpa study withdraw the number of one participant");
+  if (o.out.empty()) throw bad_usage("--out is missing: give the folder of the study");
+  const std::uint32_t number = number_in(o.participant.front());
+  const Outputs outputs({{"--json", o.common.json}});
+  const study::Withdrawal withdrawal = study::withdraw(o.out, number);
+  if (!o.common.json.empty()) {
+    JsonWriter json;
+    json.begin_object()
+        .member("participant", number)
+        .member("erased", withdrawal.files)
+        .member("withdrew_before", withdrawal.before)
+        .end_object();
+    write_file(o.common.json, json.take());
+  }
+  if (setup::shows_summary(o.common, outputs)) {
+    const bool nothing = withdrawal.before && withdrawal.files == 0;
+    write_file("-", nothing ? fmt::format("participant {} had withdrawn before; nothing was left to erase\n", number)
+                            : fmt::format("participant {} has withdrawn: {} files and folders erased\n", number,
+                                          withdrawal.files));
+  }
+}
+
+}  // namespace
+
+void add_study_withdraw(Program& program) {
+  add_subcommand<WithdrawCommand>(
+      program,
+      {"study withdraw", "erases everything of a participant, and keeps the number taken",
+       "  palpa study withdraw 7 --out my-study\n"
+       "  palpa study withdraw 7 --out my-study --json withdrawn.json",
+       "--out", "Files are removed from the folder. Copies elsewhere, such as backups, are yours to erase.", "N"},
+      add_options_of_withdraw, run_withdraw);
+}
+
+}  // namespace palpa::cli

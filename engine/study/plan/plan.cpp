@@ -1,0 +1,102 @@
+#include "study/plan/plan.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace palpa::study {
+
+bool asks(BlockKind kind) {
+  return kind != BlockKind::familiarise && kind != BlockKind::free && kind != BlockKind::rest;
+}
+
+bool has_two_touches(BlockKind kind) {
+  return kind == BlockKind::same_different || kind == BlockKind::two_interval;
+}
+
+const std::vector<DefaultText>& default_texts() {
+  static const std::vector<DefaultText> texts{
+      {"consent", TextId::consent,
+       "In this study you touch shapes that are made of ultrasound. You can stop at any time, without giving a reason. "
+       "Your answers are kept under a number, without your name. Do you take part?"},
+      {"depth_consent", TextId::depth_consent,
+       "May the depth images of your hand be kept, too? You can take part without this."},
+      {"welcome", TextId::welcome, "Please put on the headphones. The study begins as soon as you are ready."},
+      {"familiarise", TextId::familiarise,
+       "You see a shape with a marker on top of it. Move your finger up and down from the marker, and feel the shape."},
+      {"free", TextId::free,
+       "Now you see only the marker. Feel the shapes. The arrow keys change the shape as often as you like."},
+      {"practice", TextId::practice,
+       "Move your finger up and down from the marker. Afterwards, say which shape it was. This one does not count."},
+      {"trial", TextId::trial, "Move your finger up and down from the marker. Afterwards, say which shape it was."},
+      {"same_different", TextId::same_different,
+       "You feel two shapes, one after the other. Afterwards, say whether they were the same."},
+      {"two_interval", TextId::two_interval,
+       "You feel two shapes, one after the other. Afterwards, choose one of them."},
+      {"rating", TextId::rating, "Move your finger up and down from the marker. Afterwards, give a number."},
+      {"rest", TextId::rest, "Have a rest."},
+      {"which_shape", TextId::which_shape, "Which shape was it?"},
+      {"same_or_different", TextId::same_or_different, "Were the two shapes the same?"},
+      {"which_interval", TextId::which_interval, "Was it the first or the second?"},
+      {"how_much", TextId::how_much, "How strong was it?"},
+      {"same", TextId::same, "the same"},
+      {"different", TextId::different, "different"},
+      {"first", TextId::first, "the first"},
+      {"second", TextId::second, "the second"},
+      {"paused", TextId::paused, "Paused. Nothing sounds. Please wait."},
+      {"right", TextId::right_answer, "Right."},
+      {"wrong", TextId::wrong_answer, "Wrong."},
+      {"end", TextId::end, "That was all. Thank you."},
+  };
+  return texts;
+}
+
+std::string StudyPlan::text(TextId id) const {
+  if (const auto own = texts.find(language); own != texts.end()) {
+    if (const auto found = own->second.find(id); found != own->second.end()) return found->second;
+  }
+  return std::ranges::find(default_texts(), id, &DefaultText::id)->english;
+}
+
+const std::string& StudyPlan::label(std::size_t shape) const {
+  const auto found = shapes[shape].labels.find(language);
+  return found == shapes[shape].labels.end() ? shapes[shape].name : found->second;
+}
+
+std::string instruction_of(const StudyPlan& plan, const PlanBlock& block) {
+  if (!block.text.empty()) return block.text;
+  switch (block.kind) {
+    case BlockKind::familiarise:
+      return plan.text(TextId::familiarise);
+    case BlockKind::free:
+      return plan.text(TextId::free);
+    case BlockKind::practice:
+      return plan.text(TextId::practice);
+    case BlockKind::trial:
+      return plan.text(TextId::trial);
+    case BlockKind::same_different:
+      return plan.text(TextId::same_different);
+    case BlockKind::two_interval:
+      return plan.text(TextId::two_interval);
+    case BlockKind::rating:
+      return plan.text(TextId::rating);
+    case BlockKind::rest:
+      return plan.text(TextId::rest);
+  }
+  return {};
+}
+
+double sounding_s(const StudyPlan& plan) {
+  double seconds = 0;
+  for (const PlanBlock& block : plan.blocks) {
+    const double n = static_cast<double>(block.shapes.size()), repeats = block.repeats;
+    double touches = n * repeats;
+    if (block.kind == BlockKind::free) touches = 1;
+    if (block.kind == BlockKind::rest) touches = 0;
+    if (block.kind == BlockKind::two_interval) touches = 2 * n * (n - 1) * repeats;
+    if (block.kind == BlockKind::same_different) touches = 4 * n * (n - 1) * repeats;
+    seconds += touches * block.touch_s * (block.once ? 1.0 : static_cast<double>(plan.methods.size()));
+  }
+  return seconds;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,200 @@
+// The plan of a study as values: shapes, methods, counts, what happens in which order, and what the ideal observer
+// needs. PLAN.toml is its file (plan_file.hpp, docs/study.md).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math.hpp"
+#include "base/words.hpp"
+#include "touch/foci/method.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::study {
+
+struct PlanShape {
+  std::string name;
+  std::string model;                            ///< file, relative names resolved from the plan's folder
+  std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
+};
+
+/// How foci are made and played. Values that are not in the plan are palpa's defaults.
+struct PlanMethod {
+  std::string name;
+  touch::Method method = touch::Method::cross_section;
+  std::uint32_t foci = 10;
+  std::optional<std::uint32_t> stride;
+  double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
+  std::string layout = "paper";  ///< built-in name, or a file resolved from the plan's folder
+};
+
+/// [study]
+struct PlanCounts {
+  std::uint32_t participants = 10, trials_per_shape = 10;
+  double touch_s = 10;
+};
+
+/// [observer]
+struct PlanObserver {
+  std::vector<double> depths_m{1e-3, 3e-3, 5e-3, 7.5e-3, 10.5e-3, 14e-3};  ///< ascending
+  std::uint32_t placements = 12;
+  double lateral_m = 2e-3, yaw_rad = 0.261799387799149;  ///< standard deviations
+  double crest_n = 16e-3;  ///< force of the single focus on the cube at 3 mm, at its crest
+  std::vector<double> other_crests_n{5e-3, 50e-3};
+};
+
+/// [fit]: the one measured number. Only the simulation needs it.
+struct PlanFit {
+  std::size_t method = 0;  ///< index into the methods
+  double accuracy = 0;
+  std::uint32_t trials = 0;  ///< 0: the plan has no [fit]
+};
+
+/// What a block asks of a participant. The words are those of the plan and of `trial_type` in logs.
+enum class BlockKind {
+  familiarise,     ///< touch each shape, and see it
+  free,            ///< touch without seeing; keys change the shape
+  practice,        ///< as trial, but it is not analysed
+  trial,           ///< touch, then say which shape it was
+  same_different,  ///< touch twice, then say whether it was the same shape
+  two_interval,    ///< touch twice, then choose one of the two
+  rating,          ///< touch, then give a number
+  rest,            ///< a break
+};
+inline constexpr Word<BlockKind> block_words[] = {{"familiarise", BlockKind::familiarise},
+                                                  {"free", BlockKind::free},
+                                                  {"practice", BlockKind::practice},
+                                                  {"trial", BlockKind::trial},
+                                                  {"same-different", BlockKind::same_different},
+                                                  {"two-interval", BlockKind::two_interval},
+                                                  {"rating", BlockKind::rating},
+                                                  {"rest", BlockKind::rest}};
+/// Whether it ends with an answer.
+bool asks(BlockKind kind);
+/// Whether it has two touches.
+bool has_two_touches(BlockKind kind);
+
+/// [[block]]
+struct PlanBlock {
+  BlockKind kind = BlockKind::trial;
+  std::vector<std::uint32_t> shapes{};  ///< indices into the shapes; those of practice are touched in this order
+  std::uint32_t repeats = 1;            ///< of each shape, or of each pair
+  double touch_s = 10;                  ///< how long a touch, the free exploration or the break lasts
+  double between_s = 0.5;               ///< silence between two touches
+  std::uint32_t ratings = 7;            ///< rating: the answers are 1 to this
+  bool feedback = false;                ///< says after the answer whether it was right
+  bool apart = false;                   ///< no shape twice in a row
+  bool once = false;                    ///< only before the participant's first method
+  std::string text{};                   ///< the instruction, instead of the plan's text for this kind
+};
+
+/// Which method a participant begins with.
+enum class OrderRule {
+  halves,  ///< the first half of the participants as in the plan, the second half the other way, further ones in turn
+  alternate,  ///< odd numbers as in the plan, even numbers the other way
+  williams,   ///< the rows of a Williams square in turn: every method follows every other equally often
+  fixed,      ///< as in the plan
+};
+inline constexpr Word<OrderRule> order_words[] = {{"halves", OrderRule::halves},
+                                                  {"alternate", OrderRule::alternate},
+                                                  {"williams", OrderRule::williams},
+                                                  {"fixed", OrderRule::fixed}};
+
+/// [run]
+struct PlanRun {
+  OrderRule order = OrderRule::fixed;
+  std::uint64_t seed = 1;         ///< of the order of trials
+  double deep_m = 15e-3;          ///< nothing is presented while a captured point is deeper than this below the top
+  std::string masking = "white";  ///< `white`, `off`, or a sound file
+  touch::Axes axes = touch::Axes::steady;
+  touch::Smoothing smoothing = touch::Smoothing::one_euro;
+  std::optional<touch::Hysteresis> hysteresis{};  ///< as palpa run chooses it, if it is missing
+  bool predict = true;
+  bool ask_depth_frames = false;  ///< a separate page asks whether depth images may be kept
+};
+
+/// [level]: how loud it may be at the participant's ears.
+struct PlanLevel {
+  double ceiling = 1;     ///< of every transducer's amplitude, as --ceiling
+  double limit_db = 110;  ///< peak sound pressure level, dB re 20 uPa, that may be predicted at an ear
+  std::array<Vec3, 2> ears{Vec3(-0.08, 0.3, 0.65), Vec3(0.08, 0.3, 0.65)};  ///< left, right; metres, world
+};
+
+/// The screens of a session whose text a plan may set.
+enum class TextId {
+  consent,
+  depth_consent,
+  welcome,
+  familiarise,
+  free,
+  practice,
+  trial,
+  same_different,
+  two_interval,
+  rating,
+  rest,
+  which_shape,
+  same_or_different,
+  which_interval,
+  how_much,
+  same,
+  different,
+  first,
+  second,
+  paused,
+  right_answer,
+  wrong_answer,
+  end,
+};
+struct DefaultText {
+  const char* key;  ///< in [texts.LANGUAGE]
+  TextId id;
+  const char* english;
+};
+const std::vector<DefaultText>& default_texts();
+
+struct StudyPlan {
+  std::string file, title;
+  std::string sha256;  ///< of the file's bytes
+  std::vector<PlanShape> shapes;
+  std::vector<PlanMethod> methods;     ///< those of the study
+  std::vector<PlanMethod> candidates;  ///< [[candidate]]: only ranked by the simulation
+  PlanCounts counts;
+  std::vector<PlanBlock> blocks;  ///< the paper's, if the file has none
+  PlanRun run;
+  PlanLevel level;
+  std::string language = "en";
+  std::map<std::string, std::map<TextId, std::string>> texts{};  ///< by language
+  PlanObserver observer;
+  PlanFit fit;
+
+  /// The touches that the simulation computes.
+  std::size_t touches() const {
+    return (methods.size() + candidates.size()) * shapes.size() * observer.depths_m.size() * observer.placements;
+  }
+  /// The plan's text in its language, otherwise the built-in English one.
+  std::string text(TextId id) const;
+  /// What participants read for a shape.
+  const std::string& label(std::size_t shape) const;
+};
+
+/// The most touches of a simulated plan: a few hours of computation.
+inline constexpr std::size_t most_planned_touches = 50'000;
+/// The most steps of a participant's session: days of touching.
+inline constexpr std::size_t most_planned_steps = 20'000;
+
+/// The instruction that is shown before a block.
+std::string instruction_of(const StudyPlan& plan, const PlanBlock& block);
+
+/// How long the array may sound in a participant's session, seconds: all touches and free explorations.
+double sounding_s(const StudyPlan& plan);
+
+/// The most time in a session that a plan may ask for.
+inline constexpr double most_sounding_s = 8 * 3600;
+
+}  // namespace palpa::study

@@ -1,0 +1,86 @@
+#include "study/sitting/participant_folder.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "study/files/study_folder.hpp"
+#include "study/plan/order.hpp"
+
+namespace palpa::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::uint32_t> number_in(std::string_view name) {
+  constexpr std::string_view prefix = "sub-";
+  if (!name.starts_with(prefix)) return std::nullopt;
+  name.remove_prefix(prefix.size());
+  std::uint32_t number = 0;
+  const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (fault != std::errc{} || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+std::string ParticipantFolder::name() const {
+  return fmt::format("sub-{:02}", number);
+}
+
+fs::path ParticipantFolder::journal() const {
+  return path / (name() + "_journal.jsonl");
+}
+
+fs::path ParticipantFolder::tombstone() const {
+  return path / (name() + tombstone_end);
+}
+
+fs::path ParticipantFolder::beh() const {
+  return path / "beh";
+}
+
+fs::path ParticipantFolder::file(std::uint32_t run, const std::string& end) const {
+  return beh() / fmt::format("{}_task-shapes_run-{:02}{}", name(), run, end);
+}
+
+bool ParticipantFolder::withdrawn() const {
+  std::error_code fault;
+  return fs::exists(fs::symlink_status(tombstone(), fault));
+}
+
+ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number) {
+  if (number == 0 || number > most_participant_number)
+    throw bad_usage(fmt::format("participants have numbers from 1 to {}", most_participant_number));
+  ParticipantFolder folder{.number = number, .path = {}};
+  folder.path = study / folder.name();
+  std::error_code fault;
+  if (fs::exists(study, fault) && !fs::is_directory(study, fault))
+    throw bad_input(study.string(), "is not a folder: give the folder of a study");
+  if (const fs::file_status there = fs::symlink_status(folder.path, fault);
+      fs::exists(there) && !fs::is_directory(there))
+    throw bad_input(folder.path.string(), "is not a folder");
+  if (!fs::is_directory(study, fault)) return folder;
+  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
+    const std::string other = at->path().filename().string();
+    if (other != folder.name() && number_in(other) == number) {
+      throw bad_input(at->path().string(), fmt::format("also has the number {}, as {} has: give each participant a "
+                                                       "number of their own",
+                                                       number, folder.path.string()));
+    }
+  }
+  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
+  return folder;
+}
+
+void make_folders(const ParticipantFolder& folder) {
+  std::error_code fault;
+  fs::create_directories(folder.beh(), fault);
+  if (fault) throw failure(fmt::format("{}: cannot be created: {}", folder.beh().string(), fault.message()));
+}
+
+}  // namespace palpa::study

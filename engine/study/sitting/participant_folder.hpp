@@ -1,0 +1,32 @@
+// The folder of a participant in the folder of a study: sub-07 with the journal, and sub-07/beh with the files that are
+// analysed (docs/study.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace palpa::study {
+
+struct ParticipantFolder {
+  std::uint32_t number = 0;
+  std::filesystem::path path;
+
+  std::string name() const;                 ///< "sub-07"
+  std::filesystem::path journal() const;    ///< sub-07/sub-07_journal.jsonl
+  std::filesystem::path tombstone() const;  ///< sub-07/sub-07_withdrawn.json
+  std::filesystem::path beh() const;
+  /// beh/sub-07_task-shapes_run-02 plus `end`, such as "_events.tsv". Runs count from 1.
+  std::filesystem::path file(std::uint32_t run, const std::string& end) const;
+  bool withdrawn() const;
+};
+
+/// The participant's folder in the study's, whether it exists or not. Throws bad_usage for a number that is not 1 to
+/// most_participant_number, bad_input if the study's folder is a file, the participant's folder is a link, or another
+/// folder has the same number, such as sub-7 beside sub-07.
+ParticipantFolder participant_folder(const std::filesystem::path& study, std::uint32_t number);
+
+/// Creates what is missing of it. Throws failure().
+void make_folders(const ParticipantFolder& folder);
+
+}  // namespace palpa::study

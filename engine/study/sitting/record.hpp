@@ -1,0 +1,57 @@
+// The files of a sitting: the journal, to which every entry goes at once, and the logs that are written from it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/append_file.hpp"
+#include "study/plan/order.hpp"
+#include "study/plan/plan.hpp"
+#include "study/sitting/agenda.hpp"
+#include "study/sitting/journal.hpp"
+#include "study/sitting/participant_folder.hpp"
+
+namespace palpa::study {
+
+class Record {
+ public:
+  /// Opens the participant's journal in the folder of the study, or begins it. A line that was cut off is removed.
+  /// Throws bad_usage if the participant withdrew, was begun with another plan, is being run by another process, or if
+  /// a rehearsal would continue a person's sitting or the reverse; bad_input for a journal that was edited, is damaged,
+  /// of another version or of another participant; failure() if a file cannot be written. `plan` must outlive it.
+  Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal);
+  ~Record();
+  Record(const Record&) = delete;
+  Record& operator=(const Record&) = delete;
+
+  /// The state after the entries so far.
+  Agenda agenda() const;
+  const std::vector<Entry>& entries() const { return entries_; }
+  const std::vector<Step>& steps() const { return steps_; }
+  const ParticipantFolder& folder() const { return folder_; }
+  /// Throws bad_usage if nothing is left to do: another participant needs another number.
+  void refuse_finished() const;
+
+  /// When it returns, the entry is on the disk. When a step is complete or void, also writes the log of this run again.
+  void add(const Entry& entry);
+  /// Writes the logs of all runs from the journal. `ended`: the sitting has stopped, so the last one gets its checksum.
+  void write_logs(bool ended) const;
+
+ private:
+  void write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const;
+
+  const StudyPlan* plan_;
+  ParticipantFolder folder_;
+  std::vector<Step> steps_;
+  std::vector<Entry> entries_;
+  std::string digits_;
+  std::unique_ptr<AppendFile> file_;
+};
+
+/// The time as "2026-11-25T09:30:00Z", for the stamp of a start.
+std::string utc_now();
+
+}  // namespace palpa::study

@@ -1,0 +1,37 @@
+// A sitting without a person, an array and waiting: a scripted participant goes through a whole plan. An experimenter
+// sees with it whether a plan is as it should be, and what its data will look like.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "study/plan/plan.hpp"
+#include "study/sitting/agenda.hpp"
+#include "study/sitting/sitting.hpp"
+
+namespace palpa::study {
+
+/// A participant who follows every instruction, and whose answers are drawn at random.
+class ScriptedParticipant {
+ public:
+  /// `accuracy`: the share of right answers in trials, practice and same-different.
+  ScriptedParticipant(double accuracy, std::uint64_t seed) : accuracy_(accuracy), seed_(seed) {}
+
+  /// Does the next thing that the screen asks for, at the earliest moment, and moves the time there.
+  void go_on(const StudyPlan& plan, Sitting& sitting, std::int64_t& now_ns) const;
+
+ private:
+  std::size_t answer(const StudyPlan& plan, const Sitting& sitting) const;
+
+  double accuracy_;
+  std::uint64_t seed_;
+};
+
+/// Goes from `agenda` to the end of the sitting, or until `stop` becomes true. `write` gets each entry. Returns whether
+/// the sitting has ended.
+bool rehearse(const StudyPlan& plan, const Agenda& agenda, const Entry& start, const ScriptedParticipant& participant,
+              const std::function<void(const Entry&)>& write, const std::atomic<bool>* stop = nullptr);
+
+}  // namespace palpa::study

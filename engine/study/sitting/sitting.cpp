@@ -1,0 +1,355 @@
+#include "study/sitting/sitting.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpa::study {
+namespace {
+
+std::int64_t ns_of(double seconds) {
+  return static_cast<std::int64_t>(std::llround(seconds * 1e9));
+}
+
+}  // namespace
+
+Sitting::Sitting(const StudyPlan& plan, Agenda agenda, Entry start, std::function<void(const Entry&)> write)
+    : plan_(plan), agenda_(std::move(agenda)), write_(std::move(write)) {
+  start.kind = EntryKind::start;
+  start.at_ns = 0;
+  record(std::move(start));
+  if (agenda_.finished()) screen_ = Screen::end;
+}
+
+/// Whatever goes wrong here, nothing sounds any more.
+void Sitting::record(Entry entry) {
+  try {
+    write_(entry);
+    const std::string fault = agenda_.take(entry);
+    if (!fault.empty()) throw failure("an entry cannot stand in the journal, please report this: " + fault);
+  } catch (const std::exception& error) {
+    sounding_ = false;
+    screen_ = Screen::stopped;
+    reason_ = error.what();
+    throw;
+  }
+}
+
+/// A clock that goes back is taken to stand still. One that jumps during a touch makes it longer than planned.
+std::int64_t Sitting::forward(std::int64_t now_ns) {
+  if (screen_ == Screen::touching) gap_ns_ = std::max(gap_ns_, now_ns - now_ns_);
+  return now_ns_ = std::max(now_ns_, now_ns);
+}
+
+const PlanBlock& Sitting::block() const {
+  return plan_.blocks[step().block];
+}
+
+Presented Sitting::presented() const {
+  if (!agenda_.current()) return {};
+  Presented presented{.sounds = sounding_ && !deep_, .method = step().method};
+  presented.shape = step().shape.value_or(0);
+  if (second_ && step().second) presented.shape = *step().second;
+  if (agenda_.open() && block().kind == BlockKind::free) presented.shape = chosen_;
+  return presented;
+}
+
+std::optional<std::int64_t> Sitting::next_ns() const {
+  if (screen_ == Screen::touching || screen_ == Screen::between || screen_ == Screen::rest) return until_ns_;
+  return std::nullopt;
+}
+
+bool Sitting::shows_object() const {
+  return screen_ == Screen::touching && block().kind == BlockKind::familiarise;
+}
+
+bool Sitting::shows_marker() const {
+  return screen_ == Screen::touching || screen_ == Screen::between || screen_ == Screen::ready;
+}
+
+// ---- steps --------------------------------------------------------------------------------------------------------
+
+/// After a step is complete or void, and after the start.
+void Sitting::next_step() {
+  sounding_ = second_ = false;
+  if (agenda_.current()) {
+    screen_ = Screen::ready;
+    return;
+  }
+  record({.kind = EntryKind::finish, .at_ns = now_ns_});
+  screen_ = Screen::end;
+}
+
+void Sitting::begin_step(std::int64_t now_ns) {
+  record({.kind = EntryKind::begin, .at_ns = now_ns, .step = agenda_.current()});
+  second_ = false;
+  chosen_ = step().shape.value_or(0);
+  if (block().kind == BlockKind::rest) {
+    screen_ = Screen::rest;
+    until_ns_ = now_ns + ns_of(block().touch_s);
+    return;
+  }
+  begin_touch(now_ns);
+}
+
+void Sitting::begin_touch(std::int64_t now_ns) {
+  until_ns_ = now_ns + ns_of(block().touch_s);
+  deep_s_ = 0;
+  deep_since_ns_ = now_ns;
+  gap_ns_ = 0;
+  stimulus_.reset();
+  screen_ = Screen::touching;
+  sounding_ = true;
+}
+
+void Sitting::count_deep(std::int64_t now_ns) {
+  if (sounding_ && deep_) deep_s_ += static_cast<double>(now_ns - deep_since_ns_) * 1e-9;
+  deep_since_ns_ = now_ns;
+}
+
+void Sitting::end_touch(std::int64_t now_ns) {
+  count_deep(now_ns);
+  sounding_ = false;  // before anything is written: a disk may be slow
+  record({.kind = EntryKind::touched,
+          .at_ns = now_ns,
+          .step = agenda_.current(),
+          .deep_s = deep_s_,
+          .stimulus = std::exchange(stimulus_, std::nullopt)});
+  if (has_two_touches(block().kind) && !second_) {
+    screen_ = Screen::between;
+    until_ns_ = now_ns + ns_of(block().between_s);
+  } else if (asks(block().kind)) {
+    screen_ = Screen::question;
+  } else {
+    complete({.kind = EntryKind::done, .at_ns = now_ns});
+  }
+}
+
+void Sitting::complete(Entry entry) {
+  entry.step = agenda_.current();
+  record(std::move(entry));
+  next_step();
+}
+
+void Sitting::break_off(const std::string& why, std::int64_t now_ns) {
+  sounding_ = second_ = false;
+  if (agenda_.open()) record({.kind = EntryKind::broken, .at_ns = now_ns, .step = agenda_.current(), .text = why});
+}
+
+void Sitting::pause(const std::string& why, std::int64_t now_ns) {
+  break_off(why, now_ns);
+  record({.kind = EntryKind::pause, .at_ns = now_ns, .text = why});
+  screen_ = Screen::paused;
+  reason_ = why;
+}
+
+// ---- what happens -------------------------------------------------------------------------------------------------
+
+void Sitting::act(Act act, std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  if (screen_ == Screen::end || screen_ == Screen::stopped) return;
+  if (act == Act::stop) {
+    break_off("stopped by the experimenter", now);
+    record({.kind = EntryKind::stop, .at_ns = now});
+    screen_ = Screen::stopped;
+    reason_ = "stopped by the experimenter";
+    return;
+  }
+  if (act == Act::pause) {
+    if (screen_ != Screen::setup && screen_ != Screen::paused) pause("paused by the experimenter", now);
+    return;
+  }
+  const bool free = screen_ == Screen::touching && block().kind == BlockKind::free;
+  if (free && (act == Act::next_shape || act == Act::other_shape)) {
+    const std::vector<std::uint32_t>& shapes = block().shapes;
+    const auto at = static_cast<std::size_t>(std::ranges::find(shapes, chosen_) - shapes.begin());
+    const std::size_t by = act == Act::next_shape ? 1 : shapes.size() - 1;
+    chosen_ = shapes[(at + by) % shapes.size()];
+    record({.kind = EntryKind::choose, .at_ns = now, .step = agenda_.current(), .text = plan_.shapes[chosen_].name});
+    return;
+  }
+  switch (screen_) {
+    case Screen::touching:
+      pause("silenced by a key of the participant", now);
+      break;
+    case Screen::setup:
+      if (act != Act::go_on) break;
+      if (!agenda_.consent()) {
+        screen_ = Screen::consent;
+      } else {
+        next_step();
+      }
+      break;
+    case Screen::consent:
+      if (act != Act::accept && act != Act::decline) break;
+      if (act == Act::accept && plan_.run.ask_depth_frames) {
+        screen_ = Screen::depth_consent;
+        break;
+      }
+      record({.kind = EntryKind::consent, .at_ns = now, .accepted = act == Act::accept});
+      if (act == Act::accept) {
+        next_step();
+      } else {
+        record({.kind = EntryKind::finish, .at_ns = now});
+        screen_ = Screen::end;
+      }
+      break;
+    case Screen::depth_consent:
+      if (act != Act::accept && act != Act::decline) break;
+      record({.kind = EntryKind::consent, .at_ns = now, .accepted = true, .depth_frames = act == Act::accept});
+      next_step();
+      break;
+    case Screen::ready:
+      if (act == Act::go_on) begin_step(now);
+      break;
+    case Screen::feedback:
+      if (act == Act::go_on) next_step();
+      break;
+    case Screen::paused:
+      if (act != Act::go_on) break;
+      record({.kind = EntryKind::resume, .at_ns = now});
+      reason_.clear();
+      if (!agenda_.consent()) {
+        screen_ = Screen::consent;
+      } else {
+        next_step();
+      }
+      break;
+    case Screen::between:
+    case Screen::question:
+    case Screen::rest:
+    case Screen::end:
+    case Screen::stopped:
+      break;
+  }
+}
+
+void Sitting::answer(std::size_t choice, std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  if (screen_ != Screen::question || choice >= choices().size()) return;
+  const std::string word = answer_word(choice);
+  const bool feedback = block().feedback;
+  was_right_ = word == right_answer();
+  complete({.kind = EntryKind::answer, .at_ns = now, .text = word});
+  if (feedback && screen_ == Screen::ready) screen_ = Screen::feedback;
+}
+
+void Sitting::captured(const std::optional<double>& deepest_m, std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  count_deep(now);
+  deep_ = deepest_m && !(*deepest_m <= plan_.run.deep_m);  // a depth that is no number is not shallow
+}
+
+void Sitting::fault(const std::string& what, std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  sounding_ = false;
+  if (screen_ == Screen::end || screen_ == Screen::stopped || screen_ == Screen::paused) return;
+  if (screen_ == Screen::setup) {
+    reason_ = what;
+    return;
+  }
+  pause(what, now);
+}
+
+void Sitting::advance(std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  if (screen_ == Screen::touching && gap_ns_ > longest_gap_ns) {
+    pause(fmt::format("the program stood still for {:.1f} s", static_cast<double>(gap_ns_) * 1e-9), now);
+    return;
+  }
+  if (!next_ns() || now < until_ns_) return;
+  if (screen_ == Screen::touching) {
+    end_touch(now);
+  } else if (screen_ == Screen::between) {
+    second_ = true;
+    begin_touch(now);
+  } else if (screen_ == Screen::rest) {
+    complete({.kind = EntryKind::done, .at_ns = now});
+  }
+}
+
+void Sitting::level(double level_db, double dose_db, const std::string& signature, std::int64_t now_ns) {
+  record({.kind = EntryKind::level,
+          .at_ns = forward(now_ns),
+          .text = signature,
+          .level_db = level_db,
+          .dose_db = dose_db});
+}
+
+// ---- what is shown ------------------------------------------------------------------------------------------------
+
+std::string Sitting::text() const {
+  switch (screen_) {
+    case Screen::setup:
+      return plan_.text(TextId::welcome);
+    case Screen::consent:
+      return plan_.text(TextId::consent);
+    case Screen::depth_consent:
+      return plan_.text(TextId::depth_consent);
+    case Screen::ready:
+    case Screen::rest:
+    case Screen::touching:
+    case Screen::between:
+      return instruction_of(plan_, block());
+    case Screen::question:
+      switch (block().kind) {
+        case BlockKind::same_different:
+          return plan_.text(TextId::same_or_different);
+        case BlockKind::two_interval:
+          return plan_.text(TextId::which_interval);
+        case BlockKind::rating:
+          return plan_.text(TextId::how_much);
+        default:
+          return plan_.text(TextId::which_shape);
+      }
+    case Screen::feedback:
+      return plan_.text(was_right_ ? TextId::right_answer : TextId::wrong_answer);
+    case Screen::paused:
+    case Screen::stopped:
+      return plan_.text(TextId::paused);
+    case Screen::end:
+      return plan_.text(TextId::end);
+  }
+  return {};
+}
+
+std::vector<std::string> Sitting::choices() const {
+  if (screen_ != Screen::question) return {};
+  const BlockKind kind = block().kind;
+  if (kind == BlockKind::same_different) return {plan_.text(TextId::same), plan_.text(TextId::different)};
+  if (kind == BlockKind::two_interval) return {plan_.text(TextId::first), plan_.text(TextId::second)};
+  std::vector<std::string> choices;
+  if (kind == BlockKind::rating) {
+    for (std::uint32_t rating = 1; rating <= block().ratings; ++rating)
+      choices.push_back(std::to_string(rating));
+  } else {
+    for (std::size_t shape = 0; shape < plan_.shapes.size(); ++shape)
+      choices.push_back(plan_.label(shape));
+  }
+  return choices;
+}
+
+/// The choice as logs have it, in every language.
+std::string Sitting::answer_word(std::size_t choice) const {
+  switch (block().kind) {
+    case BlockKind::same_different:
+      return choice == 0 ? "same" : "different";
+    case BlockKind::two_interval:
+      return choice == 0 ? "first" : "second";
+    case BlockKind::rating:
+      return std::to_string(choice + 1);
+    default:
+      return plan_.shapes[choice].name;
+  }
+}
+
+std::string Sitting::right_answer() const {
+  if (block().kind == BlockKind::same_different) return step().shape == step().second ? "same" : "different";
+  return plan_.shapes[step().shape.value_or(0)].name;
+}
+
+}  // namespace palpa::study

@@ -1,0 +1,22 @@
+// A participant takes back their consent: everything of theirs is erased. A tombstone stays, so that nobody gets their
+// number, and analyses can say how many people withdrew.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+
+namespace palpa::study {
+
+struct Withdrawal {
+  std::size_t files = 0;  ///< that were erased
+  bool before = false;    ///< the participant had withdrawn before, and nothing was left
+};
+
+/// Erases the participant's files from the study's folder. The tombstone is written first and is on the disk before
+/// anything is erased, so that an interrupted withdrawal can be repeated. Links are erased, not followed. Throws
+/// bad_input if the study has no such participant, bad_usage while a sitting of theirs is under way, failure() if a
+/// file cannot be erased.
+Withdrawal withdraw(const std::filesystem::path& study, std::uint32_t participant);
+
+}  // namespace palpa::study

@@ -1,0 +1,37 @@
+#include <string>
+#include <vector>
+
+#include "cli/support/process.hpp"
+#include "cli/support/reviewed_options.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+namespace {
+
+/// A command of studies, which use no GPU.
+ReviewedLine of_study(const std::vector<std::string>& line, const std::string& untried,
+                      const std::string& why = "computes on the processor", const std::vector<IdleOption>& more = {}) {
+  std::vector<IdleOption> idle = no_gpu_at_all("palpa study " + line[0] + " " + why);
+  idle.insert(idle.end(), more.begin(), more.end());
+  return {.line = with({"study"}, line), .idle = idle, .untried = untried};
+}
+
+}  // namespace
+
+std::vector<ReviewedLine> of_studies() {
+  const std::string plan = source_file("assets/studies/paper.toml");
+  return {
+      of_study({"analyse", "none"}, "--html --csv"),
+      of_study({"compare", "paper"}, "--html --csv"),
+      of_study({"level", plan}, "", "computes on the processor", {{{"--override", "x"}, "--override has no effect"}}),
+      of_study({"plan", plan}, "--participant --csv", "computes nothing",
+               {{{"--seed", "1"}, "--seed belongs to the plan"}}),
+      of_study({"rehearse", plan, "--participant", "1", "--out", "none/x"}, "--participant --out --accuracy",
+               "plays nothing"),
+      of_study({"withdraw", "1", "--out", "none"}, "--out", "computes nothing"),
+      of_study({"power"},
+               "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power "
+               "--people --studies")};
+}
+
+}  // namespace palpa::test

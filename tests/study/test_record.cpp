@@ -1,0 +1,234 @@
+// The files of sittings: journals, logs, withdrawals.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/append_file.hpp"
+#include "base/error.hpp"
+#include "study/files/study_folder.hpp"
+#include "study/sitting/record.hpp"
+#include "study/sitting/withdrawal.hpp"
+#include "study/sitting_plan.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::study {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::read_text;
+
+class RecordTest : public testing::Test {
+ protected:
+  const fs::path folder_ = test::scratch_folder("record");
+  const StudyPlan plan_ = test::small_plan();
+
+  /// Goes on until `entries` entries were written, or to the end.
+  void sit(std::uint32_t number, std::size_t entries = 100'000, double accuracy = 1) {
+    Record record(plan_, number, folder_, true);
+    std::atomic<bool> stop{false};
+    std::size_t written = 0;
+    try {
+      rehearse(
+          plan_, record.agenda(), {.text = utc_now(), .version = "v", .rehearsal = true},
+          ScriptedParticipant(accuracy, 1),
+          [&](const Entry& entry) {
+            if (++written > entries) throw failure("killed");
+            record.add(entry);
+          },
+          &stop);
+    } catch (const Error& error) {
+      EXPECT_STREQ(error.what(), "killed");
+    }
+  }
+  std::string fault_of(std::uint32_t number) {
+    try {
+      const Record record(plan_, number, folder_, true);
+      record.refuse_finished();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  fs::path file(const std::string& name) const { return folder_ / "sub-01" / name; }
+  Study study() const { return read_study(std::vector<std::string>{folder_.string()}); }
+};
+
+TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
+  sit(1);
+  const std::string table = read_text(file("beh/sub-01_task-shapes_run-01_events.tsv"));
+  EXPECT_EQ(table.substr(0, 33), "onset\tduration\ttrial_type\tmethod\t");
+  const json sidecar = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_events.json")));
+  EXPECT_TRUE(sidecar.contains("EventsCrc32"));
+  EXPECT_EQ(sidecar["Rehearsal"], true);
+  EXPECT_EQ(sidecar["StartTimeUtc"].get<std::string>().back(), 'Z');
+  const json stimuli = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_stimuli.json")));
+  // Each method: 2 familiarisations, 1 exploration, 1 practice, 4 trials, 4 pairs of touches.
+  EXPECT_EQ(stimuli["touches"].size(), 2u * (2 + 1 + 1 + 4 + 8));
+  EXPECT_EQ(stimuli["touches"][0]["layout"], "paper");
+  const Study read = study();
+  ASSERT_EQ(read.participants.size(), 1u);
+  EXPECT_EQ(read.participants[0].trials.size(), 8u);
+  for (const Trial& trial : read.participants[0].trials) {
+    EXPECT_TRUE(trial.correct());
+    EXPECT_NEAR(*trial.response_s, 1, 1e-6);
+  }
+  ASSERT_EQ(read.left_out.size(), 1u);
+  EXPECT_NE(read.left_out[0].find("is a rehearsal"), std::string::npos);
+  EXPECT_EQ(read_text(file("sub-01_order.csv")), order_csv(plan_, order_of(plan_, 1)));
+}
+
+TEST_F(RecordTest, KilledTwiceItHasTheSameAnalysis) {
+  sit(1, 100'000, 0.5);
+  const Study whole = study();
+  const fs::path other = test::scratch_folder("record-killed");
+  fs::rename(folder_ / "sub-01", other / "whole");
+  sit(1, 20, 0.5);
+  sit(1, 25, 0.5);
+  sit(1, 100'000, 0.5);
+  const Study killed = study();
+  ASSERT_EQ(killed.participants.size(), 1u);
+  const Participant &a = whole.participants[0], &b = killed.participants[0];
+  ASSERT_EQ(a.trials.size(), b.trials.size());
+  // The same answers to the same shapes. Only the place of a repeated trial may differ.
+  const auto table = [](const Participant& participant) {
+    std::vector<std::array<std::uint32_t, 3>> rows;
+    for (const Trial& trial : participant.trials)
+      rows.push_back({trial.method, trial.shape, trial.answer});
+    std::ranges::sort(rows);
+    return rows;
+  };
+  EXPECT_EQ(table(a), table(b));
+  EXPECT_TRUE(fs::exists(file("beh/sub-01_task-shapes_run-03_events.tsv")));
+  for (const char* run : {"01", "02"}) {
+    const std::string log = read_text(file(std::string("beh/sub-01_task-shapes_run-") + run + "_events.tsv"));
+    EXPECT_TRUE(log.find("\tvoid\t") != std::string::npos || log.find("\tanswered\t") != std::string::npos) << log;
+  }
+}
+
+TEST_F(RecordTest, WritesNoMoreAfterTheEnd) {
+  sit(1);
+  EXPECT_NE(fault_of(1).find("participant 1 has finished"), std::string::npos);
+  EXPECT_EQ(fault_of(2), "");
+}
+
+TEST_F(RecordTest, OneProcessAtATime) {
+  const Record record(plan_, 1, folder_, true);
+  EXPECT_NE(fault_of(1).find("another palpa"), std::string::npos);
+}
+
+TEST_F(RecordTest, RefusesWhatIsNotThisParticipantsJournal) {
+  sit(1, 10);
+  StudyPlan other = test::small_plan();
+  other.sha256 = "0";
+  EXPECT_THROW(Record(other, 1, folder_, true), Error);
+  // A person's sitting is not continued by a rehearsal, and the reverse.
+  EXPECT_THROW(Record(plan_, 1, folder_, false), Error);
+  // Copied from another participant.
+  sit(2, 10);
+  fs::copy_file(file("sub-01_journal.jsonl"), folder_ / "sub-02/sub-02_journal.jsonl",
+                fs::copy_options::overwrite_existing);
+  EXPECT_NE(fault_of(2).find("is the journal of participant 1, not of 2"), std::string::npos) << fault_of(2);
+  // Edited: the answers before it stay where they are.
+  std::string text = read_text(file("sub-01_journal.jsonl"));
+  text[text.size() / 2] ^= 1;
+  test::write_text(file("sub-01_journal.jsonl"), text);
+  EXPECT_NE(fault_of(1).find("is damaged or was changed"), std::string::npos);
+  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
+}
+
+TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
+  sit(1, 10);
+  fs::create_directories(folder_ / "sub-1");
+  EXPECT_NE(fault_of(1).find("also has the number 1"), std::string::npos);
+  EXPECT_NE(fault_of(0).find("numbers from 1"), std::string::npos);
+}
+
+TEST_F(RecordTest, RemovesALineThatWasCut) {
+  sit(1, 10);
+  const std::string text = read_text(file("sub-01_journal.jsonl"));
+  test::write_text(file("sub-01_journal.jsonl"), text + "{\"what\":\"answ");
+  { const Record record(plan_, 1, folder_, true); }
+  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
+}
+
+TEST_F(RecordTest, AnEmptyJournalBegins) {
+  fs::create_directories(folder_ / "sub-01");
+  test::write_text(file("sub-01_journal.jsonl"), "");
+  sit(1);
+  EXPECT_EQ(study().participants[0].trials.size(), 8u);
+}
+
+TEST_F(RecordTest, AWithdrawalLeavesATombstoneOnly) {
+  sit(1);
+  sit(2);
+  const Withdrawal withdrawal = withdraw(folder_, 1);
+  EXPECT_FALSE(withdrawal.before);
+  EXPECT_GE(withdrawal.files, 5u);
+  std::size_t left = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "sub-01")) {
+    EXPECT_EQ(entry.path().filename(), "sub-01_withdrawn.json");
+    ++left;
+  }
+  EXPECT_EQ(left, 1u);
+  EXPECT_EQ(json::parse(read_text(file("sub-01_withdrawn.json")))["Withdrawn"], true);
+  EXPECT_NE(fault_of(1).find("participant 1 withdrew"), std::string::npos);
+  const Study read = study();
+  EXPECT_EQ(read.participants.size(), 1u);
+  EXPECT_NE(read.left_out[0].find("the participant withdrew"), std::string::npos);
+  EXPECT_TRUE(withdraw(folder_, 1).before);
+  EXPECT_THROW(withdraw(folder_, 3), Error);
+}
+
+TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
+  const fs::path elsewhere = test::scratch_folder("record-elsewhere");
+  test::write_text(elsewhere / "kept.txt", "kept");
+  {
+    const Record record(plan_, 1, folder_, true);
+    EXPECT_THROW(withdraw(folder_, 1), Error);
+  }
+  fs::create_directory_symlink(elsewhere, file("link"));
+  withdraw(folder_, 1);
+  EXPECT_EQ(read_text(elsewhere / "kept.txt"), "kept");
+  EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
+}
+
+TEST_F(RecordTest, AppendsAndCuts) {
+  AppendFile file(folder_ / "appended");
+  file.add("one\n");
+  EXPECT_THROW(AppendFile(folder_ / "appended"), Error) << "it is locked";
+  file.add("two\n");
+  EXPECT_EQ(file.content(100), "one\ntwo\n");
+  EXPECT_THROW(file.content(7), Error);
+  file.cut(4);
+  file.add("three\n");
+  EXPECT_EQ(read_text(folder_ / "appended"), "one\nthree\n");
+  EXPECT_THROW(AppendFile("/dev/full"), Error);
+  EXPECT_THROW(AppendFile(folder_ / "no such folder" / "file"), Error);
+}
+
+TEST_F(RecordTest, AFileThatCannotGrowKeepsItsRecords) {
+  AppendFile file(folder_ / "appended");
+  file.add("one\n");
+  // The limit of a file's size acts like a full disk: the first bytes of a record still fit.
+  struct rlimit before {};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit little { 6, before.rlim_max };
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
+  EXPECT_THROW(file.add("three\n"), Error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_text(folder_ / "appended"), "one\n");
+  file.add("four\n");
+  EXPECT_EQ(read_text(folder_ / "appended"), "one\nfour\n");
+}
+
+}  // namespace
+}  // namespace palpa::study

@@ -1,0 +1,273 @@
+// A participant's sitting as a state machine, key by key.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "study/sitting/sitting.hpp"
+#include "study/sitting_plan.hpp"
+
+namespace palpa::study {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+class SittingTest : public testing::Test {
+ protected:
+  StudyPlan plan_ = test::small_plan();
+  std::vector<Entry> written_;
+  bool disk_is_full_ = false;
+  std::int64_t now_ = 0;
+
+  Sitting sitting(std::span<const Entry> before = {}) {
+    return Sitting(plan_, agenda_after(order_of(plan_, 1), before, "journal"), {.text = "2026-11-25T00:00:00Z"},
+                   [this](const Entry& entry) {
+                     if (disk_is_full_) throw failure("the disk is full");
+                     written_.push_back(entry);
+                   });
+  }
+  void consent(Sitting& one) {
+    one.act(Act::go_on, now_);
+    one.act(Act::accept, now_);
+  }
+  /// Until the next step of this kind is ready.
+  void skip_to(Sitting& one, BlockKind kind) {
+    const ScriptedParticipant participant(1, 0);
+    while (one.screen() != Screen::ready || one.block().kind != kind)
+      participant.go_on(plan_, one, now_);
+  }
+  void begin(Sitting& one, BlockKind kind) {
+    consent(one);
+    skip_to(one, kind);
+    one.act(Act::go_on, now_);
+  }
+  std::size_t count(EntryKind kind) const {
+    return static_cast<std::size_t>(std::ranges::count(written_, kind, &Entry::kind));
+  }
+};
+
+TEST_F(SittingTest, NothingSoundsBeforeConsent) {
+  Sitting one = sitting();
+  EXPECT_EQ(one.screen(), Screen::setup);
+  one.act(Act::go_on, now_);
+  EXPECT_EQ(one.screen(), Screen::consent);
+  EXPECT_EQ(one.text(), plan_.text(TextId::consent));
+  for (const Act act : {Act::go_on, Act::any_key, Act::next_shape})
+    one.act(act, now_);
+  EXPECT_EQ(one.screen(), Screen::consent);
+  one.act(Act::decline, now_);
+  EXPECT_EQ(one.screen(), Screen::end);
+  EXPECT_FALSE(one.presented().sounds);
+  EXPECT_EQ(count(EntryKind::begin), 0u);
+  EXPECT_EQ(count(EntryKind::finish), 1u);
+}
+
+TEST_F(SittingTest, ATrial) {
+  Sitting one = sitting();
+  consent(one);
+  skip_to(one, BlockKind::trial);
+  EXPECT_FALSE(one.presented().sounds);
+  EXPECT_TRUE(one.shows_marker());
+  const std::int64_t begin = now_;
+  one.act(Act::go_on, now_);
+  EXPECT_EQ(one.screen(), Screen::touching);
+  EXPECT_EQ(written_.back().kind, EntryKind::begin) << "before anything sounds";
+  EXPECT_TRUE(one.presented().sounds);
+  EXPECT_FALSE(one.shows_object());
+  EXPECT_EQ(one.next_ns(), begin + 50 * ms);
+  one.advance(begin + 49 * ms);
+  EXPECT_TRUE(one.presented().sounds);
+  one.advance(begin + 50 * ms);
+  EXPECT_FALSE(one.presented().sounds);
+  EXPECT_EQ(one.screen(), Screen::question);
+  EXPECT_EQ(one.choices(), (std::vector<std::string>{"cube", "ball"}));
+  one.answer(2, begin + 60 * ms);
+  EXPECT_EQ(one.screen(), Screen::question) << "there is no third answer";
+  one.answer(1, begin + 70 * ms);
+  EXPECT_EQ(written_.back().kind, EntryKind::answer) << "on the disk before the next trial";
+  EXPECT_EQ(written_.back().text, "ball");
+  EXPECT_EQ(written_.back().at_ns, begin + 70 * ms);
+  EXPECT_EQ(one.screen(), Screen::ready) << "trials have no feedback";
+}
+
+TEST_F(SittingTest, FamiliarisationShowsTheObjectAndPracticeMayTellTheAnswer) {
+  Sitting one = sitting();
+  begin(one, BlockKind::familiarise);
+  EXPECT_TRUE(one.shows_object());
+  skip_to(one, BlockKind::practice);
+  one.act(Act::go_on, now_);
+  one.advance(now_ += 50 * ms);
+  one.answer(0, now_);
+  EXPECT_EQ(one.screen(), Screen::feedback);
+  EXPECT_EQ(one.text(), plan_.text(TextId::wrong_answer));
+  one.act(Act::go_on, now_);
+  EXPECT_EQ(one.screen(), Screen::ready);
+}
+
+TEST_F(SittingTest, KeysChangeTheShapeOfTheFreeExploration) {
+  Sitting one = sitting();
+  begin(one, BlockKind::free);
+  EXPECT_EQ(one.presented().shape, 0u);
+  one.act(Act::next_shape, now_ += ms);
+  EXPECT_EQ(one.presented().shape, 1u);
+  EXPECT_TRUE(one.presented().sounds);
+  one.act(Act::next_shape, now_ += ms);
+  EXPECT_EQ(one.presented().shape, 0u);
+  one.act(Act::other_shape, now_ += ms);
+  EXPECT_EQ(one.presented().shape, 1u);
+  EXPECT_EQ(count(EntryKind::choose), 3u);
+  one.act(Act::any_key, now_ += ms);
+  EXPECT_FALSE(one.presented().sounds) << "every other key silences";
+}
+
+TEST_F(SittingTest, NothingIsPresentedWhileAPointIsTooDeep) {
+  Sitting one = sitting();
+  begin(one, BlockKind::trial);
+  const std::int64_t begin = now_;
+  one.captured(15e-3, begin + 10 * ms);
+  EXPECT_TRUE(one.presented().sounds) << "15 mm is not deeper than 15 mm";
+  one.captured(15.1e-3, begin + 20 * ms);
+  EXPECT_FALSE(one.presented().sounds);
+  EXPECT_EQ(one.screen(), Screen::touching) << "the time goes on";
+  one.captured(3e-3, begin + 35 * ms);
+  EXPECT_TRUE(one.presented().sounds);
+  one.captured(std::nan(""), begin + 36 * ms);
+  EXPECT_FALSE(one.presented().sounds);
+  one.captured(std::nullopt, begin + 37 * ms);
+  EXPECT_TRUE(one.presented().sounds);
+  one.advance(begin + 50 * ms);
+  ASSERT_EQ(written_.back().kind, EntryKind::touched);
+  EXPECT_NEAR(*written_.back().deep_s, 0.016, 1e-9);
+}
+
+TEST_F(SittingTest, SilenceOnEveryWayOutOfATouch) {
+  const std::vector<std::pair<const char*, std::function<void(Sitting&)>>> ways{
+      {"any key", [&](Sitting& one) { one.act(Act::any_key, now_); }},
+      {"the participant's go_on", [&](Sitting& one) { one.act(Act::go_on, now_); }},
+      {"an arrow key in a trial", [&](Sitting& one) { one.act(Act::next_shape, now_); }},
+      {"pause", [&](Sitting& one) { one.act(Act::pause, now_); }},
+      {"stop", [&](Sitting& one) { one.act(Act::stop, now_); }},
+      {"a camera that dies", [&](Sitting& one) { one.fault("the camera was unplugged", now_); }},
+      {"a clock that jumps", [&](Sitting& one) { one.advance(now_ += 5000 * ms); }},
+      {"a clock that jumps, and a frame first",
+       [&](Sitting& one) {
+         one.captured(std::nullopt, now_ += 5000 * ms);
+         one.advance(now_);
+       }},
+  };
+  for (const auto& [name, way] : ways) {
+    written_.clear();
+    now_ = 0;
+    Sitting one = sitting();
+    begin(one, BlockKind::trial);
+    const std::uint32_t step = *one.agenda().current();
+    ASSERT_TRUE(one.presented().sounds);
+    now_ += 10 * ms;
+    way(one);
+    EXPECT_FALSE(one.presented().sounds) << name;
+    EXPECT_EQ(count(EntryKind::broken), 1u) << name;
+    EXPECT_EQ(one.agenda().voided(), 1u) << name;
+    EXPECT_NE(one.agenda().current(), step) << name << ": it is repeated at the end of its block";
+    EXPECT_FALSE(one.reason().empty()) << name;
+    if (one.screen() == Screen::stopped) continue;
+    ASSERT_EQ(one.screen(), Screen::paused) << name;
+    one.act(Act::go_on, now_);
+    EXPECT_EQ(one.screen(), Screen::ready) << name;
+  }
+}
+
+TEST_F(SittingTest, ADiskThatIsFullIsSilence) {
+  for (const bool while_touching : {false, true}) {
+    written_.clear();
+    disk_is_full_ = false;
+    now_ = 0;
+    Sitting one = sitting();
+    consent(one);
+    skip_to(one, BlockKind::trial);
+    if (while_touching) one.act(Act::go_on, now_);
+    disk_is_full_ = true;
+    if (while_touching) {
+      EXPECT_THROW(one.advance(now_ += 50 * ms), Error);
+    } else {
+      EXPECT_THROW(one.act(Act::go_on, now_), Error);
+    }
+    EXPECT_FALSE(one.presented().sounds);
+    EXPECT_EQ(one.screen(), Screen::stopped);
+    EXPECT_EQ(one.reason(), "the disk is full");
+    one.act(Act::go_on, now_);
+    one.advance(now_ += 1000 * ms);
+    EXPECT_FALSE(one.presented().sounds);
+  }
+}
+
+TEST_F(SittingTest, AClockThatGoesBackStandsStill) {
+  Sitting one = sitting();
+  begin(one, BlockKind::trial);
+  one.advance(now_ - 10'000 * ms);
+  EXPECT_TRUE(one.presented().sounds);
+  EXPECT_EQ(one.next_ns(), now_ + 50 * ms);
+}
+
+TEST_F(SittingTest, TwoTouchesWithSilenceBetween) {
+  Sitting one = sitting();
+  begin(one, BlockKind::same_different);
+  const Step step = one.agenda().step(*one.agenda().current());
+  EXPECT_EQ(one.presented().shape, *step.shape);
+  one.advance(now_ += 50 * ms);
+  EXPECT_EQ(one.screen(), Screen::between);
+  EXPECT_FALSE(one.presented().sounds);
+  one.advance(now_ += 500 * ms);
+  EXPECT_TRUE(one.presented().sounds);
+  EXPECT_EQ(one.presented().shape, *step.second);
+  one.advance(now_ += 50 * ms);
+  EXPECT_EQ(one.choices().size(), 2u);
+  one.answer(0, now_);
+  EXPECT_EQ(written_.back().text, "same");
+}
+
+TEST_F(SittingTest, PauseBetweenTrialsVoidsNothing) {
+  Sitting one = sitting();
+  consent(one);
+  skip_to(one, BlockKind::trial);
+  one.act(Act::pause, now_);
+  EXPECT_EQ(one.screen(), Screen::paused);
+  EXPECT_EQ(count(EntryKind::broken), 0u);
+  one.act(Act::pause, now_);
+  one.act(Act::go_on, now_);
+  EXPECT_EQ(one.screen(), Screen::ready);
+}
+
+TEST_F(SittingTest, AsksForDepthImagesSeparately) {
+  plan_.run.ask_depth_frames = true;
+  for (const bool accepts : {true, false}) {
+    Sitting one = sitting();
+    one.act(Act::go_on, now_);
+    one.act(Act::accept, now_);
+    EXPECT_EQ(one.screen(), Screen::depth_consent);
+    one.act(accepts ? Act::accept : Act::decline, now_);
+    EXPECT_EQ(one.screen(), Screen::ready);
+    EXPECT_TRUE(one.agenda().consent()->accepted);
+    EXPECT_EQ(one.agenda().consent()->depth_frames, accepts);
+  }
+}
+
+TEST_F(SittingTest, ContinuesWithSetUpButWithoutAskingForConsentAgain) {
+  {
+    Sitting one = sitting();
+    begin(one, BlockKind::trial);
+  }
+  const std::vector<Entry> before = written_;
+  Sitting one = sitting(before);
+  EXPECT_EQ(one.agenda().starts(), 2u);
+  EXPECT_EQ(one.agenda().voided(), 1u) << "the trial that was under way";
+  EXPECT_EQ(one.screen(), Screen::setup);
+  one.act(Act::go_on, 0);
+  EXPECT_EQ(one.screen(), Screen::ready);
+}
+
+}  // namespace
+}  // namespace palpa::study
