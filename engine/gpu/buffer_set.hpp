@@ -19,7 +19,7 @@ namespace palpa::gpu {
 class BufferSet {
  public:
   BufferSet() = default;
-  /// At most 16 buffers, bound at most `most_uses` times by all submits in flight together. `name` is the pipeline's.
+  /// At most 17 buffers, bound at most `most_uses` times by all submits in flight together. `name` is the pipeline's.
   /// Throws failure for more buffers.
   BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
             std::uint32_t most_uses, std::uint32_t texels = 0);

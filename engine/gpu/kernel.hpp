@@ -11,7 +11,7 @@
 
 namespace palpa::gpu {
 
-inline constexpr std::size_t most_kernel_buffers = 16;
+inline constexpr std::size_t most_kernel_buffers = 17;
 
 struct KernelBinding {
   const char* name = "";

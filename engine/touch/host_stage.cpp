@@ -32,7 +32,7 @@ std::uint32_t HostStage::most_pixel_stride() const {
 }
 
 void HostStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s, const Mark& mark) {
-  const Box box = touchable_box(solids_);
+  const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, crops_);
   set_stride(crops_, stride_);
   sensing::plan_drops(setting_.surroundings, box, volumes_);
@@ -54,14 +54,14 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     if (mark) mark(part);
   };
   const Parameters parameters = at_stride(setting_.parameters, stride_);
-  find_contacts(points, solids_, parameters, out);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
+  const bool has_before = known_ && elapsed_us <= setting_.memory_us();
+  find_contacts(points, solids_, parameters, {has_before ? known_.get() : nullptr, elapsed_us}, out);
   done("contacts");
   find_fingers(setting_.searched(parameters, sight != nullptr), solids_, out);
   done("fingers");
   ClaimList claims{};
-  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   if (setting_.looks_again(sight != nullptr)) {
-    const bool has_before = known_ && elapsed_us <= setting_.memory_us();
     const Known known{{elapsed_us, known_ ? setting_.hysteresis_rules : 0U},
                       has_before ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
@@ -81,7 +81,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     done("follow");
   }
   if (known_) {
-    keep_fingers(*sight, parameters, *tracks_, claims, out, *known_);
+    keep_fingers(*sight, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
     done("keep");
   }
   find_foci(parameters, solids_.foci_of, out);
@@ -90,6 +90,7 @@ void HostStage::touch(std::span<const sensing::SkinPoint> points, const Sight* s
     glide_foci(*tracks_, *homes_, out);
     done("glide");
   }
+  if (known_) leave_out_beyond(out);
   find_depths(out);
 }
 

@@ -50,7 +50,7 @@ std::uint32_t Stage::most_pixel_stride() const {
 
 void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Timestamps* times) const {
   memory.depth_.record(commands);
-  const Box box = touchable_box(solids_);
+  const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, memory.crops_);
   set_stride(memory.crops_, stride_);
   sensing::plan_drops(setting_.surroundings, box, memory.drops_);
@@ -75,6 +75,10 @@ void Stage::record_skin(VkCommandBuffer commands, StageMemory& memory, gpu::Time
 void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu::Timestamps* times) {
   const bool cameras = tables_.pixels != 0;
   const Parameters parameters = at_stride(setting_.parameters, stride_);
+  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : shader::follow_restart;
+  const bool knows = setting_.knows(cameras);
+  const KnownFrame frame{knows && elapsed_us <= setting_.memory_us() ? elapsed_us : shader::known_restart,
+                         knows ? setting_.hysteresis_rules : 0U};
   const gpu::BufferRef points = cameras ? m.seen_.ref() : m.points_.ref();
   const gpu::BufferRef length = cameras ? m.seen_total_.ref() : m.given_.ref();
   if (cameras) {
@@ -101,8 +105,9 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                             .surface = solids_memory_.surfaces().surface(),
                             .parts = solids_memory_.surfaces().parts(),
                             .deep_total = m.deep_total_.ref(),
-                            .deep = m.deep_.ref()},
-                           m.contacts_scratch_, m.room_, solids_, parameters, times);
+                            .deep = m.deep_.ref(),
+                            .known = known_ ? known_->ref() : gpu::BufferRef{}},
+                           m.contacts_scratch_, m.room_, solids_, parameters, times, frame.elapsed_us);
   gpu::compute_to_compute(commands);
   passes_.fingers_.record(commands,
                           {.length = length,
@@ -117,10 +122,6 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
                            .deep = m.deep_.ref()},
                           m.fingers_scratch_, m.room_, setting_.searched(parameters, cameras), times);
   gpu::compute_to_compute(commands);
-  const std::uint32_t elapsed_us = tracks_ ? tracks_->clock.elapsed_us(time_s) : shader::follow_restart;
-  const bool knows = setting_.knows(cameras);
-  const KnownFrame frame{knows && elapsed_us <= setting_.memory_us() ? elapsed_us : shader::known_restart,
-                         knows ? setting_.hysteresis_rules : 0U};
   const auto known_bindings = [&] {
     return KnownBindings{.depth = m.depth_.ref(),
                          .rays = rays_.ref(),
@@ -184,7 +185,7 @@ void Stage::record(VkCommandBuffer commands, StageMemory& m, double time_s, gpu:
     mark("follow");
     gpu::compute_to_compute(commands);
     if (knows) {
-      passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters);
+      passes_.known_->keep(commands, known_bindings(), m.known_scratch_, m.room_, parameters, frame);
       gpu::compute_to_compute(commands);  // the foci's kernels write into the fingers that it reads
       mark("keep");
     }

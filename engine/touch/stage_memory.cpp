@@ -158,7 +158,7 @@ void read(const StageMemory& memory, Touch& out) {
     finger.section.turn = {record.turn.x, record.turn.y};
     finger.section.lean = vec(record.lean);
     finger.placed = record.placed != 0;
-    finger.contact_count = record.contacts;
+    finger.contact_count = record.contacts - record.beyond;
     finger.contacts.clear();
     finger.foci.resize(record.foci);
     for (std::size_t n = 0; n < finger.foci.size(); ++n) {
@@ -172,11 +172,14 @@ void read(const StageMemory& memory, Touch& out) {
   for (std::uint32_t f = 0; f < header.fingers; ++f)
     out.fingers[f].contacts.reserve(out.fingers[f].contact_count);
   const auto contacts = memory.contacts_.as<shader::ContactRecord>().first(header.contacts);
-  out.contacts.resize(contacts.size());
-  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    const shader::ContactRecord& record = contacts[i];
-    out.contacts[i] = {record.point, record.solid, record.depth, {record.x, record.y, record.z}};
-    if (record.finger < header.fingers) out.fingers[record.finger].contacts.push_back(i);
+  // Without those beyond the shell's edges: only hysteresis sets `beyond`.
+  const bool may_reach = setting.knows(!memory.stage_->cameras().empty());
+  out.contacts.reserve(contacts.size());
+  for (const shader::ContactRecord& record : contacts) {
+    if (may_reach && record.beyond != 0) continue;
+    if (record.finger < header.fingers)
+      out.fingers[record.finger].contacts.push_back(static_cast<std::uint32_t>(out.contacts.size()));
+    out.contacts.push_back({record.point, record.solid, record.depth, {record.x, record.y, record.z}});
   }
   find_depths(out);
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "base/math.hpp"
 #include "sensing/surroundings.hpp"
+#include "shaders/touch/known/known.h"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -43,8 +45,18 @@ struct StageSetting {
   /// With known fingers, clusters with half as many contacts may be fingers.
   Parameters searched(const Parameters& given, bool cameras) const {
     Parameters p = given;
-    if (knows(cameras) && (hysteresis_rules & 1U) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
+    if (knows(cameras) && (hysteresis_rules & shader::known_few) != 0)
+      p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
     return p;
+  }
+
+  /// The box in which skin is looked for: that of the solids, and a little more if contacts reach beyond the shell.
+  Box watched(Box box, bool cameras) const {
+    constexpr double more_m = 0.6e-3;
+    if (!knows(cameras) || (hysteresis_rules & shader::known_edges) == 0 || box.empty()) return box;
+    box.low -= more_m;
+    box.high += more_m;
+    return box;
   }
 
   // On the device only: the maximum numbers of one frame. If a frame has more, read() reports an error. 0: the stage

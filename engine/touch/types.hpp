@@ -75,6 +75,9 @@ struct Contact {
   std::uint32_t solid = 0;  ///< index into the scene's solids
   float depth_m = 0;        ///< Eq. (1), in (0, delta)
   glm::vec3 position{};     ///< metres, world
+  /// Only inside a stage, which leaves such contacts out of its result. 1: up to 0.5 mm beyond an edge of the shell,
+  /// for a finger that is about to end.
+  std::uint32_t beyond = 0;
 };
 
 /// Eq. (2)-(4): centroid and axes. Axes are orthonormal and right-handed. In a single frame, they are the principal

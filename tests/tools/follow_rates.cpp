@@ -1,6 +1,7 @@
 // Prints how fingers flicker: hands that do not move, with each rule of hysteresis on and off. It is not a test; run it
-// by hand. Arguments: frames per film (default 45), films of fingers that move (default 18), anything: only with
-// all rules and with none. Or: scan FRAMES, for many hands.
+// by hand. Arguments: frames per film (default 45), films of fingers that move (default 18), anything: only with all
+// rules and with none. Or: motion FILMS, only fingers that move. Or: scan FRAMES, for many hands. Or: trace POSE TURN
+// TILT PRESS_MM CAMERAS, for one of them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -135,7 +136,7 @@ void print(const Still& still, const char* how, const StageSetting& setting) {
 }
 
 constexpr std::uint32_t every_rule =
-    shader::known_few | shader::known_islands | shader::known_apart | shader::known_together;
+    shader::known_few | shader::known_islands | shader::known_apart | shader::known_together | shader::known_edges;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},
@@ -143,6 +144,7 @@ constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"no islands", every_rule & ~shader::known_islands},
     {"not apart", every_rule & ~shader::known_apart},
     {"not one", every_rule & ~shader::known_together},
+    {"no edges", every_rule & ~shader::known_edges},
 };
 
 /// Two upright fingers that move, and which of them each id of a frame has: the one whose axis is nearer.
@@ -194,10 +196,11 @@ void walk(const std::function<Vec3(double time_s)>& apart, double seconds, int c
       const Vec3 at(c.x, 0, c.z);
       now[touch.fingers[f].id] = glm::distance(at, places[0]) <= glm::distance(at, places[1]) ? 0 : 1;
     }
+    const bool first = owner.empty();
     for (const auto& [id, which] : now) {
       if (owner.contains(id)) {
         sum.swaps += owner[id] != which ? 1 : 0;
-      } else if (!owner.empty()) {
+      } else if (!first) {
         ++sum.lost;
       }
       owner[id] = which;
@@ -283,6 +286,9 @@ void run(std::size_t frames, bool brief) {
   std::vector<Still> all = recorded();
   const std::vector<std::pair<const char*, palpa::test::HandScene>> scenes{
       {"one finger, 3 mm", fingers_scene(1, 18e-3, 3e-3, 0)},
+      {"one finger, 0 mm", fingers_scene(1, 18e-3, 0, 0)},
+      {"one finger, 0.2 mm", fingers_scene(1, 18e-3, 0.2e-3, 0)},
+      {"two fingers of 16 mm, 0.3 mm", fingers_scene(2, 16e-3, 0.3e-3, 60)},
       {"two fingers of 14 mm, 2 mm", fingers_scene(2, 14e-3, 2e-3, 0)},
       {"two fingers of 18 mm, 3 mm", fingers_scene(2, 18e-3, 3e-3, 30)},
       {"three fingers of 16 mm, 10 mm", fingers_scene(3, 16e-3, 10e-3, 30)},
@@ -353,10 +359,38 @@ void scan(std::size_t frames) {
   }
 }
 
+/// The fingers of each frame of one hand of scan().
+void trace(const std::string& pose, double turn, double tilt, double press, int cameras) {
+  const palpa::test::HandScene scene = hand_scene(pose, press, tilt, press < 3e-3 ? 1e-3 : 35e-3, turn);
+  const Still still = rendered(pose, scene, cameras, palpa::test::FilmNoise::half, 16);
+  HostStage stage(still.solids, still.cameras, {.follow = true, .hysteresis = Hysteresis::on});
+  Touch touch;
+  for (const sensing::FrameSet& set : still.frames) {
+    stage.touch(set.frames, touch, set.time_s);
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      const Finger& finger = touch.fingers[f];
+      const glm::vec3 at = finger.section.centroid * 1e3F;
+      std::printf("  %u: %u at %.0f %.0f %.0f", finger.id, finger.contact_count, at.x, at.y, at.z);
+    }
+    std::printf("\n");
+  }
+}
+
 }  // namespace
 }  // namespace palpa::touch::test
 
 int main(int argc, char** argv) {
+  if (argc > 6 && std::string(argv[1]) == "trace") {
+    palpa::touch::test::trace(argv[2], std::atof(argv[3]), std::atof(argv[4]), std::atof(argv[5]) * 1e-3,
+                              std::atoi(argv[6]));
+    return 0;
+  }
+  if (argc > 1 && std::string(argv[1]) == "motion") {
+    const int films = argc > 2 ? std::stoi(argv[2]) : 18;
+    palpa::touch::test::withdrawals(films);
+    palpa::touch::test::walks(films);
+    return 0;
+  }
   if (argc > 1 && std::string(argv[1]) == "scan") {
     palpa::touch::test::scan(argc > 2 ? std::stoul(argv[2]) : 12);
     return 0;

@@ -105,7 +105,7 @@ std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t 
 
 bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
                         const touch::Parameters& parameters, touch::Touch& out) const {
-  find_contacts(points, solids_, parameters, out);
+  find_contacts(points, solids_, parameters, {}, out);
   touch::Finger& found = out.fingers[0];
   found.solid = finger.solid;
   found.contacts.clear();

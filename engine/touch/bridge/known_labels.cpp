@@ -16,10 +16,9 @@ struct Nearest {
   float square = 0;
 };
 
-/// The known finger of the solid whose inside is nearest to that of the sample, if it is within `reach`.
-Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample& sample, float reach) {
+/// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
+Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
   Nearest best{shader::known_none, shader::product(reach, reach)};
-  const Float3 inside = shader::inside_of(sample.position, sample.normal, known.finger_width);
   const float elapsed_s = shader::known_seconds(known.elapsed_us);
   for (std::uint32_t k = 0; k < known.table->count; ++k) {
     const shader::KnownFinger& finger = known.table->fingers[k];
@@ -34,15 +33,27 @@ Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample&
   return best;
 }
 
+Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample& sample, float reach) {
+  return nearest_known(known, solid, shader::inside_of(sample.position, sample.normal, known.finger_width), reach);
+}
+
+float label_reach(const Known& known) {
+  return shader::product(PALPA_KNOWN_REACH, known.finger_width);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
   std::vector<std::uint32_t> labels(samples.size(), shader::known_none);
   if (known.table == nullptr) return labels;
-  const float reach = shader::product(PALPA_KNOWN_REACH, known.finger_width);
+  const float reach = label_reach(known);
   for (std::size_t s = 0; s < samples.size(); ++s)
     labels[s] = nearest_known(known, solid, samples[s], reach).finger;
   return labels;
+}
+
+std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place) {
+  return known.table == nullptr ? shader::known_none : nearest_known(known, solid, place, label_reach(known)).finger;
 }
 
 std::uint32_t known_majority(std::span<const std::uint32_t> labels) {

@@ -33,6 +33,9 @@ struct Known : KnownFrame {
 /// PALPA_KNOWN_REACH finger widths; else known_none. Known fingers move on with their velocities.
 std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
 
+/// The same for a cluster without samples, from the place of its first contact.
+std::uint32_t known_at(const Known& known, std::uint32_t solid, const shader::Float3& place);
+
 /// The known finger that most of the samples belong to, if they are at least half of all; else known_none. If two have
 /// equally many, it is the first.
 std::uint32_t known_majority(std::span<const std::uint32_t> labels);

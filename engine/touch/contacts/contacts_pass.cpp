@@ -97,15 +97,18 @@ shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Room& r
 }
 
 void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s, const Room& room,
-                          const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times) const {
+                          const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times,
+                          std::uint32_t elapsed_us) const {
   const auto count = static_cast<std::uint32_t>(solids.records.size());
-  shader::ContactsPush push{{}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts};
+  shader::ContactsPush push{
+      {}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts, elapsed_us, 0, 0, 0};
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);
   const gpu::BufferRef chunks = gpu::groups_in(b.length, offsetof(shader::ScanTotal, groups_x));
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
   Buffers buffers{b};
+  if (b.known.buffer == VK_NULL_HANDLE) buffers.known = b.length;  // something to bind, never read
   buffers.hits = s[hits];
   buffers.masks = s[masks];
   buffers.counts = s[counts];

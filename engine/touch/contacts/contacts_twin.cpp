@@ -2,6 +2,7 @@
 
 #include "shaders/touch/contacts/contacts_math.h"
 #include "shaders/touch/contacts/parts_depth.h"
+#include "shaders/touch/known/known_math.h"
 
 namespace palpa::touch {
 namespace {
@@ -51,26 +52,57 @@ Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& poi
   return {depth, depth > 0 && depth < delta};
 }
 
+struct Found {
+  std::uint32_t solid = 0;
+  float depth = 0;  // 0: neither a contact nor deep
+  bool shell = false;
+};
+
+/// The first solid that the point is a contact of. If there is none and deep points are asked for, the first solid in
+/// which it is a deep point.
+Found find_at(const PreparedSolids& solids, const Float3& point, const Parameters& parameters) {
+  Found found;
+  for (std::uint32_t s = 0; s < solids.records.size() && !found.shell; ++s) {
+    const Inside here = look(solids, s, point, parameters);
+    if (here.depth == 0 || (!here.shell && (!parameters.wants_deep() || found.depth > 0))) continue;
+    found = {s, here.depth, here.shell};
+  }
+  return found;
+}
+
+/// The known finger around which the point lies, if the finger reaches beyond the shell's edges; else null.
+const shader::KnownFinger* reaching_finger(const KnownReach& known, const Float3& point) {
+  if (known.table == nullptr || known.table->reaching == 0) return nullptr;
+  const float elapsed_s = shader::known_seconds(known.elapsed_us);
+  for (std::uint32_t k = 0; k < known.table->count; ++k) {
+    if (in_known_reach(point, known.table->fingers[k], elapsed_s)) return &known.table->fingers[k];
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, Touch& out) {
+                   const Parameters& parameters, const KnownReach& known, Touch& out) {
   out.contacts.clear();
   out.deep.clear();
   for (const sensing::SkinPoint& skin : points) {
     const Float3 point{skin.position.x, skin.position.y, skin.position.z};
     if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
-    Contact found{skin.index, 0, 0, skin.position};
-    bool shell = false;
-    for (std::uint32_t s = 0; s < solids.records.size() && !shell; ++s) {
-      const Inside here = look(solids, s, point, parameters);
-      shell = here.shell;
-      if (here.depth == 0 || (!shell && (!parameters.wants_deep() || found.depth_m > 0))) continue;
-      found.solid = s;
-      found.depth_m = here.depth;
+    Found found = find_at(solids, point, parameters);
+    bool beyond = false;
+    if (const shader::KnownFinger* finger = found.shell ? nullptr : reaching_finger(known, point)) {
+      for (const bool deeper : {true, false}) {
+        const Found there = find_at(solids, shader::shifted(point, finger->inward, deeper), parameters);
+        if (!there.shell || there.solid != finger->solid) continue;
+        found = there;
+        beyond = true;
+        break;
+      }
     }
-    if (found.depth_m == 0) continue;
-    (shell ? out.contacts : out.deep).push_back(found);
+    if (found.depth == 0) continue;
+    (found.shell ? out.contacts : out.deep)
+        .push_back({skin.index, found.solid, found.depth, skin.position, beyond ? 1U : 0U});
   }
 }
 

@@ -25,12 +25,15 @@ struct Claims {
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
       const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
-      of[f] = {known_majority(known_labels(known, finger.solid, samples)),
+      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
+      const std::uint32_t known_as = samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z})
+                                                     : known_majority(known_labels(known, finger.solid, samples));
+      of[f] = {known_as,
                known_nearby(known, finger.solid, samples),
                finger.contact_count,
                shader::known_never,
                0,
-               0,
+               static_cast<std::uint32_t>(samples.size()),
                0,
                0};
       const std::uint32_t k = of[f].known;
@@ -41,7 +44,8 @@ struct Claims {
   std::uint32_t beside(const Known& known, std::uint32_t f) const {
     const std::uint32_t k = of[f].known != none ? of[f].known : of[f].near;
     if (k == none || heir[k] == none || heir[k] == f) return none;
-    return shader::small_beside(of[f].contacts, known.table->fingers[k].contacts) ? k : none;
+    const bool same = of[f].known == k && of[f].samples > 0;
+    return shader::small_beside(of[f].contacts, known.table->fingers[k].contacts, same) ? k : none;
   }
 };
 
@@ -57,7 +61,8 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
     Finger& finger = out.fingers[f];
     const bool is_known = known.has(shader::known_few) && claims.of[f].known != none;
     bool stays = finger.contact_count >= shader::least_contacts(parameters.min_points, is_known);
-    if (stays && known.has(shader::known_islands) && claims.beside(known, f) != none) {
+    const bool faint = claims.of[f].known == none && shader::small_alone(finger.contact_count, parameters.min_points);
+    if (stays && known.has(shader::known_islands) && (faint || claims.beside(known, f) != none)) {
       const glm::vec3& first = out.contacts[finger.contacts.front()].position;
       Island island{first.x, first.y, first.z, finger.solid, 0, 0, 0, 0};
       for (std::uint32_t k = 0; k < known.table->islands; ++k) {

@@ -1,6 +1,7 @@
 // Which clusters are fingers, by the fingers of the frame before. This is decided after clusters are split and joined.
 // - A cluster of a known finger is a finger with half of min_points contacts; any other needs min_points.
-// - A small cluster beside a known finger, an island, becomes a finger only after it has been there for 50 ms.
+// - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, or
+//   one that is no known finger and has fewer than twice min_points contacts.
 #pragma once
 
 #include <array>

@@ -60,10 +60,10 @@ void KnownPass::admit(VkCommandBuffer commands, const KnownBindings& b, const gp
 }
 
 void KnownPass::keep(VkCommandBuffer commands, const KnownBindings& b, const gpu::Scratch& s, const Room& room,
-                     const Parameters& parameters) const {
+                     const Parameters& parameters, const KnownFrame& frame) const {
   ClaimBuffers buffers{b};
   buffers.claims = s[claims];
-  keep_.dispatch_indirect(commands, spirv::known_keep_buffers(buffers), push_of(b, room, parameters, {}),
+  keep_.dispatch_indirect(commands, spirv::known_keep_buffers(buffers), push_of(b, room, parameters, frame),
                           per_finger(b));
 }
 

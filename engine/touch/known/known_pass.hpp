@@ -52,7 +52,7 @@ class KnownPass {
   /// One dispatch, after FollowPass, with the scratch of admit(). Frames are submitted to one queue in the order of
   /// these calls. Barriers: as for admit().
   void keep(VkCommandBuffer commands, const KnownBindings& bindings, const gpu::Scratch& scratch, const Room& room,
-            const Parameters& parameters) const;
+            const Parameters& parameters, const KnownFrame& frame) const;
 
  private:
   enum ScratchIndex : std::size_t { claims, scratch_count };

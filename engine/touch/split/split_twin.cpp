@@ -367,13 +367,14 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     Finger& finger = out.fingers[f];
     const std::vector<SkinSample> samples = sample_skin(sight, out, finger);
     const std::vector<std::uint32_t> labels = known_labels(known, finger.solid, samples);
-    if (!is_supported(sight, out, finger,
-                      known.has(shader::known_few) && known_majority(labels) != shader::known_none)) {
+    const bool is_known = known_majority(labels) != shader::known_none;
+    if (!is_supported(sight, out, finger, known.has(shader::known_few) && is_known)) {
       changed = true;
       continue;
     }
     const bool apart = (known.rules & shader::known_apart) != 0;
-    if (!(width > 0) || !(is_wide(samples, width) || (apart && holds_several(labels)))) {
+    const float widest = shader::product(apart && is_known ? PALPA_SPLIT_KNOWN_WIDE : 1.0F, width);
+    if (!(width > 0) || !(is_wide(samples, widest) || (apart && holds_several(labels)))) {
       list.push_back(finger);
       continue;
     }
@@ -404,8 +405,8 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     }
     for (std::size_t head = 0; head < most; ++head) {
       std::vector<std::uint32_t>& of_part = contacts[head];
-      const bool is_known = known.has(shader::known_few) && parts.is_known(head);
-      if (of_part.empty() || of_part.size() < shader::least_contacts(parameters.min_points, is_known)) continue;
+      const bool goes_on = known.has(shader::known_few) && parts.is_known(head);
+      if (of_part.empty() || of_part.size() < shader::least_contacts(parameters.min_points, goes_on)) continue;
       Finger& part = list.emplace_back();
       part.solid = finger.solid;
       part.contact_count = static_cast<std::uint32_t>(of_part.size());

@@ -60,8 +60,12 @@ struct ContactsPush {
   float delta;
   uint most_points;
   uint most_contacts;
+  uint elapsed_us;  // from the frame before, or known_restart: contacts do not reach beyond the shell's edges
+  uint unused0;
+  uint unused1;
+  uint unused2;
 };
-PALPA_CHECK_SIZE(ContactsPush, 112);
+PALPA_CHECK_SIZE(ContactsPush, 128);
 PALPA_CHECK_OFFSET(ContactsPush, solids, 96);
 PALPA_CHECK_OFFSET(ContactsPush, most_contacts, 108);
 
@@ -76,9 +80,10 @@ PALPA_CHECK_SIZE(PlaneCell, 16);
 PALPA_CHECK_OFFSET(PlaneCell, shallowest, 8);
 
 struct Hit {
-  uint solid;
+  uint solid;  // plus hit_beyond for a contact beyond an edge
   float depth;
 };
+PALPA_CONST hit_beyond = 0x80000000u;
 PALPA_CHECK_SIZE(Hit, 8);
 PALPA_CHECK_OFFSET(Hit, depth, 4);
 
@@ -90,7 +95,7 @@ struct ContactRecord {
   uint solid;
   float depth;
   uint finger;  // index, or no_finger
-  uint unused0;
+  uint beyond;  // 1: it is beyond an edge of the shell, for a known finger that is about to end
 };
 PALPA_CHECK_SIZE(ContactRecord, 32);
 PALPA_CHECK_OFFSET(ContactRecord, point, 12);

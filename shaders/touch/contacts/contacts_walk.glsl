@@ -7,9 +7,20 @@ shared uint found[contacts_most_words];
 shared uint deep_found[contacts_most_words];
 shared uint sum, deep_sum;
 
+// The known finger around which the point lies, if the finger reaches beyond the shell's edges; else known_none.
+uint reaching_finger(vec3 point) {
+  if (push.elapsed_us == known_restart || known.reaching == 0u) return known_none;
+  const uint count = min(known.count, known_fingers);
+  const float elapsed_s = known_seconds(push.elapsed_us);
+  for (uint k = 0u; k < count; ++k) {
+    if (in_known_reach(Float3(point.x, point.y, point.z), known.fingers[k], elapsed_s)) return k;
+  }
+  return known_none;
+}
+
 // The first solid that the point is a contact of, with its depth. If there is none and deep points are asked for, the
 // first solid in which it is a deep point. Depth 0: neither.
-Hit find(vec3 point, out bool deep) {
+Hit find_at(vec3 point, out bool deep) {
   deep = false;
   Hit hit = Hit(0u, 0.0);
   const uint count = one_solid ? 1u : push.solids;
@@ -24,6 +35,34 @@ Hit find(vec3 point, out bool deep) {
     if (depth == 0.0 || (!shell && (!with_deep || deep))) continue;
     deep = !shell;
     hit = Hit(s, depth);
+  }
+  return hit;
+}
+
+// A point around a known finger that is about to end is also tested deeper and shallower. There is one loop, so that the
+// test is compiled once.
+Hit find(vec3 point, out bool deep) {
+  Hit hit = Hit(0u, 0.0);
+  deep = false;
+  const uint finger = reaching_finger(point);
+  const uint tests = finger == known_none ? 1u : 3u;
+  for (uint t = 0u; t < tests; ++t) {
+    vec3 at = point;
+    if (t > 0u) {
+      const Float3 other = shifted(Float3(point.x, point.y, point.z), known.fingers[finger].inward, t == 1u);
+      at = vec3(other.x, other.y, other.z);
+    }
+    bool is_deep;
+    const Hit here = find_at(at, is_deep);
+    const bool shell = here.depth != 0.0 && !is_deep;
+    if (t == 0u) {
+      hit = here;
+      deep = is_deep;
+    } else if (shell && here.solid == known.fingers[finger].solid) {
+      hit = Hit(here.solid | hit_beyond, here.depth);
+      deep = false;
+    }
+    if (hit.depth != 0.0 && !deep) break;
   }
   return hit;
 }

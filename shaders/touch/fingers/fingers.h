@@ -192,8 +192,8 @@ struct FingerRecord {
   vec4 lean;      // the contacts' covariance of depth with place, m^2: the direction in which they lie deeper
   uint held_low;  // a bit per focus: its sector has become empty only recently
   uint held_high;
+  uint beyond;  // contacts beyond the shell's edges
   uint unused0;
-  uint unused1;
 };
 PALPA_CHECK_SIZE(FingerRecord, 160);
 PALPA_CHECK_OFFSET(FingerRecord, start, 20);

@@ -12,9 +12,10 @@ PALPA_CONST known_restart = 0xffffffffu;
 
 // The rules that are on, as bits.
 PALPA_CONST known_few = 1u;       // a known finger needs half as many contacts, and half as many firm ones
-PALPA_CONST known_islands = 2u;   // a small island beside a known finger waits
+PALPA_CONST known_islands = 2u;   // a small island waits: beside a known finger, or with few contacts
 PALPA_CONST known_apart = 4u;     // known fingers stay apart
 PALPA_CONST known_together = 8u;  // a known finger stays one
+PALPA_CONST known_edges = 16u;    // contacts of a known finger that is about to end reach beyond the shell's edges
 
 // A finger of the frame before.
 struct KnownFinger {
@@ -27,8 +28,10 @@ struct KnownFinger {
   uint unused0;
   uint unused1;
   uint unused2;
+  vec4 centre;  // of its samples; w: the square of its reach around them, 0 if it does not reach beyond the edges
+  vec4 inward;  // unit: the mean of its skin's outward normals, which point into the solid
 };
-PALPA_CHECK_SIZE(KnownFinger, 48);
+PALPA_CHECK_SIZE(KnownFinger, 80);
 PALPA_CHECK_OFFSET(KnownFinger, velocity, 16);
 PALPA_CHECK_OFFSET(KnownFinger, meeting_us, 32);
 PALPA_CONST known_never = 0xffffffffu;
@@ -37,7 +40,7 @@ PALPA_CONST known_never = 0xffffffffu;
 PALPA_CONST doubt_one = 1u;    // it looks like several fingers
 PALPA_CONST doubt_apart = 2u;  // it looks like one with another
 
-// A small cluster beside a known finger that is not a finger yet.
+// A small cluster that is not a finger yet.
 struct Island {
   float x;
   float y;
@@ -54,16 +57,16 @@ PALPA_CHECK_OFFSET(Island, age_us, 16);
 struct KnownTable {
   uint count;
   uint islands;
-  uint unused0;
-  uint unused1;
+  uint reaching;  // known fingers that reach beyond the shell's edges
+  uint reached;   // the same for the frame before: only then contacts may be beyond
   KnownFinger fingers[known_fingers];
   uint doubts[known_fingers];  // of the known fingers in this frame
   Island island[known_fingers];
   vec4 insides[known_fingers * known_samples];  // per finger and sample: the point inside the finger, see split_math.h
 };
-PALPA_CHECK_SIZE(KnownTable, 16 + 64 * 48 + 64 * 4 + 64 * 32 + 64 * 64 * 16);
+PALPA_CHECK_SIZE(KnownTable, 16 + 64 * 80 + 64 * 4 + 64 * 32 + 64 * 64 * 16);
 PALPA_CHECK_OFFSET(KnownTable, fingers, 16);
-PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 84);
+PALPA_CHECK_OFFSET(KnownTable, insides, 16 + 64 * 116);
 
 // What a finger of this frame has to do with those of the frame before.
 struct Claim {
@@ -72,7 +75,7 @@ struct Claim {
   uint contacts;
   uint parting_us;  // as of the known finger, after this frame
   uint meeting_us;
-  uint unused0;
+  uint samples;  // 0: its pixels give no normals
   uint unused1;
   uint unused2;
 };

@@ -22,7 +22,8 @@ shared Island islands[known_fingers];
 uint beside(uint f) {
   const uint k = claims[f].known != known_none ? claims[f].known : claims[f].near;
   if (k == known_none || heir[k] == known_none || heir[k] == f) return known_none;
-  return small_beside(claims[f].contacts, known.fingers[k].contacts) ? k : known_none;
+  const bool same = claims[f].known == k && claims[f].samples > 0u;
+  return small_beside(claims[f].contacts, known.fingers[k].contacts, same) ? k : known_none;
 }
 
 void main() {
@@ -45,7 +46,8 @@ void main() {
     const uint size = fingers[f].contacts;
     const bool is_known = !restart && (push.rules & known_few) != 0u && claims[f].known != known_none;
     bool stays = size >= least_contacts(push.min_points, is_known);
-    if (stays && !restart && (push.rules & known_islands) != 0u && beside(f) != known_none) {
+    const bool faint = claims[f].known == known_none && small_alone(size, push.min_points);
+    if (stays && !restart && (push.rules & known_islands) != 0u && (faint || beside(f) != known_none)) {
       Island island = Island(contacts[first].x, contacts[first].y, contacts[first].z, solid, 0u, 0u, 0u, 0u);
       for (uint k = 0u; k < islands_before; ++k) {
         if (known.island[k].solid == solid && same_island(island, known.island[k])) {
@@ -71,6 +73,8 @@ void main() {
   header.clusters -= header.fingers - kept;
   header.fingers = kept;
   known.count = kept;  // known_keep fills them in
+  known.reached = restart ? 0u : known.reaching;
+  known.reaching = 0u;
   known.islands = islands_now;
   for (uint k = 0u; k < known_fingers; ++k) known.doubts[k] = 0u;
   for (uint k = 0u; k < islands_now; ++k) known.island[k] = islands[k];

@@ -36,16 +36,21 @@ void main() {
   near_square[thread] = 0.0;
   if (thread < count_taken) {
     label = known_label(solid, positions[thread], normals[thread]);
-    const NearestKnown nearest = nearest_known(solid, positions[thread], normals[thread], push.finger_width);
+    const Float3 inside = inside_of(positions[thread], normals[thread], push.finger_width);
+    const NearestKnown nearest = nearest_known(solid, inside, push.finger_width);
     near_finger[thread] = nearest.finger;
     near_square[thread] = nearest.square;
   }
-  const uint majority = known_majority(label, count_taken);
+  uint majority = known_majority(label, count_taken);
+  if (count_taken == 0u) {  // the whole group
+    const uint first = fingers[finger].first;
+    majority = known_at(solid, Float3(contacts[first].x, contacts[first].y, contacts[first].z));
+  }
   if (thread == 0u) {
     NearestKnown best = NearestKnown(known_none, 3.0e38);
     for (uint s = 0u; s < count_taken; ++s) {
       if (near_finger[s] != known_none && near_square[s] < best.square) best = NearestKnown(near_finger[s], near_square[s]);
     }
-    claims[finger] = Claim(majority, best.finger, fingers[finger].contacts, known_never, 0u, 0u, 0u, 0u);
+    claims[finger] = Claim(majority, best.finger, fingers[finger].contacts, known_never, 0u, count_taken, 0u, 0u);
   }
 }

@@ -5,11 +5,10 @@ struct NearestKnown {
   float square;
 };
 
-// The known finger of the solid whose inside is nearest to that of the sample, if it is within `reach`.
-NearestKnown nearest_known(uint solid, Float3 position, Float3 normal, float reach) {
+// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
+NearestKnown nearest_known(uint solid, Float3 inside, float reach) {
   NearestKnown best = NearestKnown(known_none, product(reach, reach));
   if (push.elapsed_us == known_restart) return best;
-  const Float3 inside = inside_of(position, normal, push.finger_width);
   const float elapsed_s = known_seconds(push.elapsed_us);
   const uint count = min(known.count, known_fingers);
   for (uint k = 0u; k < count; ++k) {
@@ -26,8 +25,11 @@ NearestKnown nearest_known(uint solid, Float3 position, Float3 normal, float rea
   return best;
 }
 
+uint known_at(uint solid, Float3 inside) {
+  return nearest_known(solid, inside, product(PALPA_KNOWN_REACH, push.finger_width)).finger;
+}
 uint known_label(uint solid, Float3 position, Float3 normal) {
-  return nearest_known(solid, position, normal, product(PALPA_KNOWN_REACH, push.finger_width)).finger;
+  return known_at(solid, inside_of(position, normal, push.finger_width));
 }
 
 shared uint label_counts[known_fingers];

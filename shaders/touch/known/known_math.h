@@ -25,6 +25,42 @@ PALPA_FN Float3 moved_back(Float3 place, vec4 velocity, float elapsed_s) {
   return r;
 }
 
+// A known finger with fewer contacts in the shell than this times the least number is about to end. One without any has
+// ended. Skin around its samples up to the first distance, and beyond the shell's edges up to the second one, may be its
+// contacts.
+PALPA_CONST known_starving = 8u;
+#define PALPA_KNOWN_AROUND 3e-3f
+#define PALPA_KNOWN_EDGE 0.5e-3f
+
+PALPA_FN bool starves(uint contacts, uint min_points) {
+  return contacts > 0u && contacts < known_starving * (min_points > 1u ? min_points : 1u);
+}
+
+PALPA_FN float squared_reach(float farthest) {
+  const float reach = plus(farthest, PALPA_KNOWN_AROUND);
+  return product(reach, reach);
+}
+
+// The place by which skin is tested again: deeper by the reach beyond an edge, or as much shallower.
+PALPA_FN Float3 shifted(Float3 place, vec4 inward, bool deeper) {
+  const float shift = deeper ? PALPA_KNOWN_EDGE : -PALPA_KNOWN_EDGE;
+  PALPA_EXACT Float3 r;
+  r.x = place.x + inward.x * shift;
+  r.y = place.y + inward.y * shift;
+  r.z = place.z + inward.z * shift;
+  return r;
+}
+
+PALPA_FN bool in_known_reach(Float3 place, KnownFinger finger, float elapsed_s) {
+  if (!(finger.centre.w > 0.0f)) return false;
+  const Float3 before = moved_back(place, finger.velocity, elapsed_s);
+  PALPA_EXACT float x = before.x - finger.centre.x;
+  PALPA_EXACT float y = before.y - finger.centre.y;
+  PALPA_EXACT float z = before.z - finger.centre.z;
+  PALPA_EXACT float square = x * x + y * y + z * z;
+  return square <= finger.centre.w;
+}
+
 PALPA_FN uint older(uint age_us, uint elapsed_us) {
   return age_us > 0xffffffffu - elapsed_us ? 0xffffffffu : age_us + elapsed_us;
 }
@@ -62,9 +98,15 @@ PALPA_FN uint least_contacts(uint min_points, bool known) {
   return known ? (least + 1u) / 2u : least;
 }
 
-// Whether `contacts` are few beside a known finger's.
-PALPA_FN bool small_beside(uint contacts, uint known_contacts) {
-  return contacts < known_contacts / 4u;
+// Whether `contacts` are few beside a known finger's. A cluster with normals that belongs to that finger (`same`)
+// may be a second finger that parts from it. Any other comes out of nothing, as ghosts do.
+PALPA_FN bool small_beside(uint contacts, uint known_contacts, bool same) {
+  return contacts < known_contacts / (same ? 4u : 2u);
+}
+
+// Whether a cluster that is no known finger has so few contacts that noise can begin and end it.
+PALPA_FN bool small_alone(uint contacts, uint min_points) {
+  return contacts < 2u * least_contacts(min_points, false);
 }
 
 PALPA_SHADER_END

@@ -16,6 +16,8 @@ PALPA_SHADER_BEGIN
 #define PALPA_SPLIT_SAME 0.3f
 #define PALPA_SPLIT_APART 0.45f
 #define PALPA_SPLIT_STILL_APART 0.3f
+// Clusters of a known finger are examined from this share of the greatest width of a finger on.
+#define PALPA_SPLIT_KNOWN_WIDE 0.8f
 // Skin turned towards other skin by more than this cosine faces that skin.
 #define PALPA_SPLIT_FACING 0.4f
 // Limits for the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,

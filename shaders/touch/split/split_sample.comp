@@ -71,11 +71,16 @@ void main() {
       atomicMin(least_label, label);
       atomicMax(most_label, label);
     }
+  }
+  const uint majority = known_majority(label, count_taken);  // its barriers also end the writes above
+  const bool held = (push.rules & known_apart) != 0u && majority != known_none;
+  const float widest = product(held ? PALPA_SPLIT_KNOWN_WIDE : 1.0, push.finger_width);
+  if (thread < count_taken && widest > 0.0) {
     for (uint s = 0u; s < count_taken; ++s) {
-      if (push.finger_width > 0.0 && square_apart(position, positions[s]) > product(push.finger_width, push.finger_width)) wide = 1u;
+      if (square_apart(positions[thread], positions[s]) > product(widest, widest)) wide = 1u;
     }
   }
-  const uint majority = known_majority(label, count_taken);  // its barriers also make `wide` valid
+  barrier();
   const bool several = push.finger_width > 0.0 && least_label < most_label;
   const bool look_again = wide != 0u || several;
   if (look_again) evidence[finger * bridge_samples + thread] = uvec4(0u);

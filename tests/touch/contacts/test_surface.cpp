@@ -226,7 +226,7 @@ TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
     set_pose(prepared, 0, T);
     const auto moved = carried(T, skin);
     Touch here, there;
-    find_contacts(indexed(moved), prepared, {}, here);
+    find_contacts(indexed(moved), prepared, {}, {}, here);
     HostStage(solids).touch(indexed(skin), there);
     const Transform back = glm::inverse(T);
     std::size_t i = 0;

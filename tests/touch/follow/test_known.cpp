@@ -125,6 +125,19 @@ TEST(KnownFingers, ContinueWithHalfOfMinPoints) {
   EXPECT_EQ(ids_in(late, setting).back().size(), 0U);
 }
 
+TEST(KnownFingers, AreToldApartAlthoughTheyAreNarrowTogether) {
+  // Two fingers of 14 mm together are 24 mm wide, and one finger may be 25 mm wide.
+  const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.cameras = 3, .frames = 9});
+  EXPECT_EQ(ids_in(film, holding(Hysteresis::off)).back().size(), 1U);
+  const auto ids = ids_in(film, holding());
+  for (std::size_t k = 4; k < ids.size(); ++k)
+    EXPECT_EQ(ids[k].size(), 2U) << k;
+  // One finger is not cut.
+  const HandFilm one = make_film(fingers_scene(1, 22e-3, 3e-3, 0), {.cameras = 3, .frames = 9});
+  for (const auto& frame : ids_in(one, holding()))
+    EXPECT_EQ(frame.size(), 1U);
+}
+
 TEST(KnownFingers, EndAtOnceWhenTheyLeave) {
   for (const double speed : {0.02, 0.1, 0.3}) {
     // 1 mm deep: the skin leaves the plate after 1 mm.
@@ -132,12 +145,39 @@ TEST(KnownFingers, EndAtOnceWhenTheyLeave) {
     const double leaving_s = 1e-3 / speed;
     const HandFilm film = make_film(fingers_scene(1, 18e-3, 1e-3, 0),
                                     {.frames = static_cast<std::size_t>(leaving_s * 90) + 6, .motion = leaves});
-    const auto ids = ids_in(film, holding());
-    for (std::size_t k = 0; k < ids.size(); ++k) {
-      // Noise of the sensor: a quarter of a millimetre.
-      if (film.frames[k].time_s * speed <= 1e-3 + 0.5e-3) continue;
-      EXPECT_TRUE(ids[k].empty()) << speed << " m/s, frame " << k;
+    const auto last = [&](Hysteresis hysteresis) {
+      const auto ids = ids_in(film, holding(hysteresis));
+      double last_s = 0;
+      for (std::size_t k = 0; k < ids.size(); ++k)
+        last_s = ids[k].empty() ? last_s : film.frames[k].time_s;
+      return last_s;
+    };
+    // Hysteresis adds half a millimetre at most.
+    const double off_s = last(Hysteresis::off), on_s = last(Hysteresis::on);
+    EXPECT_GE(on_s, off_s);
+    EXPECT_LE(on_s - off_s, 0.5e-3 / speed + 1.0 / 90 + 1e-6) << speed << " m/s";
+    EXPECT_LE(on_s - leaving_s, 0.02 + 1.0 / 90) << speed << " m/s";
+  }
+}
+
+TEST(KnownFingers, ContactsBeyondTheShellStayInside) {
+  // It touches the plate's top within the sensor's noise, so it reaches beyond the shell's edges.
+  const HandFilm film =
+      make_film(fingers_scene(1, 18e-3, 0.1e-3, 0), {.cameras = 1, .frames = 24, .noise = FilmNoise::full});
+  HostStage host(plate_of(film), film.cameras, holding());
+  DeviceStage device(plate_of(film), film.cameras, holding());
+  Touch touch, of_device;
+  for (const sensing::FrameSet& set : film.frames) {
+    host.touch(set.frames, touch, set.time_s);
+    device.touch(set.frames, of_device, set.time_s);
+    expect_identical(touch, of_device);
+    for (const Contact& contact : touch.contacts) {
+      EXPECT_LT(contact.position.y, 0.0F);
+      EXPECT_GT(contact.position.y, -1.5e-3F);
+      EXPECT_EQ(contact.beyond, 0U);
     }
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f)
+      EXPECT_EQ(touch.fingers[f].contact_count, touch.fingers[f].contacts.size());
   }
 }
 
@@ -190,8 +230,15 @@ TEST(KnownFingers, RulesAreNumbers) {
   EXPECT_EQ(shader::least_contacts(5, false), 5U);
   EXPECT_EQ(shader::least_contacts(5, true), 3U);
   EXPECT_EQ(shader::least_contacts(0, true), 1U);
-  EXPECT_TRUE(shader::small_beside(24, 100));
-  EXPECT_FALSE(shader::small_beside(25, 100));
+  EXPECT_TRUE(shader::small_beside(24, 100, true));
+  EXPECT_FALSE(shader::small_beside(25, 100, true));
+  EXPECT_TRUE(shader::small_beside(49, 100, false));
+  EXPECT_FALSE(shader::small_beside(50, 100, false));
+  EXPECT_TRUE(shader::small_alone(9, 5));
+  EXPECT_FALSE(shader::small_alone(10, 5));
+  EXPECT_TRUE(shader::starves(39, 5));
+  EXPECT_FALSE(shader::starves(40, 5));
+  EXPECT_FALSE(shader::starves(0, 5));
 }
 
 }  // namespace
