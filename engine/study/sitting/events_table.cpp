@@ -186,7 +186,6 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
       .key("touches")
       .begin_array(JsonWriter::Style::rows);
   std::int64_t begin_ns = 0;
-  std::optional<std::uint32_t> last_step;
   std::optional<std::string> chosen;
   bool second = false;
   for (const Entry& entry : run) {
