@@ -432,28 +432,6 @@ std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
                          {{"--png", "OUT/spikes.png"}}}}};
 }
 
-std::vector<ReviewedLine> of_emulate() {
-  return {{.line = {"emulate", "openmpd", "--serial", "IDLE1"},
-           .idle = joined<IdleOption>({{{{"--port", "0"}, "--port goes with autd3, not with openmpd"},
-                                        {{"--tactile"}, "--tactile goes with sonicsurface, not with openmpd"},
-                                        {{"--layout", "openmpd"}, "--layout goes with --view"},
-                                        {{"--board-files", "/"}, "--board-files goes with --view"}},
-                                       no_gpu_at_all("palpa emulate uses no GPU")}),
-           .untried = "--serial --uart --trace --view"},
-          {.line = {"emulate", "autd3", "--port", "0"},
-           .idle = {{{"--uart"}, "--uart goes with openmpd, not with autd3"},
-                    {{"--serial", "A"}, "--serial goes with openmpd, not with autd3"},
-                    {{"--tactile"}, "--tactile goes with sonicsurface, not with autd3"},
-                    {{"--board-files", "/"}, "--board-files goes with openmpd and sonicsurface, not with autd3"}},
-           .untried = "--port --layout"},
-          {.line = {"emulate", "sonicsurface"},
-           .idle = {{{"--uart"}, "--uart goes with openmpd, not with sonicsurface"},
-                    {{"--serial", "A"}, "--serial goes with openmpd, not with sonicsurface"},
-                    {{"--port", "1"}, "--port goes with autd3, not with sonicsurface"},
-                    {{"--board-files", "/"}, "--board-files goes with --view"}},
-           .untried = "--tactile --layout"}};
-}
-
 std::vector<ReviewedLine> of_sweep(const std::string& scratch) {
   const std::string plan = scratch + "/plan.toml";
   write_text(plan, "command = \"drive\"\n[options]\nfocus = \"0,0,0.1\"\n[vary]\nlayout = [\"openmpd\", \"autd3\"]\n");

@@ -30,8 +30,9 @@ struct ReviewedLine {
 /// word OUT stands for an empty folder.
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch);
 
-/// Those of `palpa study`.
+/// Those of `palpa study`, and of `palpa emulate`.
 std::vector<ReviewedLine> of_studies();
+std::vector<ReviewedLine> of_emulate();
 
 /// The options of a GPU, which a command that uses none refuses: the message has `why`.
 std::vector<IdleOption> no_gpu_at_all(const std::string& why);
