@@ -26,8 +26,8 @@ PALPA_FN Float3 moved_back(Float3 place, vec4 velocity, float elapsed_s) {
 }
 
 // A known finger with fewer contacts in the shell than this times the least number is about to end. One without any has
-// ended. Skin around its samples up to the first distance, and beyond the shell's edges up to the second one, may be its
-// contacts.
+// ended. Skin around its samples up to the first distance, and beyond the shell's edges up to the second one, may be
+// its contacts.
 PALPA_CONST known_starving = 8u;
 #define PALPA_KNOWN_AROUND 3e-3f
 #define PALPA_KNOWN_EDGE 0.5e-3f
