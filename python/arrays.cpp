@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "running.hpp"
 
 namespace palpa::python {
@@ -101,6 +102,25 @@ std::vector<double> numbers_of(const std::string& name, py::handle value) {
   if (bad != numbers.end())
     throw bad_usage(fmt::format("{}: entry {} is not finite: {}", name, bad - numbers.begin(), *bad));
   return numbers;
+}
+
+double length_of(const std::string& name, py::handle value) {
+  const auto refused = [&] {
+    return bad_usage(fmt::format("{}: give {}; palpa got {}", name, quantity_hint(Quantity::length),
+                                 py::repr(value).cast<std::string>()));
+  };
+  if (py::isinstance<py::bool_>(value)) throw refused();
+  if (py::isinstance<py::str>(value)) {
+    if (const auto metres = parse_quantity(value.cast<std::string>(), Quantity::length)) return *metres;
+    throw refused();
+  }
+  const double metres = PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred()) {
+    PyErr_Clear();
+    throw refused();
+  }
+  if (!std::isfinite(metres)) throw refused();
+  return metres;
 }
 
 Transform transform_of(const std::string& name, py::handle value) {

@@ -30,6 +30,8 @@ std::vector<Vec3> points_of(const std::string& name, py::handle value);
 Vec3 point_of(const std::string& name, py::handle value);
 /// An array of shape (n,) of finite numbers.
 std::vector<double> numbers_of(const std::string& name, py::handle value);
+/// Metres: a finite number, or a text such as "3mm".
+double length_of(const std::string& name, py::handle value);
 /// An array of shape (4, 4), rows as in files.
 Transform transform_of(const std::string& name, py::handle value);
 /// An array of shape (m, 3) of whole numbers below `points`.

@@ -277,10 +277,11 @@ setup::Skin skin_word(const std::string& word) {
   throw bad_usage(fmt::format("skin: '{}' is neither vertices nor cameras", word));
 }
 
-SimulateArguments simulate_arguments(Declared<SimulateArguments>& options, double penetration, const std::string& skin,
-                                     bool noise_free, bool bare_elongation, const py::kwargs& kwargs) {
+SimulateArguments simulate_arguments(Declared<SimulateArguments>& options, const py::object& penetration,
+                                     const std::string& skin, bool noise_free, bool bare_elongation,
+                                     const py::kwargs& kwargs) {
   SimulateArguments o = options.read(kwargs);
-  o.task.penetration_m = penetration;
+  o.task.penetration_m = length_of("penetration", penetration);
   o.task.skin = skin_word(skin);
   o.task.noise_free = noise_free;
   o.task.bare_elongation = bare_elongation;
@@ -309,9 +310,9 @@ auto with_finger(const py::object& finger, const setup::SimulateTask& task, bool
   });
 }
 
-std::shared_ptr<SimulateObject> simulate(const SceneObject& scene, const py::object& finger, double penetration,
-                                         const std::string& skin, bool noise_free, bool bare_elongation, bool force,
-                                         const py::kwargs& kwargs) {
+std::shared_ptr<SimulateObject> simulate(const SceneObject& scene, const py::object& finger,
+                                         const py::object& penetration, const std::string& skin, bool noise_free,
+                                         bool bare_elongation, bool force, const py::kwargs& kwargs) {
   refuse_fork();
   const SimulateArguments o =
       simulate_arguments(simulate_options(), penetration, skin, noise_free, bare_elongation, kwargs);
@@ -326,7 +327,7 @@ struct Figure6Object {
   std::vector<setup::Figure6Touch> touches;
 };
 
-std::shared_ptr<Figure6Object> figure6(const py::object& finger, double penetration, const std::string& skin,
+std::shared_ptr<Figure6Object> figure6(const py::object& finger, const py::object& penetration, const std::string& skin,
                                        bool noise_free, bool force, const py::kwargs& kwargs) {
   refuse_fork();
   const SimulateArguments o = simulate_arguments(figure6_options(), penetration, skin, noise_free, false, kwargs);

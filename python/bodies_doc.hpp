@@ -14,7 +14,7 @@ scene : Scene
 finger : FingerBody, Mesh, path or (vertices, faces)
     A closed mesh, tip at the origin, body along +y, metres. A FingerBody keeps the equations, so that further arrays
     and methods take less time.
-penetration : float, optional
+penetration : float or str, optional
     How far the finger's lowest point is below the solids' top, metres.
 skin : {"vertices", "cameras"}, optional
     Which skin touches: the mesh's vertices, or what the rig's cameras would see of it.
@@ -45,7 +45,7 @@ Parameters
 ----------
 finger : FingerBody, Mesh, path or (vertices, faces)
     As for simulate().
-penetration : float, optional
+penetration : float or str, optional
     How far the finger's lowest point is below the solids' top, metres.
 skin : {"vertices", "cameras"}, optional
     Which skin touches.

@@ -81,7 +81,7 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
   for (const py::object& file : one_or_several(camera))
     o.cameras.push_back(file_of("camera", file));
   if (!rig.is_none()) o.rig = file_of("rig", rig);
-  if (!penetration.is_none()) o.penetration_m = numbers_of("penetration", penetration).at(0);
+  if (!penetration.is_none()) o.penetration_m = length_of("penetration", penetration);
   if (o.penetration_m && std::abs(*o.penetration_m) > 10) throw bad_usage("penetration: at most 10 m");
   const bool files = std::ranges::all_of(images, is_text_or_path);
   for (std::size_t i = 0; i < images.size(); ++i)
@@ -420,7 +420,7 @@ camera : path or list of paths, optional
     TOML file of the camera of each depth image.
 rig : path, optional
     TOML file of all cameras, instead of `camera`. The default is the paper's rig.
-penetration : float, optional
+penetration : float or str, optional
     Moves `skin` along y, so that its lowest point is this far below the solids' top, in metres.
 method : str or callable, optional
     `method` may also be a function: it gets a Finger and returns its foci, an array_like of shape (n, 3), metres, world.

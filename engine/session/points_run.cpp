@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/start_thread.hpp"
 #include "session/clock.hpp"
 #include "session/links/plan.hpp"
 #include "session/loop/output.hpp"
 #include "session/newest.hpp"
+#include "session/threads.hpp"
 
 namespace palpa::session {
 namespace {
@@ -47,6 +49,7 @@ bool PushedPoints::take(std::vector<glm::vec3>& points, double& time_s, double t
 
 LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::atomic<bool>& stop,
                      const RunOptions& options) {
+  const log::Relay relay;  // log messages of any thread do not block any thread
   const SessionSetting& setting = session.setting();
   check_points_session(setting);
   session.warm_up();
@@ -61,6 +64,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   std::exception_ptr link_fault, fault;
   std::atomic<bool> output_over{false};
   std::thread player = start_thread("the link", [&] {
+    go_first();  // drives leave on time
     try {
       play(link, plans, output, clock, ending, stats.output, options.sent);
     } catch (...) {

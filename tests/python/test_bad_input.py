@@ -110,7 +110,8 @@ def test_arguments(openmpd, call, says):
     ({"foci": 0}, "--foci"), ({"foci": 2.5}, "--foci"), ({"foci": 10, "stride": 5}, "--stride"), ({"delta": "3kg"}, "--delta"),
     ({"delta": float("nan")}, "--delta"), ({"method": "best"}, "cross-section"), ({"layout": "nowhere"}, "nowhere"), ({"pressure": 100}, "--layout"),
     ({"spot": 1e-3}, "--spot"), ({"finger_width": 0.02}, "--finger-width"), ({"tune": "yes"}, "True or False"), ({"method": ""}, "empty"),
-    ({"delta": [1, 2]}, "--delta"), ({"delta": None, "dwell": -1}, "--dwell"), ({"penetration": 11}, "penetration"), ({"camera": "x.toml"}, "--camera"),
+    ({"delta": [1, 2]}, "--delta"), ({"delta": None, "dwell": -1}, "--dwell"), ({"penetration": 11}, "penetration"), ({"penetration": "3 apples"}, "a length such as"),
+    ({"penetration": True}, "a length such as"), ({"penetration": float("nan")}, "a length such as"), ({"camera": "x.toml"}, "--camera"),
 ])
 def test_options_of_a_touch(cube, finger, options, says):
     assert says in message(palpa.Error, lambda: cube.touch(finger, backend="cpu", **options))

@@ -92,3 +92,9 @@ def test_a_drive_from_a_touch(made_files, openmpd):
 
 def test_version():
     assert run(["--version"]).splitlines()[0] == f"palpa {palpa.__version__}"
+
+
+def test_a_length_may_be_a_text():
+    cube = palpa.Scene("assets/cube.glb")
+    touches = [cube.touch("assets/finger.ply", penetration=given, backend="cpu") for given in ("3mm", 3e-3, "0.003")]
+    assert len({same_but_times(touch.json()) for touch in touches}) == 1

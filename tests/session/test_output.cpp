@@ -66,6 +66,13 @@ TEST(Output, ExpiresAfterTheHold) {
   EXPECT_EQ(loudest(out.slot(plan, 0, 5.1)), 0.0f);
 }
 
+TEST(Output, APlanWithoutATimeIsSilence) {
+  Output out;
+  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), std::nan(""));
+  for (const double now_s : {0.0, 5.0, 1e9})
+    EXPECT_EQ(loudest(out.slot(plan, 0, now_s)), 0.0f) << now_s;
+}
+
 TEST(Output, NothingTouchedIsSilence) {
   Output out;
   const Plan plan = out.plan_of(array::Schedule());

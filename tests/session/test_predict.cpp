@@ -366,6 +366,17 @@ std::size_t lines_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
 
+TEST(CaptureTimes, AreNumbers) {
+  CaptureTimes times;
+  EXPECT_TRUE(times.is_time(0));
+  const std::string said = test::stderr_of([&] {
+    for (const double time_s :
+         {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
+      EXPECT_FALSE(times.is_time(time_s));
+  });
+  EXPECT_EQ(lines_of(said), 1U) << said;
+}
+
 TEST(CaptureTimes, SaysOnceWhatCannotBeACameras) {
   EXPECT_EQ(said_of({1, 1.011, 1.022, 1.022, 1.033, 1.3}), "") << "a pause and a repeated frame are normal";
   EXPECT_EQ(test::stderr_of([] {

@@ -114,6 +114,10 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue*
       continue;
     }
     looked_s = now_s;
+    if (!times.is_time(next.set.time_s)) {
+      ++stats.missing;
+      continue;
+    }
     ++stats.captured;
     if (options.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
@@ -261,8 +265,8 @@ bool Compute::step() {
     stats.prediction->add(report.prediction->latency_s, report.prediction->distance_m, report.prediction->clamped);
   }
   stats.seconds = report.planned_s - begin_s;
-  if (options.planned) options.planned(report, plans.back());
   shed(report, plans.back().captured_s);
+  if (options.planned) options.planned(report, plans.back());
   watch_solver(report);
   last_captured_s = plans.back().captured_s;
   if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
@@ -301,7 +305,7 @@ double Compute::run() {
       continue;
     }
     if (frames.closed()) break;
-    if (alive && !options.every_frame && clock.now() >= last_captured_s + setting.output.hold_s) {
+    if (alive && !options.every_frame && clock.now() >= last_captured_s + effort.hold_s()) {
       alive = false;
       if (options.expired) options.expired();
     }
@@ -383,7 +387,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     Compute compute{planner, frames, plans, clock, stop, output_ended, slots, setting, options, stats};
     const double last_s = compute.run();
     // If the source has ended, its last frame is played until it expires, as if frames had stopped coming.
-    const auto sounds_on = [&] { return clock.now() < last_s + setting.output.hold_s || !plans.wait_taken({}); };
+    const auto sounds_on = [&] { return clock.now() < last_s + compute.effort.hold_s() || !plans.wait_taken({}); };
     while (!stop && !output_ended && !ending.failed && sounds_on()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }

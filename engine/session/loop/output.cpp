@@ -17,8 +17,9 @@ std::span<const array::TransducerDrive> silence(const OutputSetting& setting, ar
   return scratch;
 }
 
+/// A plan whose time is not a number has expired: it never sounds.
 bool expired(const Plan& plan, double now_s, const OutputSetting& setting) {
-  return plan.schedule.voice_count == 0 || now_s >= plan.captured_s + setting.hold_s + plan.more_hold_s;
+  return plan.schedule.voice_count == 0 || !(now_s < plan.captured_s + setting.hold_s + plan.more_hold_s);
 }
 
 /// Extra time for the ramp down at the end, because its slots may be late.

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -14,6 +15,14 @@ void CaptureTimes::report(bool& reported, double from_s, double to_s, const char
   if (std::exchange(reported, true)) return;
   log::warning(fmt::format("the source's capture times {} (from {:.3f} s to {:.3f} s): a camera's ascend evenly", what,
                            from_s, to_s));
+}
+
+bool CaptureTimes::is_time(double time_s) {
+  if (std::isfinite(time_s)) return true;
+  if (!std::exchange(missing_, true))
+    log::warning(
+        fmt::format("a frame's capture time is {}, not a number of seconds: such frames are left out", time_s));
+  return false;
 }
 
 void CaptureTimes::see(double time_s) {

@@ -14,6 +14,8 @@ class CaptureTimes {
   /// only the order of times is looked at.
   void see(double time_s, double arrived_s, double age_s);
   void see(double time_s);
+  /// Whether it is a time at all. A frame without one has no age, so it must not sound.
+  bool is_time(double time_s);
 
   /// Beyond the time that has passed between two arrivals. A frame that waited in the source's queue, for example
   /// because palpa was starting, is followed by one that is seconds newer. That is no fault.
@@ -30,7 +32,7 @@ class CaptureTimes {
   bool known_ = false;
   double time_s_ = 0, arrived_s_ = 0;
   std::uint32_t equal_ = 1, late_count_ = 0, looked_at_ = 0;
-  bool back_ = false, still_ = false, jumped_ = false, late_ = false;
+  bool back_ = false, still_ = false, jumped_ = false, late_ = false, missing_ = false;
 };
 
 }  // namespace palpa::session

@@ -55,8 +55,8 @@ class EventTracker {
   explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
   /// The events of the next frame: releases first, then finger by finger in the order of `touch`. If the time goes
-  /// backwards, tracking restarts, and ids too: fingers that touched are released first, as by end(). Valid until the
-  /// next call.
+  /// backwards, tracking restarts: fingers that touched are released first, as by end(). Valid until the next
+  /// call.
   std::span<const Event> update(const touch::Touch& touch, double time_s);
   /// To be called if no frame has come for hold_s after the last one. update() also detects this, but only with the
   /// next frame.
