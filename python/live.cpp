@@ -11,6 +11,7 @@
 #include "driver/guard/board_link.hpp"
 #include "driver/sources.hpp"
 #include "session/links/gain_link.hpp"
+#include "session/plan/voice.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
 #include "setup/session_setting.hpp"
@@ -40,7 +41,7 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
   values.touch.fingers.assign(touch.fingers.begin(), touch.fingers.begin() + touch.finger_count);
   values.touch.finger_count = touch.finger_count;
   values.touch.cluster_count = touch.cluster_count;
-  values.schedule = plan.schedule;
+  values.schedule = session::by_finger(plan.schedule, touch);
   values.common = common;
   values.solids = solids;
   for (const touch::Finger& finger : values.touch.fingers) {
@@ -49,7 +50,7 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
     scheduled.placement.complete = finger.placed;
     if (own) {
       scheduled.placement.foci.clear();
-      for (const Vec3& focus : plan.schedule.voices[values.fingers.size() - 1].foci)
+      for (const Vec3& focus : values.schedule.voices[values.fingers.size() - 1].foci)
         scheduled.placement.foci.push_back({.position = glm::vec3(focus), .points = 1});
     }
     values.own_schedule.push_back(false);
@@ -239,6 +240,11 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
   refuse_fork();
   Run& run = o->run;
   if (!run.running) throw bad_usage("the session does not run");
+  // Callbacks are called by the run's thread, which cannot wait for its own end.
+  if (std::this_thread::get_id() == run.thread.get_id())
+    throw bad_usage("wait: a callback cannot wait for the end of its own run; stop() ends it");
+  if (run.waited_for) throw bad_usage("wait: another thread waits for the end of this run");
+  run.waited_for = true;
   std::optional<py::error_already_set> interrupted;
   const auto is_over = [&] {
     const Unlocked open;
@@ -254,7 +260,7 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
     const Unlocked open;
     run.thread.join();
   }
-  run.running = false;
+  run.running = run.waited_for = false;
   if (interrupted) throw py::error_already_set(std::move(*interrupted));
   if (run.callback_fault) {
     py::error_already_set fault(std::move(*run.callback_fault));

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -223,7 +224,7 @@ py::object drives_of(SessionObject& o) {
   py::array_t<std::complex<double>> drives(
       {static_cast<py::ssize_t>(plan.cycle.length), static_cast<py::ssize_t>(transducers)});
   std::complex<double>* to = drives.mutable_data();
-  for (const auto [amplitude, phase] : plan.drives)
+  for (const auto [amplitude, phase] : std::span(plan.drives).first(std::size_t{plan.cycle.length} * transducers))
     *to++ = std::polar(double{amplitude}, double{phase});
   return sealed(std::move(drives));
 }

@@ -53,6 +53,7 @@ struct Run {
   std::vector<std::pair<std::uint32_t, Transform>> poses;  ///< for the next frame
   std::optional<Vec3> aim;
   bool running = false, over = true;
+  bool waited_for = false;                              ///< by a call of wait() or run()
   std::exception_ptr fault;                             ///< of the engine
   std::optional<py::error_already_set> callback_fault;  ///< of a callback, which ended the run
   std::shared_ptr<StatsObject> stats;

@@ -83,6 +83,11 @@ class Stage {
   /// The largest valid stride (touch::most_pixel_stride), for the solids in their current poses.
   std::uint32_t most_pixel_stride() const;
 
+  /// The next frame is followed as if none had come before.
+  void forget() {
+    if (tracks_) tracks_->clock = {};
+  }
+
   /// Records all passes that turn the frame's input, captured at `time_s`, into foci, and the readback that the setting
   /// requests. If fingers are followed, record frames in the order of their capture and submit them in the order of
   /// recording. With `times`, marks the names of SkinPass (depth frames only), ContactsPass, FingersPass, "split",

@@ -301,6 +301,34 @@ def test_two_sessions_at_a_time(cube):
     assert one.wait().frames == two.wait().frames == 5
 
 
+def test_a_callback_cannot_wait_for_its_own_run(cube):
+    session = live(cube)
+    with pytest.raises(palpa.BadUsage, match="stop"):
+        session.run(frames=50, on_frame=lambda touch: session.wait())
+    assert not session.running
+
+
+def test_one_thread_waits_for_a_run(cube):
+    session = live(cube)
+    session.start()
+    ends = []
+
+    def wait():
+        try:
+            ends.append(session.wait().frames)
+        except palpa.BadUsage as refused:
+            ends.append(str(refused))
+
+    threads = [threading.Thread(target=wait) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    time.sleep(0.2)
+    session.stop()
+    for thread in threads:
+        thread.join(20)
+    assert sorted(isinstance(end, int) for end in ends) == [False, True] and any("another thread" in str(end) for end in ends)
+
+
 def test_points_pushed_into_a_run(cube, finger, tmp_path):
     file = tmp_path / "drives.bin"
     session = palpa.Session(cube, source="points", layout="openmpd", link=f"record:{file}", backend="cpu")

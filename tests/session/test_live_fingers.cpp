@@ -127,12 +127,15 @@ struct Above {
     setting.finger = {"the finger", blunt_finger(), acoustics::without_absorption(acoustics::air_of({}))};
     body = std::make_shared<const acoustics::RigidBody>(setting.finger->body, setting.finger->air.wave_number());
   }
-  /// The frame's finger stands at `T`.
+  /// The frame's finger stands at `T`. Before it, the frame has another finger, which is expected to have left when its
+  /// foci would sound, and thus has no voice.
   void stand(const Transform& T, double time_s, std::uint32_t id = 7) {
-    touch.fingers.resize(1);
-    touch.finger_count = 1;
-    touch.fingers[0].id = id;
-    touch.fingers[0].section.centroid = glm::vec3(transform_point(T, {0, 2e-3, 0}));
+    touch.fingers.resize(2);
+    touch.finger_count = 2;
+    touch.fingers[0].id = id + 100;
+    touch.fingers[0].section.centroid = glm::vec3(0.1F, 0, 0);
+    touch.fingers[1].id = id;
+    touch.fingers[1].section.centroid = glm::vec3(transform_point(T, {0, 2e-3, 0}));
     schedule.clear();
     schedule.time_s = time_s;
     array::Voice& voice = schedule.add_voice();

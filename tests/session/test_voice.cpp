@@ -145,5 +145,27 @@ TEST(Voice, AreMadeAgainWithoutAllocating) {
   EXPECT_EQ(schedule.voice_count, 5u);
 }
 
+TEST(ByFinger, VoicesAreMatchedByTheirIds) {
+  Schedule plan;
+  for (const std::uint32_t id : {7u, 3u}) {
+    Voice& voice = plan.add_voice();
+    voice = voice_of(finger_with({1, 1, 1}));
+    voice.id = id;
+  }
+  plan.add_voice().id = 5;
+  plan.voice_count = 2;  // the third is one of an earlier frame
+  touch::Touch seen;
+  seen.fingers.resize(4);
+  for (std::uint32_t f = 0; const std::uint32_t id : {5u, 3u, 7u, 9u})
+    seen.fingers[f++].id = id;
+  seen.finger_count = 3;
+  const Schedule schedule = by_finger(plan, seen);
+  ASSERT_EQ(schedule.voice_count, 3U);
+  EXPECT_TRUE(schedule.voices[0].foci.empty()) << "of a finger that is expected to have left";
+  EXPECT_EQ(schedule.voices[1].id, 3U);
+  EXPECT_EQ(schedule.voices[2].id, 7U);
+  EXPECT_EQ(schedule.voices[2].foci.size(), 3U);
+}
+
 }  // namespace
 }  // namespace palpa::session

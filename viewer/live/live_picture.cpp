@@ -6,28 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "session/plan/voice.hpp"
+
 namespace palpa::viewer {
-
-namespace {
-
-/// The schedule with a voice for each finger that was seen, in their order. A finger that is expected to have left when
-/// its foci would sound has a voice without foci.
-array::Schedule by_finger(const Snapshot& snapshot) {
-  const array::Schedule& plan = snapshot.plan.schedule;
-  array::Schedule schedule = plan;
-  schedule.voices.clear();
-  schedule.clear();
-  schedule.advance = plan.advance;
-  const std::span voices = std::span(plan.voices).first(std::min<std::size_t>(plan.voice_count, plan.voices.size()));
-  for (std::uint32_t f = 0; f < snapshot.touch.finger_count; ++f) {
-    array::Voice& voice = schedule.add_voice();
-    const auto own = std::ranges::find(voices, snapshot.touch.fingers[f].id, &array::Voice::id);
-    if (own != voices.end()) voice = *own;
-  }
-  return schedule;
-}
-
-}  // namespace
 
 void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, const Seen& seen, bool depth) {
   std::vector<geometry::Solid> named(scene.solid_names.size());
@@ -42,7 +23,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
   std::erase_if(picture.images, [](const ImageMark& image) { return image.layer == Layer::depth; });
   if (depth && !seen.images.frames.empty()) show_depth(picture, scene.cameras, seen.images.frames);
 
-  const array::Schedule schedule = by_finger(snapshot);
+  const array::Schedule schedule = session::by_finger(snapshot.plan.schedule, snapshot.touch);
   std::vector<touch::Placement> placements;
   for (std::uint32_t f = 0; f < schedule.voice_count; ++f) {
     const touch::Finger& finger = snapshot.touch.fingers[f];
@@ -84,7 +65,7 @@ std::span<const array::TransducerDrive> drive_of(const LiveScene& scene, const s
 
 void show_live_slot(Picture& picture, const LiveScene& scene, const Snapshot& snapshot, std::uint64_t slot,
                     session::SlotScratch& scratch) {
-  show_slot(picture, by_finger(snapshot), slot);
+  show_slot(picture, session::by_finger(snapshot.plan.schedule, snapshot.touch), slot);
   const auto drive = drive_of(scene, snapshot.plan, slot, scratch);
   picture.driven = false;
   if (!picture.transducers.empty() && !drive.empty()) show_drive(picture, drive);

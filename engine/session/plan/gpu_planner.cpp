@@ -141,6 +141,7 @@ class GpuPlanner : public Planner {
       while (!step(flight_of(f).plan, report)) {
       }
     }
+    stage_.forget();  // they were no frames of the source
     warm_up_drives(*flights_.front());
   }
 

@@ -44,6 +44,7 @@ struct SkinFrame {
 struct FrameReport {
   std::uint64_t sequence = 0;
   double time_s = 0;  ///< capture, on the source's clock
+  /// Fingers as they were seen. The plan may have fewer voices: match them by id, or with by_finger (voice.hpp).
   const touch::Touch* touch = nullptr;
   std::span<const gpu::PassTime> passes;   ///< in the order they ran, on the device or as C++ twins
   double arrived_s = 0, planned_s = 0;     ///< on the loop's clock: frame in memory, drives in memory

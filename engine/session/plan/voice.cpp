@@ -1,6 +1,8 @@
 #include "session/plan/voice.hpp"
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "geometry/haptics.hpp"
 #include "touch/sections/nearest_filled.hpp"
@@ -29,6 +31,20 @@ void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32
   const auto foci = static_cast<std::uint32_t>(voice.foci.size());
   array::fill_order(foci, placement.together ? 1 : options.stride.value_or(geometry::usual_stride(foci)), voice.order);
   voice.foci_per_slot = placement.together ? foci : 1;
+}
+
+array::Schedule by_finger(const array::Schedule& plan, const touch::Touch& seen) {
+  array::Schedule schedule = plan;
+  schedule.voices.clear();
+  schedule.clear();
+  schedule.advance = plan.advance;
+  const std::span voices = std::span(plan.voices).first(std::min<std::size_t>(plan.voice_count, plan.voices.size()));
+  for (std::uint32_t f = 0; f < seen.finger_count; ++f) {
+    array::Voice& voice = schedule.add_voice();
+    const auto own = std::ranges::find(voices, seen.fingers[f].id, &array::Voice::id);
+    if (own != voices.end()) voice = *own;
+  }
+  return schedule;
 }
 
 }  // namespace palpa::session

@@ -5,6 +5,7 @@
 
 #include "array/schedule.hpp"
 #include "touch/foci/method.hpp"
+#include "touch/types.hpp"
 
 namespace palpa::session {
 
@@ -14,5 +15,9 @@ namespace palpa::session {
 /// The placement must have at least one focus with a position.
 void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid,
                 const array::VoiceOptions& options, array::Voice& voice);
+
+/// The schedule with a voice for each finger that was seen, in their order. A finger that is expected to have left when
+/// its foci would sound has no voice in the plan; it gets one without foci.
+array::Schedule by_finger(const array::Schedule& plan, const touch::Touch& seen);
 
 }  // namespace palpa::session

@@ -104,8 +104,8 @@ SkinStep find_skin_step(const CameraView& view, const KeptFrames& now, const Kep
       const Vec3 seen = transform_point(scratch.T_camera_world[sample.camera], from);
       if (!(seen.z > 0)) continue;
       const Vec2 pixel = sensing::project(view.cameras[sample.camera], seen);
-      if (!(pixel.x >= 0 && pixel.y >= 0)) continue;
       const Image image = image_of(view, before, sample.camera);
+      if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < image.table.width && pixel.y < image.table.height)) continue;
       const auto there = image.at(static_cast<std::uint32_t>(std::floor(pixel.x + 0.5)),
                                   static_cast<std::uint32_t>(std::floor(pixel.y + 0.5)));
       if (!there) continue;

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "base/log.hpp"
@@ -86,8 +87,11 @@ void LiveFingers::planned(const FrameReport& report, const array::Schedule& sche
   next_.time_s = report.time_s;
   next_.fingers.clear();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    // The schedule lacks fingers that are expected to have left.
     const array::Voice& voice = schedule.voices[v];
-    next_.fingers.push_back({voice.id, Vec3(touch.fingers[v].section.centroid), voice.foci});
+    const auto fingers = std::span(touch.fingers).first(touch.finger_count);
+    const auto finger = std::ranges::find(fingers, voice.id, &touch::Finger::id);
+    if (finger != fingers.end()) next_.fingers.push_back({voice.id, Vec3(finger->section.centroid), voice.foci});
   }
   beside_.ask(std::move(next_));
   next_ = {};
