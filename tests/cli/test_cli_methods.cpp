@@ -227,7 +227,7 @@ TEST(CliMethods, FociThatSoundTogetherAreSolvedUnlessToldOtherwise) {
   const auto phases = [&](const std::string& name, const std::vector<std::string>& options) {
     const std::string file = (folder / name).string();
     const std::vector<std::string> line{"run",    "--scene", asset("cube.glb"), "--backend", "cpu",    "--every-frame",
-                                        "--hold", "1s",      "--frames",        "3",         "--link", "record:" + file,
+                                        "--hold", "1s",      "--frames",        "9",         "--link", "record:" + file,
                                         "--quiet"};
     const Result result = palpa(with(with(line, small_frames()), options));
     EXPECT_EQ(result.exit_code, 0) << result.err;
