@@ -230,7 +230,9 @@ TEST(PredictLoop, MeasuresTheLatencyOfALiveRun) {
   EXPECT_TRUE(link.ended_silent());
   ASSERT_TRUE(run.stats.prediction);
   const PredictStats& prediction = *run.stats.prediction;
-  EXPECT_EQ(prediction.latency_s.count(), run.stats.touching);
+  // Frames that are planned before the output thread has begun its first slot have no known latency.
+  EXPECT_LE(prediction.latency_s.count(), run.stats.touching);
+  EXPECT_GE(prediction.latency_s.count() + 5, run.stats.touching);
   EXPECT_GT(prediction.latency_s.quantile(0), 0);
   EXPECT_LE(prediction.distance_m.quantile(1), MotionFilter::most_speed * most_ahead_s);
   EXPECT_EQ(run.begun, 0U);

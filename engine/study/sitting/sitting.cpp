@@ -21,12 +21,12 @@ Sitting::Sitting(const StudyPlan& plan, Agenda agenda, Entry start, std::functio
     : plan_(plan), agenda_(std::move(agenda)), write_(std::move(write)) {
   start.kind = EntryKind::start;
   start.at_ns = 0;
-  record(std::move(start));
+  record(start);
   if (agenda_.finished()) screen_ = Screen::end;
 }
 
 /// Whatever goes wrong here, nothing sounds any more.
-void Sitting::record(Entry entry) {
+void Sitting::record(const Entry& entry) {
   try {
     write_(entry);
     const std::string fault = agenda_.take(entry);
@@ -131,7 +131,7 @@ void Sitting::end_touch(std::int64_t now_ns) {
 
 void Sitting::complete(Entry entry) {
   entry.step = agenda_.current();
-  record(std::move(entry));
+  record(entry);
   next_step();
 }
 

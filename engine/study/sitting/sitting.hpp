@@ -92,7 +92,7 @@ class Sitting {
   static constexpr std::int64_t longest_gap_ns = 1'000'000'000;
 
  private:
-  void record(Entry entry);
+  void record(const Entry& entry);
   void next_step();
   void begin_step(std::int64_t now_ns);
   void begin_touch(std::int64_t now_ns);
