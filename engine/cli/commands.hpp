@@ -11,6 +11,7 @@ void add_drive(Program& program);
 void add_field(Program& program);
 void add_scatter(Program& program);
 void add_simulate(Program& program);
+void add_afferents(Program& program);
 void add_run(Program& program);
 void add_export(Program& program);
 void add_link(Program& program);

@@ -33,6 +33,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_field(program);
   add_scatter(program);
   add_simulate(program);
+  add_afferents(program);
   add_decompose(program);
   add_study(program);
   add_sweep(program);

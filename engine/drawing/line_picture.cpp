@@ -78,8 +78,8 @@ Pixels draw(const LinePicture& picture) {
     mark_below(ink, {left + right.at[i] / picture.length_mm * (width - 1), top + height}, right.labels[i]);
   for (std::size_t i = 0; i < up.at.size(); ++i)
     mark_left(ink, {static_cast<double>(left), static_cast<double>(row(up.at[i] / picture.scale))}, up.labels[i]);
-  ink.text(picture.along + " (mm)", {left + width / 2.0, top + height + ink.px(14 + 2.4 * axis_letters)}, axis_letters,
-           axis_ink, Align::centre);
+  ink.text(picture.along + " (" + picture.along_unit + ")",
+           {left + width / 2.0, top + height + ink.px(14 + 2.4 * axis_letters)}, axis_letters, axis_ink, Align::centre);
   ink.text_upwards(picture.unit, {ink.px(13 + axis_letters), top + height / 2.0}, axis_letters, axis_ink);
   head(ink, picture.title, picture.notes);
   canvas.draw(strokes);

@@ -19,6 +19,7 @@ struct LinePicture {
   double most = 0;                    ///< the value at the axis' top, in its unit
   double scale = 1;                   ///< from a value to the axis' unit
   std::string unit;                   ///< beside the axis: "Pa", "of the largest"
+  const char* along_unit = "mm";      ///< of `along`, if it is not a length: then length_mm is in this unit
 };
 
 /// About 1300 pixels wide and 800 high. Where there are more values than pixels, a pixel's column shows the range of

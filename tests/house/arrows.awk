@@ -24,8 +24,8 @@ BEGIN {
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads links watch predict plan loop previews .")
-  order("study", "statistics tables files afferents . report")
-  order("setup", ". tasks")
+  order("study", "statistics tables files afferents observer . report predicted")
+  order("setup", ". experiment tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live options desk panels app window run .")
   bad = 0

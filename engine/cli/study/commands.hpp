@@ -8,5 +8,6 @@ namespace palpa::cli {
 void add_study_analyse(Program& program);
 void add_study_compare(Program& program);
 void add_study_power(Program& program);
+void add_study_simulate(Program& program);
 
 }  // namespace palpa::cli

@@ -8,6 +8,7 @@ void add_study(Program& program) {
   add_study_analyse(program);
   add_study_compare(program);
   add_study_power(program);
+  add_study_simulate(program);
 }
 
 }  // namespace palpa::cli

@@ -67,6 +67,7 @@ class CliAliases : public testing::Test {
     write_text(folder_ / "study/sub-1/beh/sub-1_task-shapes_run-1_recording-finger_physio.json",
                R"({"SamplingFrequency": 50, "StartTime": 0, "Columns": ["depth"]})");
     write_text(folder_ / "counts.csv", "actual,cube,prism\ncube,3,1\nprism,1,3\n");
+    write_small_plan(folder_ / "study-plan.toml", "scene.gltf", "scene.gltf");
     write_text(folder_ / "take.bag", "#ROSBAG V2.0\n");
     write_text(folder_ / "plan.toml",
                "command = \"touch\"\n[options]\nscene = \"scene.gltf\"\npoints = \"finger.ply\"\n"
@@ -260,6 +261,12 @@ class CliAliases : public testing::Test {
         {{"sweep", path("plan.toml"), "--out", path("new")},
          and_also(scene_files, {"finger.ply", "layout.toml", "plan.toml"}),
          {json_, {"--gather", "", ".csv"}}},
+        {{"study", "simulate", path("study-plan.toml"), "--finger", points, "--beside", path("counts.csv")},
+         {"study-plan.toml", "counts.csv", "finger.ply"},
+         {json_, csv_, html_, {"--prediction", "", ""}}},
+        {{"afferents", "--scene", scene, "--finger", points, "--layout", layout},
+         and_also(scene_files, {"layout.toml", "finger.ply"}),
+         {json_, csv_, png_, {"--times", "", ""}}},
         {{"bench", "--scene", scene}, scene_files, {json_, csv_}},
         {{"emulate", "openmpd", "--view", "--layout", layout}, {"layout.toml"}, {json_, trace_}},
         {{"emulate", "openmpd", "--view", "--board-files", path("boards")}, {"boards/board_A.pat"}, {trace_}},

@@ -87,6 +87,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
+  write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -107,11 +108,15 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"simulate",
        {"simulate", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--backend",
         "cpu"}},
+      {"afferents",
+       {"afferents", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--duration",
+        "20ms", "--backend", "cpu"}},
       {"decompose", {"decompose", "--scene", scene, "--out", folder_ / "parts.glb"}},
       {"study analyse", {"study", "analyse", folder_ / "study"}},
       {"study compare", {"study", "compare", "paper"}},
       {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
       {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
+      {"study simulate", {"study", "simulate", folder_ / "study-plan.toml", "--finger", tip}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},
   };

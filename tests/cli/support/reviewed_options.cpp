@@ -400,6 +400,37 @@ std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
                     {{"--parts", "3"}, "go with --scene"}}}};
 }
 
+std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
+  const std::string tip = ply_in(scratch, "afferents-tip.ply",
+                                 transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); }));
+  const std::vector<std::string> line{"afferents",     "--scene", asset("cube.glb"), "--finger", tip,
+                                      "--penetration", "1mm",     "--layout",        "openmpd",  "--duration",
+                                      "50ms",          "--json",  "OUT/a.json"};
+  return {{.line = line,
+           .idle = joined<IdleOption>(
+               {no_gpu_at_all("palpa afferents computes on the processor"),
+                {{{"--linear", "--crest", "16"}, "--crest sets the level that --linear leaves out"},
+                 {{"--stride", "3", "--method", "single-focus"}, "--stride: a single focus has no order"}}}),
+           .untried = "--scene --finger --delta",
+           .effective = {{{"--penetration", "0.8mm"}},
+                         {{"--x", "1mm"}},
+                         {{"--z", "1mm"}},
+                         {{"--yaw", "30"}},
+                         {{"--method", "ellipse"}},
+                         {{"--foci", "6"}},
+                         {{"--stride", "1"}},
+                         {{"--dwell", "2ms"}},
+                         {{"--modulation-frequency", "100"}, {"--method", "single-focus"}},
+                         {{"--layout", "sonicsurface"}},
+                         {{"--crest", "50"}},
+                         {{"--linear"}},
+                         {{"--duration", "60ms"}},
+                         {{"--bin", "10ms"}},
+                         {{"--csv", "OUT/sites.csv"}},
+                         {{"--times", "OUT/times.csv"}},
+                         {{"--png", "OUT/spikes.png"}}}}};
+}
+
 std::vector<ReviewedLine> of_emulate() {
   return {{.line = {"emulate", "openmpd", "--serial", "IDLE1"},
            .idle = joined<IdleOption>({{{{"--port", "0"}, "--port goes with autd3, not with openmpd"},
@@ -482,6 +513,9 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
          .idle = no_gpu_at_all("palpa study power computes on the processor"),
          .untried = "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
                     "--studies"},
+        {.line = {"study", "simulate", "paper"},
+         .idle = no_gpu_at_all("palpa study simulate computes on the processor"),
+         .untried = "--finger --beside --html --csv --prediction"},
         {.line = {"bench", "--suite", "array"},
          .idle = {{{"--scene", asset("cube.glb")}, "--scene goes with --suite surface"},
                   {{"--backend", "cpu"}, "bench measures the GPU"}},
@@ -492,6 +526,7 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
        of_scatter(scratch),
        of_simulate(scratch),
        of_sweep(scratch),
+       of_afferents(scratch),
        of_emulate()});
 }
 

@@ -1,0 +1,50 @@
+#include "setup/experiment/observed_finger.hpp"
+
+#include <cstdint>
+
+#include "base/error.hpp"
+#include "setup/body.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// The centroids of nine equal parts of each of these faces.
+std::vector<Vec3> dense_points(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& faces) {
+  constexpr int parts = 3;
+  std::vector<Vec3> points;
+  for (const std::uint32_t f : faces) {
+    const glm::uvec3& t = mesh.triangles[f];
+    const Vec3 a = mesh.positions[t.x], u = (mesh.positions[t.y] - a) / double{parts},
+               v = (mesh.positions[t.z] - a) / double{parts};
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; i + j < parts; ++j) {
+        const Vec3 corner = a + double(i) * u + double(j) * v;
+        points.push_back(corner + (u + v) / 3.0);
+        if (i + j + 1 < parts) points.push_back(corner + 2.0 / 3.0 * (u + v));
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+ObservedFinger::ObservedFinger(const std::string& file)
+    : name_(file), air_(setup::air({}, {})), mesh_(load_body(file, air_, false)), sites_(study::sites_of(mesh_)) {
+  if (sites_.positions.empty())
+    throw bad_input(file, "has no skin within 22 mm of the origin: a finger has its tip there, and its body along +y");
+  skin_ = dense_points(mesh_, sites_.faces);
+}
+
+const acoustics::RigidBody& ObservedFinger::body() {
+  if (!body_) body_.emplace(mesh_, air_.wave_number());
+  return *body_;
+}
+
+const study::SkinLoad& ObservedFinger::load(study::Delays delays) {
+  std::optional<study::SkinLoad>& load = delays == study::Delays::waves ? waves_ : at_once_;
+  if (!load) load.emplace(mesh_, sites_, delays);
+  return *load;
+}
+
+}  // namespace palpa::setup

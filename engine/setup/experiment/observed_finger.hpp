@@ -1,0 +1,47 @@
+// The finger of the ideal observer: its equations in sound, and its afferents. It stays at its own origin; objects and
+// arrays move around it, so that its equations are solved once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acoustics/air.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
+#include "base/math.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "setup/options.hpp"
+#include "study/afferents/skin_load.hpp"
+#include "study/afferents/skin_sites.hpp"
+
+namespace palpa::setup {
+
+class ObservedFinger {
+ public:
+  /// A closed mesh with its tip at the origin and its body along +y. Throws as load_body does, and bad_input if there
+  /// is no skin near the origin.
+  explicit ObservedFinger(const std::string& file);
+
+  const std::string& name() const { return name_; }
+  const geometry::Mesh& mesh() const { return mesh_; }
+  const acoustics::Air& air() const { return air_; }
+  /// Made when it is first needed.
+  const acoustics::RigidBody& body();
+  const study::SkinSites& sites() const { return sites_; }
+  /// Points of the skin near the tip, at most about 0.3 mm apart, as dense as the clouds of several cameras. The mesh's
+  /// own vertices are so far apart that an edge or a point of a shape may pass between them.
+  const std::vector<Vec3>& skin() const { return skin_; }
+  /// From pressures to afferents, with waves and without.
+  const study::SkinLoad& load(study::Delays delays);
+
+ private:
+  std::string name_;
+  acoustics::Air air_;
+  geometry::Mesh mesh_;
+  study::SkinSites sites_;
+  std::vector<Vec3> skin_;
+  std::optional<acoustics::RigidBody> body_;
+  std::optional<study::SkinLoad> waves_, at_once_;
+};
+
+}  // namespace palpa::setup

@@ -1,0 +1,42 @@
+// The pressure on a finger over time, for one place of the finger and several methods.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/layout.hpp"
+#include "geometry/solid.hpp"
+#include "setup/experiment/observed_finger.hpp"
+#include "study/afferents/pressure_pattern.hpp"
+#include "study/files/plan_file.hpp"
+#include "study/observer/placements.hpp"
+
+namespace palpa::setup {
+
+/// What is touched, and how deep the finger's lowest point is below its top.
+struct TouchedScene {
+  std::string file;
+  const std::vector<geometry::Solid>& solids;
+  double depth_m = 0;
+};
+
+/// A method with its array, posed in the world.
+struct ObservedMethod {
+  study::PlanMethod method;
+  const array::Layout* layout = nullptr;
+};
+
+struct TouchPattern {
+  study::PressurePattern pattern;  ///< without maps if nothing is touched
+  double crest_n = 0;              ///< the largest force of a map on the whole finger
+};
+
+/// One for each method: foci and drives as in a live run, and the radiation pressure of each drive (Langevin) on the
+/// faces of the finger's sites. The finger is turned about its own axis and moved to `place`. Methods with the same
+/// layout cost little more than one. Throws bad_input if the finger stands within the array, otherwise as touch_once
+/// does.
+std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedScene& scene,
+                                         const study::FingerPlace& place, std::span<const ObservedMethod> methods);
+
+}  // namespace palpa::setup

@@ -1,0 +1,193 @@
+#include "study/observer/decision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/normal.hpp"
+#include "base/parallel.hpp"
+#include "base/random.hpp"
+
+namespace palpa::study {
+namespace {
+
+/// Rows of a matrix L with L L^T = products, one column per direction.
+struct Root {
+  std::vector<double> rows;  // [template * rank + column]
+  std::size_t rank = 0;
+};
+
+/// The products of the templates less their mean. What all templates share has no effect on decisions.
+std::vector<double> centred(const Templates& templates) {
+  const std::size_t n = templates.size();
+  std::vector<double> products = templates.products, means(n);
+  double all = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j)
+      means[i] += products[i * n + j] / static_cast<double>(n);
+    all += means[i] / static_cast<double>(n);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j)
+      products[i * n + j] += all - means[i] - means[j];
+  }
+  return products;
+}
+
+/// Cholesky's decomposition of the centred products, in the order of the templates: the same draws then mean much the
+/// same for every method, and a part of their errors cancels. A template that lies among earlier ones to 1e-10, the
+/// rounding of the sums, adds no direction.
+Root root_of(const Templates& templates) {
+  const std::size_t n = templates.size();
+  std::vector<double> rest = centred(templates);
+  std::vector<std::vector<double>> columns;
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    largest = std::max(largest, rest[i * n + i]);
+  for (std::size_t pivot = 0; pivot < n; ++pivot) {
+    const double left = rest[pivot * n + pivot];
+    if (!(left > 1e-10 * largest)) continue;
+    std::vector<double> column(n);
+    for (std::size_t i = pivot; i < n; ++i)
+      column[i] = rest[i * n + pivot] / std::sqrt(left);
+    for (std::size_t i = pivot; i < n; ++i) {
+      for (std::size_t j = pivot; j < n; ++j)
+        rest[i * n + j] -= column[i] * column[j];
+    }
+    columns.push_back(std::move(column));
+  }
+  Root root{.rows = std::vector<double>(n * columns.size()), .rank = columns.size()};
+  for (std::size_t c = 0; c < root.rank; ++c) {
+    for (std::size_t i = 0; i < n; ++i)
+      root.rows[i * root.rank + c] = columns[c][i];
+  }
+  return root;
+}
+
+/// e^x for x <= 0, within 1e-6 of it; exactly the same on every processor.
+inline float exponential(float x) {
+  const float turns = std::max(x, -87.0F) * 1.44269504F;
+  const float whole = (turns + 12582912.0F) - 12582912.0F;
+  const float y = (turns - whole) * 0.693147181F;
+  const float e =
+      1.0F + y * (1.0F + y * (0.5F + y * (1.0F / 6 + y * (1.0F / 24 + y * (1.0F / 120 + y * (1.0F / 720))))));
+  const auto bits = (static_cast<std::int32_t>(whole) + 127) << 23;
+  float power;
+  std::memcpy(&power, &bits, sizeof(power));
+  return e * power;
+}
+
+}  // namespace
+
+Observer::Observer(const Templates& templates, std::size_t points)
+    : templates_(templates),
+      points_(std::max<std::size_t>(points / templates.placements, 1)),
+      noise_(templates.placements * noise_parts * points_ * 2 * templates.size()) {
+  const Root root = root_of(templates);
+  const std::size_t all = templates.size();
+  parallel_chunks(templates.placements, 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::vector<double> normal(root.rank);
+    for (std::size_t place = begin; place < end; ++place) {
+      Random random(Random(place).next());
+      for (std::size_t draw = 0; draw < noise_parts * points_; ++draw) {
+        for (double& value : normal)
+          value = random.normal();
+        float* const out = &noise_[(place * noise_parts * points_ + draw) * 2 * all];
+        for (std::size_t t = 0; t < all; ++t) {
+          const double* const row = root.rows.data() + t * root.rank;
+          double sum = 0;
+          for (std::size_t c = 0; c < root.rank; ++c)
+            sum += normal[c] * row[c];
+          out[t] = static_cast<float>(sum);
+          out[all + t] = static_cast<float>(-sum);
+        }
+      }
+    }
+  });
+}
+
+Decisions Observer::decide(double sigma) const {
+  const std::size_t all = templates_.size(), shapes = templates_.shapes, nodes = templates_.nodes();
+  const std::size_t per_shape = templates_.placements * nodes;
+  const std::size_t draws = noise_parts * points_ * 2;
+  const auto inverse = static_cast<float>(1 / sigma);
+  // Per true template: the answers in each part.
+  std::vector<std::vector<double>> answers(all, std::vector<double>(noise_parts * shapes));
+  parallel_chunks(all, 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::vector<float> base(all), score(all);
+    for (std::size_t truth = begin; truth < end; ++truth) {
+      const std::size_t place = truth % per_shape / nodes;
+      for (std::size_t t = 0; t < all; ++t) {
+        const bool own = t % per_shape / nodes == place;
+        const bool used = own == (templates_.placement == Placement::known);
+        const double weight = std::log(templates_.node_weights[t % nodes]);
+        base[t] = used ? static_cast<float>(weight - templates_.square(truth, t) / (2 * sigma * sigma)) : -1e30F;
+      }
+      for (std::size_t draw = 0; draw < draws; ++draw) {
+        const float* const noise = &noise_[(place * draws + draw) * all];
+        float largest = -2e30F;
+        for (std::size_t t = 0; t < all; ++t) {
+          score[t] = base[t] + noise[t] * inverse;
+          largest = std::max(largest, score[t]);
+        }
+        for (std::size_t t = 0; t < all; ++t)
+          score[t] = exponential(score[t] - largest);
+        std::size_t answer = 0;
+        float most = -1;
+        for (std::size_t shape = 0; shape < shapes; ++shape) {
+          float sum = 0;
+          for (std::size_t t = shape * per_shape; t < (shape + 1) * per_shape; ++t)
+            sum += score[t];
+          if (sum > most) {
+            most = sum;
+            answer = shape;
+          }
+        }
+        answers[truth][draw / (2 * points_) * shapes + answer] += 1;
+      }
+    }
+  });
+  Decisions out;
+  out.shares.resize(shapes * shapes);
+  for (std::size_t truth = 0; truth < all; ++truth) {
+    const std::size_t shape = truth / per_shape;
+    const double weight =
+        templates_.node_weights[truth % nodes] / static_cast<double>(templates_.placements * points_ * 2);
+    for (std::size_t part = 0; part < noise_parts; ++part) {
+      for (std::size_t answer = 0; answer < shapes; ++answer)
+        out.shares[shape * shapes + answer] += weight * answers[truth][part * shapes + answer] / noise_parts;
+      out.by_part[part] += weight * answers[truth][part * shapes + shape] / static_cast<double>(shapes);
+    }
+  }
+  for (const double share : out.by_part)
+    out.accuracy += share / noise_parts;
+  return out;
+}
+
+double sigma_for(const Observer& observer, const Templates& templates, double accuracy) {
+  const double spread = spread_of(templates);
+  if (!(spread > 0)) return 0;
+  // How far an accuracy is above chance on the scale of normal quantiles is about proportional to 1 / sigma, so that
+  // the logarithm of one is almost a straight line over that of the other.
+  const double chance = 1 / static_cast<double>(templates.shapes);
+  const auto above_chance = [&](double share) { return normal_quantile(share) - normal_quantile(chance); };
+  const double wanted = above_chance(accuracy);
+  double low = std::log(spread * 1e-2), high = std::log(spread * 1e3);
+  double at = std::log(spread / (2 * wanted)), last_at = 0, last_error = 0;
+  for (int i = 0; i < 40 && high - low > 1e-5; ++i) {
+    at = at > low && at < high ? at : (low + high) / 2;
+    const double found = observer.decide(std::exp(at)).accuracy;
+    if (std::abs(found - accuracy) < 3e-5) return std::exp(at);
+    (found > accuracy ? low : high) = at;
+    const double error = std::log(above_chance(std::clamp(found, chance + 1e-4, 1 - 1e-6)) / wanted);
+    const double slope = i > 0 && at != last_at ? (error - last_error) / (at - last_at) : -1;
+    last_at = at;
+    last_error = error;
+    at -= error / (slope < -0.1 ? slope : -1);
+  }
+  // The accuracy is below the wanted one down to the least noise that was tried.
+  if (low == std::log(spread * 1e-2)) return 0;
+  return std::exp((low + high) / 2);
+}
+
+}  // namespace palpa::study
