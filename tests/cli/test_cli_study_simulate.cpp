@@ -1,4 +1,4 @@
-// `palpa study simulate` and `palpa afferents` with a small finger, an array of few transducers and a small plan.
+// `palpa study simulate` with a small finger, an array of few transducers and a small plan.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,51 +87,6 @@ TEST_F(CliStudySimulate, BadInputIsOneLine) {
   // Palpa's own plans are good: the fault is the finger.
   for (const char* own : {"paper", "five-minutes"})
     fails({"study", "simulate", own, "--finger", path("none.ply")}, 4, "none.ply");
-}
-
-TEST_F(CliStudySimulate, AfferentsOfATouch) {
-  const std::vector<std::string> line{"afferents",
-                                      "--scene",
-                                      cube_,
-                                      "--finger",
-                                      tip_,
-                                      "--penetration",
-                                      "1mm",
-                                      "--layout",
-                                      "openmpd",
-                                      "--method",
-                                      "single-focus",
-                                      "--json",
-                                      "-",
-                                      "--times",
-                                      path("times.csv"),
-                                      "--csv",
-                                      path("sites.csv"),
-                                      "--png",
-                                      path("spikes.png"),
-                                      "--duration",
-                                      "0.2"};
-  const Result result = palpa_here(with(line, {"--crest", "200"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const json all = json::parse(result.out);
-  EXPECT_EQ(all["spikes"].size(), 40u);
-  // 200 Hz: PC fire once or twice in a period; the spikes over time and the rates on the map are the same ones.
-  double in_time = 0, on_map = 0;
-  for (const json& bin : all["spikes"])
-    in_time += bin["pc"].get<double>();
-  for (const json& site : all["sites"])
-    on_map += site["rates_hz"]["pc"].get<double>() * site["area_cm2"].get<double>() * 25 * 0.2;
-  EXPECT_GT(in_time, 0);
-  EXPECT_NEAR(in_time, on_map, 1e-6 * on_map);
-  EXPECT_NEAR(all["afferents"]["ra"].get<double>() / all["afferents"]["pc"].get<double>(), 140.0 / 25, 1e-6);
-  EXPECT_TRUE(read_text(path("times.csv")).starts_with("time_s,sa1,ra,pc\n0,"));
-  EXPECT_TRUE(std::filesystem::exists(path("spikes.png")));
-  // The level: a single focus on the paper's cube at 3 mm has the requested crest.
-  const json louder = json::parse(palpa_here(with(line, {"--crest", "400"})).out);
-  EXPECT_NEAR(louder["factor"].get<double>(), 2 * all["factor"].get<double>(), 1e-9);
-  expect_failure(palpa_here({"afferents"}), 2, "--scene is missing");
-  expect_failure(palpa_here({"afferents", "--scene", cube_, "--finger", tip_, "--layout", "openmpd", "--x", "0.5"}), 4,
-                 "touches nothing");
 }
 
 }  // namespace

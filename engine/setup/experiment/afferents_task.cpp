@@ -9,7 +9,7 @@
 #include "base/json_writer.hpp"
 #include "base/words.hpp"
 #include "geometry/haptics.hpp"
-#include "setup/experiment/observe.hpp"
+#include "setup/experiment/level.hpp"
 #include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "geometry/solid.hpp"
 #include "setup/experiment/observed_finger.hpp"
+#include "study/afferents/finger_place.hpp"
 #include "study/afferents/models.hpp"
-#include "study/files/plan_file.hpp"
-#include "study/observer/placements.hpp"
+#include "study/files/plan_method.hpp"
 
 namespace palpa::setup {
 

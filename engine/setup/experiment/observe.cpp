@@ -9,17 +9,15 @@
 
 #include "acoustics/felt/skin.hpp"
 #include "base/activity.hpp"
-#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "setup/assets.hpp"
+#include "setup/experiment/level.hpp"
 #include "setup/experiment/response_cache.hpp"
 #include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
 
 namespace palpa::setup {
 namespace {
-
-constexpr double calibration_depth_m = 3e-3;
 
 /// Spikes of every model at every site within the counting window.
 std::vector<float> counts_of(const study::SkinMotion& motion, double factor) {
@@ -97,31 +95,27 @@ study::TouchResponse respond_to(ObservedFinger& finger, const study::PressurePat
   return respond_to(finger.load(study::Delays::waves), finger.load(study::Delays::none), pattern, factors);
 }
 
-Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout) {
+namespace {
+
+/// The force of the level's reference touch, which is kept between runs.
+Calibration calibrate(ObservedFinger& finger, const array::Layout& layout) {
   const std::string file = find_asset("cube.glb");
   const std::vector<geometry::Solid> solids = load_solids(file);
-  const study::PlanMethod method{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}};
-  const ObservedMethod observed{method, &layout};
+  const ObservedMethod observed{{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}}, &layout};
   const std::vector<double> depths{calibration_depth_m}, none;
   const std::vector<study::FingerPlace> places(1);
   const CacheKey key = key_of({finger, {{file, solids}}, depths, places, none}, observed);
-  Calibration calibration;
-  if (const std::optional<double> kept = load_number(key)) {
-    calibration.linear_crest_n = *kept;
-  } else {
-    calibration.linear_crest_n =
-        touch_patterns(finger, {file, solids, calibration_depth_m}, places[0], {&observed, 1})[0].crest_n;
-    store_number(key, calibration.linear_crest_n);
-  }
-  if (!(calibration.linear_crest_n > 0))
-    throw bad_input(finger.name(),
-                    "gets no force from a single focus on the paper's cube at 3 mm, so that no level fits");
+  if (const std::optional<double> kept = load_number(key)) return {*kept};
+  const Calibration calibration = calibrate_level(finger, layout);
+  store_number(key, calibration.linear_crest_n);
   return calibration;
 }
 
+}  // namespace
+
 study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
-  const Calibration calibration = calibrate_level(finger, *loaded.methods[plan.fit.method].layout);
+  const Calibration calibration = calibrate(finger, *loaded.methods[plan.fit.method].layout);
   study::Responses out;
   out.depths_m = plan.observer.depths_m;
   out.placements = plan.observer.placements;

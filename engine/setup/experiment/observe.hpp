@@ -11,15 +11,6 @@
 
 namespace palpa::setup {
 
-/// The factor on linear pressures at which the crest of a single focus on the paper's cube, 3 mm deep, is a force of
-/// `crest_n` on the finger, and that force at the linear level.
-struct Calibration {
-  double linear_crest_n = 0;
-  double factor(double crest_n) const { return crest_n / linear_crest_n; }
-};
-/// With this array, posed in the world. Throws bad_input if the finger touches nothing there or gets no force.
-Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout);
-
 /// The response to one pattern at these levels, with all that the variants of the observer need.
 study::TouchResponse respond_to(ObservedFinger& finger, const study::PressurePattern& pattern,
                                 const std::vector<double>& factors);

@@ -8,9 +8,9 @@
 #include "array/layout.hpp"
 #include "geometry/solid.hpp"
 #include "setup/experiment/observed_finger.hpp"
+#include "study/afferents/finger_place.hpp"
 #include "study/afferents/pressure_pattern.hpp"
-#include "study/files/plan_file.hpp"
-#include "study/observer/placements.hpp"
+#include "study/files/plan_method.hpp"
 
 namespace palpa::setup {
 

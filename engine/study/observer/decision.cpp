@@ -106,10 +106,10 @@ Observer::Observer(const Templates& templates, std::size_t points)
   });
 }
 
-Decisions Observer::decide(double sigma) const {
+Decisions Observer::decide(double sigma, std::size_t parts) const {
   const std::size_t all = templates_.size(), shapes = templates_.shapes, nodes = templates_.nodes();
   const std::size_t per_shape = templates_.placements * nodes;
-  const std::size_t draws = noise_parts * points_ * 2;
+  const std::size_t draws = parts * points_ * 2, all_draws = noise_parts * points_ * 2;
   const auto inverse = static_cast<float>(1 / sigma);
   // Per true template: the answers in each part.
   std::vector<std::vector<double>> answers(all, std::vector<double>(noise_parts * shapes));
@@ -124,7 +124,7 @@ Decisions Observer::decide(double sigma) const {
         base[t] = used ? static_cast<float>(weight - templates_.square(truth, t) / (2 * sigma * sigma)) : -1e30F;
       }
       for (std::size_t draw = 0; draw < draws; ++draw) {
-        const float* const noise = &noise_[(place * draws + draw) * all];
+        const float* const noise = &noise_[(place * all_draws + draw) * all];
         float largest = -2e30F;
         for (std::size_t t = 0; t < all; ++t) {
           score[t] = base[t] + noise[t] * inverse;
@@ -153,31 +153,34 @@ Decisions Observer::decide(double sigma) const {
     const std::size_t shape = truth / per_shape;
     const double weight =
         templates_.node_weights[truth % nodes] / static_cast<double>(templates_.placements * points_ * 2);
-    for (std::size_t part = 0; part < noise_parts; ++part) {
+    for (std::size_t part = 0; part < parts; ++part) {
       for (std::size_t answer = 0; answer < shapes; ++answer)
-        out.shares[shape * shapes + answer] += weight * answers[truth][part * shapes + answer] / noise_parts;
+        out.shares[shape * shapes + answer] +=
+            weight * answers[truth][part * shapes + answer] / static_cast<double>(parts);
       out.by_part[part] += weight * answers[truth][part * shapes + shape] / static_cast<double>(shapes);
     }
   }
   for (const double share : out.by_part)
-    out.accuracy += share / noise_parts;
+    out.accuracy += share / static_cast<double>(parts);
   return out;
 }
 
-double sigma_for(const Observer& observer, const Templates& templates, double accuracy) {
-  const double spread = spread_of(templates);
-  if (!(spread > 0)) return 0;
+namespace {
+
+/// Where the accuracy of these parts of the draws is the wanted one, within `tolerance`: a logarithm of sigma between
+/// low and high, beginning at `at`.
+double log_sigma_for(const Observer& observer, std::size_t shapes, double accuracy, std::size_t parts, double tolerance,
+                     double at, double low, double high) {
   // How far an accuracy is above chance on the scale of normal quantiles is about proportional to 1 / sigma, so that
   // the logarithm of one is almost a straight line over that of the other.
-  const double chance = 1 / static_cast<double>(templates.shapes);
+  const double chance = 1 / static_cast<double>(shapes);
   const auto above_chance = [&](double share) { return normal_quantile(share) - normal_quantile(chance); };
   const double wanted = above_chance(accuracy);
-  double low = std::log(spread * 1e-2), high = std::log(spread * 1e3);
-  double at = std::log(spread / (2 * wanted)), last_at = 0, last_error = 0;
+  double last_at = 0, last_error = 0;
   for (int i = 0; i < 40 && high - low > 1e-5; ++i) {
     at = at > low && at < high ? at : (low + high) / 2;
-    const double found = observer.decide(std::exp(at)).accuracy;
-    if (std::abs(found - accuracy) < 3e-5) return std::exp(at);
+    const double found = observer.decide(std::exp(at), parts).accuracy;
+    if (std::abs(found - accuracy) < tolerance) return at;
     (found > accuracy ? low : high) = at;
     const double error = std::log(above_chance(std::clamp(found, chance + 1e-4, 1 - 1e-6)) / wanted);
     const double slope = i > 0 && at != last_at ? (error - last_error) / (at - last_at) : -1;
@@ -185,9 +188,22 @@ double sigma_for(const Observer& observer, const Templates& templates, double ac
     last_error = error;
     at -= error / (slope < -0.1 ? slope : -1);
   }
+  return (low + high) / 2;
+}
+
+}  // namespace
+
+double sigma_for(const Observer& observer, const Templates& templates, double accuracy) {
+  const double spread = spread_of(templates);
+  if (!(spread > 0)) return 0;
+  const double low = std::log(spread * 1e-2), high = std::log(spread * 1e3);
+  const double chance = 1 / static_cast<double>(templates.shapes);
+  const double first = std::log(spread / (2 * (normal_quantile(accuracy) - normal_quantile(chance))));
+  // A part of the draws finds about where it is.
+  const double near = log_sigma_for(observer, templates.shapes, accuracy, 1, 2e-3, first, low, high);
+  const double found = log_sigma_for(observer, templates.shapes, accuracy, noise_parts, 3e-5, near, low, high);
   // The accuracy is below the wanted one down to the least noise that was tried.
-  if (low == std::log(spread * 1e-2)) return 0;
-  return std::exp((low + high) / 2);
+  return found - low < 1e-4 ? 0 : std::exp(found);
 }
 
 }  // namespace palpa::study

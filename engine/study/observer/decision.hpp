@@ -36,7 +36,8 @@ class Observer {
   /// `templates` must outlive it. `points`: pairs of draws in each part, divided among the placements.
   explicit Observer(const Templates& templates, std::size_t points = 4096);
 
-  Decisions decide(double sigma) const;
+  /// From the first `parts` of the draws; `by_part` of the others is 0.
+  Decisions decide(double sigma, std::size_t parts = noise_parts) const;
 
  private:
   const Templates& templates_;

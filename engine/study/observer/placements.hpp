@@ -4,13 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpa::study {
+#include "study/afferents/finger_place.hpp"
 
-/// The finger's place relative to the object's middle.
-struct FingerPlace {
-  double x_m = 0, z_m = 0;  ///< lateral
-  double yaw_rad = 0;       ///< about the vertical axis
-};
+namespace palpa::study {
 
 /// Standard deviations of a normal distribution of places.
 struct PlacePrior {

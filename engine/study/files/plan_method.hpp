@@ -1,0 +1,22 @@
+// How the foci of a touch are made and played: one method of a study.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "touch/foci/method.hpp"
+
+namespace palpa::study {
+
+/// The defaults are palpa's.
+struct PlanMethod {
+  std::string name;
+  touch::Method method = touch::Method::cross_section;
+  std::uint32_t foci = 10;
+  std::optional<std::uint32_t> stride;
+  double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
+  std::string layout = "paper";  ///< built-in name or file
+};
+
+}  // namespace palpa::study
