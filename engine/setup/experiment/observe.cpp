@@ -15,6 +15,7 @@
 #include "setup/experiment/response_cache.hpp"
 #include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
+#include "study/observer/placements.hpp"
 
 namespace palpa::setup {
 namespace {
