@@ -66,6 +66,7 @@ Names files_of_rig(const std::string& path) {
   Names names;
   for (const sensing::Camera& camera : rig.cameras) {
     if (camera.mask) names.emplace_back(camera.mask->file, camera.mask->file);
+    if (camera.background) names.emplace_back(camera.background->file, camera.background->file);
   }
   std::error_code ignored;
   if (rig.array && fs::is_regular_file(rig.array->layout, ignored))

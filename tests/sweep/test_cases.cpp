@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "base/random.hpp"
+#include "sensing/rig.hpp"
+#include "sensing/rig_toml.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "sweep/cases.hpp"
@@ -84,6 +87,44 @@ TEST_F(SweepCases, FilesThatFilesNameCountToo) {
   for (const Input& input : inputs.all())
     names.insert(fs::path(input.path).filename());
   EXPECT_EQ(names, (std::set<std::string>{"rig.toml", "layout.toml"}));
+}
+
+TEST_F(SweepCases, TheBackgroundOfACameraCountsToo) {
+  test::write_text(folder_ / "seeing.toml", R"([[camera]]
+name = "one"
+width = 848
+height = 480
+fx = 640
+fy = 640.5
+cx = 423.5
+cy = 239.5
+distortion = [0.1, -0.2, 0.001, 0.002, 0.05]
+depth_unit_m = 0.0001
+min_range_m = 0.28
+rate_hz = 90
+T_world_camera = [[1, 0, 0, 0.1], [0, 1, 0, 0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]]
+)");
+  const fs::path image = folder_ / "background.png";
+  sensing::Camera camera = sensing::load_rig(folder_ / "seeing.toml").cameras.front();
+  const auto learn = [&](std::uint16_t depth) {
+    const std::vector<std::uint16_t> depths(static_cast<std::size_t>(camera.width) * camera.height, depth);
+    camera.background = std::make_shared<sensing::Background>(sensing::Background{"", depths, 0.004});
+    sensing::write_background(image, camera);
+  };
+  const std::string plan = "command = \"simulate\"\n[options]\nrig = \"background.toml\"\n";
+  test::write_text(folder_ / "background.toml", test::read_text(folder_ / "seeing.toml") +
+                                                    "background = \"background.png\"\nbackground_margin_m = 0.004\n");
+  const auto digest = [&] {
+    const Plan one = parse_plan(plan, folder_ / "plan.toml");
+    const Inputs inputs(one);
+    EXPECT_TRUE(std::ranges::any_of(inputs.all(), [&](const Input& input) { return fs::path(input.path) == image; }));
+    return inputs.canonical(one.settings(0));
+  };
+  learn(7000);
+  const std::string before = digest();
+  fs::remove(image);  // what was read may not be written over
+  learn(7001);
+  EXPECT_NE(digest(), before);
 }
 
 TEST_F(SweepCases, PartsAreDisjointCompleteAndEqual) {
