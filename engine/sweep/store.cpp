@@ -141,7 +141,8 @@ Store::Store(std::string folder, const std::string& without) : folder_(std::move
   if (!fs::exists(status)) return;
   if (!fs::is_directory(status)) throw bad_usage(fmt::format("--out: {} is not a folder", folder_));
   if (!fs::exists(runs, fault)) {
-    if (!fs::is_empty(folder_, fault))
+    // Another process may begin the folder at this moment.
+    if (!fs::is_empty(folder_, fault) && !fs::exists(runs, fault))
       throw bad_usage(fmt::format("--out: {} has files, but is no folder of a sweep; give a new one", folder_));
     return;
   }

@@ -176,7 +176,7 @@ TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
   std::uint32_t killed = 0;
   for (std::uint32_t i = 0; i < kills; ++i) {
     LiveRun run(line, {.command = "study"});
-    const auto wait_us = static_cast<useconds_t>(random.below(exhaustive() ? 60'000 : 300'000));
+    const auto wait_us = static_cast<useconds_t>(random.below(60'000));
     usleep(wait_us);
     run.signal(SIGKILL);
     killed += run.wait(60).by_signal == SIGKILL ? 1 : 0;
