@@ -9,7 +9,7 @@
 #include "setup/experiment/observed_finger.hpp"
 #include "study/afferents/finger_place.hpp"
 #include "study/afferents/models.hpp"
-#include "study/files/plan_method.hpp"
+#include "study/plan/plan_method.hpp"
 
 namespace palpa::setup {
 

@@ -10,7 +10,7 @@
 #include "setup/experiment/observed_finger.hpp"
 #include "study/afferents/finger_place.hpp"
 #include "study/afferents/pressure_pattern.hpp"
-#include "study/files/plan_method.hpp"
+#include "study/plan/plan_method.hpp"
 
 namespace palpa::setup {
 

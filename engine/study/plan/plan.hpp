@@ -12,7 +12,7 @@
 
 #include "base/math.hpp"
 #include "base/words.hpp"
-#include "touch/foci/method.hpp"
+#include "study/plan/plan_method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::study {
@@ -21,16 +21,6 @@ struct PlanShape {
   std::string name;
   std::string model;                            ///< file, relative names resolved from the plan's folder
   std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
-};
-
-/// How foci are made and played. Values that are not in the plan are palpa's defaults.
-struct PlanMethod {
-  std::string name;
-  touch::Method method = touch::Method::cross_section;
-  std::uint32_t foci = 10;
-  std::optional<std::uint32_t> stride;
-  double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
-  std::string layout = "paper";  ///< built-in name, or a file resolved from the plan's folder
 };
 
 /// [study]

@@ -16,7 +16,7 @@ struct PlanMethod {
   std::uint32_t foci = 10;
   std::optional<std::uint32_t> stride;
   double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
-  std::string layout = "paper";  ///< built-in name or file
+  std::string layout = "paper";  ///< built-in name, or a file; a plan's is resolved from its folder
 };
 
 }  // namespace palpa::study
