@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/usb/ftdi.hpp"

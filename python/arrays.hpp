@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 

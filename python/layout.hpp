@@ -8,7 +8,7 @@
 #include <string>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/emulate/session.hpp"

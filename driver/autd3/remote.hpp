@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "driver/autd3/wire.hpp"
 #include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "driver/emulate/sound_picture.hpp"
 
 namespace palpa::driver::emulate {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "driver/emulate/command.hpp"
 #include "driver/emulate/violations.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::driver::emulate {
 

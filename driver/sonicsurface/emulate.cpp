@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "driver/emulate/session.hpp"
 #include "driver/emulate/stop.hpp"

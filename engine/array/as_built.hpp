@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

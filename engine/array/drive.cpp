@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "array/crowd.hpp"
-#include "array/greedy.hpp"
+#include "array/solvers/greedy.hpp"
 #include "base/error.hpp"
 
 namespace palpa::array {

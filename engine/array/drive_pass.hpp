@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/reach.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"

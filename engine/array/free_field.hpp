@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
 #include "array/transfer.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "array/crowd.hpp"
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
 #include "array/reach.hpp"
 #include "array/schedule.hpp"

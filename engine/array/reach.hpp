@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

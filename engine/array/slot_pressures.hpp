@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "array/even_out.hpp"
-#include "array/gs_pat.hpp"
+#include "array/solvers/even_out.hpp"
+#include "array/solvers/gs_pat.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {

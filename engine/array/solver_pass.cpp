@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "array/greedy.hpp"
+#include "array/solvers/greedy.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
 #include "spirv/solve_even_phases.comp.hpp"

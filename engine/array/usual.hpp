@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
 #include "base/math.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "array/board_mesh.hpp"
 #include "array/drive_pass.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"

@@ -12,7 +12,7 @@
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 

@@ -28,7 +28,7 @@
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/load_triangles.hpp"

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <optional>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"

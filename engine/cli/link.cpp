@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::setup {
 

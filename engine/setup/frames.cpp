@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/reference.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/rig.hpp"
 #include "setup/options.hpp"

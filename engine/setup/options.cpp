@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "setup/values.hpp"

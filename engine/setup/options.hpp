@@ -11,7 +11,7 @@
 
 #include "acoustics/air.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"

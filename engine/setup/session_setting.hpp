@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "session/plan/setting.hpp"

@@ -1,7 +1,7 @@
 // The place of the calibration target (sensing/target.hpp) on an array.
 #pragma once
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "sensing/target.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/surroundings.hpp"
 #include "setup/options.hpp"

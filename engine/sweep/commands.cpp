@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::sweep {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "geometry/files/load_triangles.hpp"

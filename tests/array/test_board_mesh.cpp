@@ -1,7 +1,7 @@
 // The boards as rectangles: sizes, facing, and the tunnel's rectangles do not touch.
 #include <gtest/gtest.h>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 
 namespace palpa::array {
 namespace {

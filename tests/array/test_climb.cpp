@@ -5,10 +5,10 @@
 #include <cmath>
 #include <complex>
 
-#include "array/climb.hpp"
 #include "array/free_field.hpp"
-#include "array/hearing.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/solvers/climb.hpp"
+#include "array/solvers/hearing.hpp"
 #include "focus_sets.hpp"
 #include "loud_sets.hpp"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <complex>
 
-#include "array/even_phases.hpp"
 #include "array/free_field.hpp"
-#include "array/hearing.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/solvers/even_phases.hpp"
+#include "array/solvers/hearing.hpp"
 #include "focus_sets.hpp"
 
 namespace palpa::array {

@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "array/builtin_layouts.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/builtin_layouts.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/reach.hpp"
 #include "base/error.hpp"
 #include "support/csv.hpp"

@@ -8,7 +8,7 @@
 #include <random>
 #include <sstream>
 
-#include "array/layout_toml.hpp"
+#include "array/layouts/layout_toml.hpp"
 #include "base/error.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

@@ -8,7 +8,7 @@
 
 #include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/loudness.hpp"
 #include "support/device.hpp"
 

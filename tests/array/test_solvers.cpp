@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "acoustics/field/pressure.hpp"
-#include "array/greedy.hpp"
+#include "array/solvers/greedy.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
 #include "support/instrumented.hpp"

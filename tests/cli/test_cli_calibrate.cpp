@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "array/board_mesh.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/board_mesh.hpp"
+#include "array/layouts/layout.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/gltf/gltf.hpp"

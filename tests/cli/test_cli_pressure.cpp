@@ -10,9 +10,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "array/board_mesh.hpp"
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/board_mesh.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
 #include "cli/support/boxes.hpp"
 #include "cli/support/here.hpp"

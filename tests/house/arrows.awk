@@ -15,11 +15,12 @@ BEGIN {
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
-  interface["array/drive.hpp"] = interface["array/layout.hpp"] = interface["array/schedule.hpp"] = 1
+  interface["array/drive.hpp"] = interface["array/layouts/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
   # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
+  order("array", "constraint medium directivity layouts transfer free_field solvers .")
   order("touch", "types stage_setting room contacts fingers bridge split sections follow known foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/files/ply.hpp"
 #include "random_rig.hpp"
 #include "sensing/rig.hpp"

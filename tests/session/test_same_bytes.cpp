@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"

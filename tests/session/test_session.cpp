@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "array/loudness.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"

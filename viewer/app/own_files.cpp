@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "setup/assets.hpp"
 

@@ -11,7 +11,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "sensing/rig.hpp"

@@ -11,7 +11,7 @@
 
 #include "acoustics/felt/spectrum.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
 #include "drawing/colour.hpp"

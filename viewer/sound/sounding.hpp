@@ -7,7 +7,7 @@
 
 #include "acoustics/air.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "session/links/plan.hpp"
 #include "touch/types.hpp"

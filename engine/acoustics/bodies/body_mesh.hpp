@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/surface/surface.hpp"
 

@@ -25,7 +25,7 @@
 #include "acoustics/bodies/sphere_grid.hpp"
 #include "acoustics/boundary/far_sums.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
 

@@ -15,7 +15,7 @@
 #include "acoustics/field/focus_field.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
 

@@ -24,7 +24,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::acoustics {

@@ -16,7 +16,7 @@
 #include "acoustics/bodies/body_places.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
 

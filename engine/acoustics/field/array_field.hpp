@@ -12,7 +12,7 @@
 
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/reach.hpp"
 #include "base/math.hpp"
 

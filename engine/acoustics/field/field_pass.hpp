@@ -10,7 +10,7 @@
 
 #include "acoustics/air.hpp"
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/commands.hpp"

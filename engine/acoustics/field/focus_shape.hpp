@@ -3,7 +3,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {

@@ -21,7 +21,7 @@
 #include "acoustics/field/incident_kernels.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
 

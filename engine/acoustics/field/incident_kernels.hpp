@@ -11,7 +11,7 @@
 
 #include "acoustics/air.hpp"
 #include "array/directivity.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {

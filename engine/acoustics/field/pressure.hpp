@@ -12,7 +12,7 @@
 
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/slots.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/stream_writer.hpp"

@@ -24,7 +24,7 @@
 #include "acoustics/bodies/tracked_finger.hpp"
 #include "array/drive.hpp"
 #include "array/free_field.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"

@@ -17,7 +17,7 @@
 #include "acoustics/bodies/body_cache.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "session/links/plan.hpp"

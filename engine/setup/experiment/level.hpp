@@ -2,7 +2,7 @@
 // high for a loud array, so that the level is set by a force that somebody has measured or states.
 #pragma once
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "setup/experiment/observed_finger.hpp"
 
 namespace palpa::setup {

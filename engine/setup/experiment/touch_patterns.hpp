@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
 #include "setup/experiment/observed_finger.hpp"
 #include "study/afferents/finger_place.hpp"

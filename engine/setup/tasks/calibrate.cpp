@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"

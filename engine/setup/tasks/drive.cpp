@@ -10,7 +10,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
 #include "array/drive_pass.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"

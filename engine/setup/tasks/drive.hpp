@@ -17,7 +17,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/resolution.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"

@@ -10,7 +10,7 @@
 #include "acoustics/field/field_pass.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/as_built.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"

@@ -15,7 +15,7 @@
 #include "acoustics/air.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"

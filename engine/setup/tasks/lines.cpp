@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "setup/tasks/foci.hpp"

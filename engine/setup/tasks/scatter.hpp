@@ -17,7 +17,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"

@@ -12,7 +12,7 @@
 #include "acoustics/bodies/finger_field.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/files/load_triangles.hpp"

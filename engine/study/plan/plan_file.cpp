@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/outputs.hpp"

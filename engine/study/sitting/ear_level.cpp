@@ -10,7 +10,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 
 namespace palpa::study {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "cli/support/every_command.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"

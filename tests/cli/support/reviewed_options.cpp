@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"

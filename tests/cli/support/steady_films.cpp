@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "array/board_mesh.hpp"
+#include "array/layouts/board_mesh.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "sensing/recording.hpp"

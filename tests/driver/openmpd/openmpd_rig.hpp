@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "driver/board.hpp"
 #include "driver/clock.hpp"
 #include "driver/openmpd/board.hpp"

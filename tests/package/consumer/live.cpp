@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "byte_link.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"

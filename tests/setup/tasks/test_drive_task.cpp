@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "command_json.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "command_json.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/tasks/drive.hpp"

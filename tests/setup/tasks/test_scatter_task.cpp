@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "command_json.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"

@@ -52,9 +52,9 @@
 #include <vector>
 
 #include "array/constraint.hpp"
-#include "array/even_out.hpp"
-#include "array/even_phases.hpp"
-#include "array/search.hpp"
+#include "array/solvers/even_out.hpp"
+#include "array/solvers/even_phases.hpp"
+#include "array/solvers/search.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {

@@ -18,9 +18,9 @@
 #include <span>
 #include <vector>
 
-#include "array/climb.hpp"
-#include "array/layout.hpp"
-#include "array/search_lanes.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/solvers/climb.hpp"
+#include "array/solvers/search_lanes.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {

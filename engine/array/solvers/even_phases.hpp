@@ -26,7 +26,7 @@
 #include <span>
 #include <vector>
 
-#include "array/even_out.hpp"
+#include "array/solvers/even_out.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {

@@ -1,4 +1,4 @@
-#include "array/climb_lanes.hpp"
+#include "array/solvers/climb_lanes.hpp"
 
 #include <algorithm>
 #include <array>

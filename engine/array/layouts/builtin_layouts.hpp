@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -1,9 +1,9 @@
-#include "array/even_out.hpp"
+#include "array/solvers/even_out.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

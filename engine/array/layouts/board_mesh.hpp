@@ -1,7 +1,7 @@
 // The physical boards of an array as a mesh. They hide the scene from cameras, and the viewer draws them.
 #pragma once
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 
 namespace palpa::array {

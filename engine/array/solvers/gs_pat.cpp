@@ -1,13 +1,13 @@
-#include "array/gs_pat.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "array/greedy.hpp"
-#include "array/gs_pat_few.hpp"
-#include "array/gs_pat_step.hpp"
-#include "array/hearing.hpp"
+#include "array/solvers/greedy.hpp"
+#include "array/solvers/gs_pat_few.hpp"
+#include "array/solvers/gs_pat_step.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -1,4 +1,4 @@
-#include "array/builtin_layouts.hpp"
+#include "array/layouts/builtin_layouts.hpp"
 
 namespace palpa::array {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -1,11 +1,11 @@
-#include "array/search_lanes.hpp"
+#include "array/solvers/search_lanes.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstring>
 
-#include "array/gs_pat.hpp"
+#include "array/solvers/gs_pat.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

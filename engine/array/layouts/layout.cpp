@@ -1,13 +1,13 @@
-#include "array/layout.hpp"
+#include "array/layouts/layout.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include "array/board_mesh.hpp"
-#include "array/builtin_layouts.hpp"
-#include "array/layout_toml.hpp"
+#include "array/layouts/board_mesh.hpp"
+#include "array/layouts/builtin_layouts.hpp"
+#include "array/layouts/layout_toml.hpp"
 #include "base/error.hpp"
 
 namespace palpa::array {

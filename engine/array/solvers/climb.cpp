@@ -1,10 +1,10 @@
-#include "array/climb.hpp"
+#include "array/solvers/climb.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -1,10 +1,10 @@
-#include "array/gs_pat_few.hpp"
+#include "array/solvers/gs_pat_few.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "array/gs_pat_step.hpp"
-#include "array/hearing.hpp"
+#include "array/solvers/gs_pat_step.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -1,4 +1,4 @@
-#include "array/share_step.hpp"
+#include "array/solvers/share_step.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "array/greedy.hpp"
+#include "array/solvers/greedy.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // gs_pat for slots of few foci at any distance (gs_pat.hpp).
 #pragma once
 
-#include "array/gs_pat.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {
 

@@ -1,12 +1,12 @@
-#include "array/search.hpp"
+#include "array/solvers/search.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "array/greedy.hpp"
-#include "array/gs_pat_step.hpp"
-#include "array/hearing.hpp"
+#include "array/solvers/greedy.hpp"
+#include "array/solvers/gs_pat_step.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -1,4 +1,4 @@
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 #include <array>
 #include <cmath>

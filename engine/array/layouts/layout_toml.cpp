@@ -1,4 +1,4 @@
-#include "array/layout_toml.hpp"
+#include "array/layouts/layout_toml.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/builtin_layouts.hpp"
+#include "array/layouts/builtin_layouts.hpp"
 #include "array/medium.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"

@@ -1,11 +1,11 @@
-#include "array/even_phases.hpp"
+#include "array/solvers/even_phases.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
-#include "array/hearing.hpp"
+#include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {

@@ -31,8 +31,8 @@
 #include <span>
 #include <vector>
 
-#include "array/climb_lanes.hpp"
-#include "array/share_step.hpp"
+#include "array/solvers/climb_lanes.hpp"
+#include "array/solvers/share_step.hpp"
 #include "array/transfer.hpp"
 
 namespace palpa::array {
