@@ -31,6 +31,12 @@ endif()
 find_package(HDF5 COMPONENTS C QUIET)
 if(PALPA_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)
+  # The sound in the headphones of a study's participants.
+  if(PALPA_SDL2 STREQUAL "AUTO")
+    pkg_check_modules(SDL2 QUIET IMPORTED_TARGET sdl2)
+  elseif(PALPA_SDL2)
+    pkg_check_modules(SDL2 REQUIRED IMPORTED_TARGET sdl2)
+  endif()
 endif()
 if(PALPA_BUILD_TESTS)
   find_package(GTest REQUIRED)
@@ -39,7 +45,8 @@ endif()
 # What `palpa --version` says of them.
 find_package(CLI11 REQUIRED)
 set(PALPA_FEATURES "")
-foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "HDF5:${HDF5_FOUND}")
+foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "HDF5:${HDF5_FOUND}"
+                         "SDL2:${SDL2_FOUND}")
   string(REGEX MATCH "^([^:]+):(.*)$" match ${feature})
   if(CMAKE_MATCH_2)
     string(APPEND PALPA_FEATURES "+${CMAKE_MATCH_1} ")
@@ -52,7 +59,7 @@ set(PALPA_LIBRARIES "")
 foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "draco ${draco_VERSION}" "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
                          "HDF5 ${HDF5_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}" "libusb ${LIBUSB_VERSION}"
                          "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}" "nlohmann-json ${nlohmann_json_VERSION}"
-                         "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "toml++ ${tomlplusplus_VERSION}"
+                         "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "toml++ ${tomlplusplus_VERSION}"
                          "Vulkan ${Vulkan_VERSION}" "zlib ${ZLIB_VERSION_STRING}")
   if(library MATCHES " [0-9]")
     string(APPEND PALPA_LIBRARIES "${library}, ")

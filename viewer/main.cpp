@@ -6,6 +6,7 @@
 #include "setup/program.hpp"
 #include "viewer/run/command.hpp"
 #include "viewer/run/run.hpp"
+#include "viewer/run/study_line.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -17,9 +18,13 @@ namespace {
 #endif
 
 void parse_and_run(int argc, char** argv) {
+  const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::board_links()};
+  if (asks_for_study(argc, argv)) {
+    if (const std::optional<setup::StudyRunOptions> study = read_study_line(argc, argv)) run_study(*study, kinds);
+    return;
+  }
   const std::optional<ViewerOptions> options = read_line(argc, argv);
   if (!options) return;
-  const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::board_links()};
   if (options->headless) {
     run_without_window(*options, kinds);
   } else {

@@ -12,47 +12,49 @@
 #include "base/input_file.hpp"
 
 namespace palpa {
-namespace {
 
-class Digest {
- public:
-  Digest() { SHA256Init(&state_); }
-  void add(const void* bytes, std::size_t count) {
-    SHA256Update(&state_, static_cast<const std::uint8_t*>(bytes), count);
-  }
-  std::string hex() {
-    std::array<std::uint8_t, SHA256_DIGEST_LENGTH> bytes{};
-    SHA256Final(bytes.data(), &state_);
-    constexpr char digits[] = "0123456789abcdef";
-    std::string text;
-    for (const std::uint8_t byte : bytes) {
-      text += digits[byte >> 4U];
-      text += digits[byte & 15U];
-    }
-    return text;
-  }
-
- private:
-  SHA2_CTX state_{};
+struct Sha256::State {
+  SHA2_CTX context{};
 };
 
-}  // namespace
+Sha256::Sha256() : state_(std::make_unique<State>()) {
+  SHA256Init(&state_->context);
+}
+Sha256::~Sha256() = default;
+Sha256::Sha256(Sha256&&) noexcept = default;
+Sha256& Sha256::operator=(Sha256&&) noexcept = default;
+
+void Sha256::add(std::string_view bytes) {
+  SHA256Update(&state_->context, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+}
+
+std::string Sha256::hex() {
+  std::array<std::uint8_t, SHA256_DIGEST_LENGTH> bytes{};
+  SHA256Final(bytes.data(), &state_->context);
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += digits[byte >> 4U];
+    text += digits[byte & 15U];
+  }
+  return text;
+}
 
 std::string sha256(std::string_view bytes) {
-  Digest digest;
-  digest.add(bytes.data(), bytes.size());
+  Sha256 digest;
+  digest.add(bytes);
   return digest.hex();
 }
 
 FileDigest sha256_of_file(const std::filesystem::path& path) {
   constexpr std::uint64_t piece = 1U << 20;
   const InputFile file(path);
-  Digest digest;
+  Sha256 digest;
   std::vector<unsigned char> buffer(std::min(piece, file.size()));
   for (std::uint64_t at = 0; at < file.size(); at += buffer.size()) {
     buffer.resize(std::min(piece, file.size() - at));
     file.read_at(at, buffer);
-    digest.add(buffer.data(), buffer.size());
+    digest.add({reinterpret_cast<const char*>(buffer.data()), buffer.size()});
   }
   return {digest.hex(), file.size()};
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "base/math.hpp"
 #include "drawing/colour.hpp"
@@ -14,6 +15,8 @@ namespace palpa::drawing {
 class Canvas {
  public:
   Canvas(std::uint32_t width, std::uint32_t height, const Colour& paper);
+  /// Goes on with that picture.
+  explicit Canvas(Pixels picture) : pixels_(std::move(picture)) {}
 
   /// Sets one pixel, counted from the top left. Pixels outside the picture are ignored.
   void set(std::uint32_t x, std::uint32_t y, const Colour& colour);

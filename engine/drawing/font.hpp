@@ -13,8 +13,8 @@ struct PenStroke {
   Vec2 from, to;
 };
 
-/// Width of `text` if capitals are `height` pixels high. UTF-8; characters that the font lacks are drawn as a small
-/// box.
+/// Width of `text` if capitals are `height` pixels high. UTF-8. The font has the letters of Western European
+/// languages; characters that it lacks are drawn as a small box.
 double text_width(std::string_view text, double height);
 
 /// Appends the strokes of `text`. Its baseline begins at `origin`.

@@ -88,7 +88,8 @@ class Session {
   void warm_up();
 
   /// Moves a solid for the frames that follow: T_world_rest takes it from its place in the scene to its current place.
-  /// It must be a rigid transform; nothing is rebuilt. During run(), call it only from RunOptions::planned.
+  /// It must be a rigid transform; nothing is rebuilt. A solid that is moved by more than touch::out_of_reach_m is not
+  /// touched, and costs nothing. During run(), call it only from RunOptions::planned.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
 
   /// The foci of the frames that follow sound at this offset from where they are seen, metres in the world. During

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/app/own_files.hpp"
+#include "viewer/options/monitor.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -56,19 +57,7 @@ void App::try_participant(bool open) {
 void App::tell_monitors(std::vector<std::string> names) {
   Desk::ParticipantWindowState& view = desk_.participant;
   view.monitors = std::move(names);
-  view.monitor = view.monitors.empty() ? 0 : view.monitors.size() - 1;
-  const std::string& wanted = options_.monitor;
-  if (wanted.empty()) return;
-  for (std::size_t i = 0; i < view.monitors.size(); ++i) {
-    const std::string& name = view.monitors[i];
-    if (wanted != std::to_string(i + 1) && wanted != name && wanted != name.substr(0, name.rfind(' '))) continue;
-    view.monitor = i;
-    return;
-  }
-  std::string all;
-  for (std::size_t i = 0; i < view.monitors.size(); ++i)
-    all += (i == 0 ? "" : ", ") + std::to_string(i + 1) + " (" + view.monitors[i] + ")";
-  throw bad_usage("--monitor: unknown monitor '" + wanted + "'; give one of " + all);
+  view.monitor = chosen_monitor(view.monitors, options_.monitor);
 }
 
 void App::participant_window_failed(const std::string& fault) {

@@ -1,6 +1,7 @@
 // What mouse and keyboard do to the view. The events may come from a window, a script or a test.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "viewer/view/viewpoint.hpp"
@@ -36,6 +37,7 @@ constexpr Key key_of(char character) {
 struct WindowEvent {
   enum class Kind { press, release, move, scroll, key, text, drop, damage };
   Kind kind = Kind::damage;  ///< damage: the window must be drawn again
+  std::int64_t at_ns = 0;    ///< when the window heard of it, on the steady clock; 0: not a window's
   double x = 0, y = 0;       ///< pointer
   double steps = 0;          ///< of scroll, positive away from the user
   Button button = Button::left;

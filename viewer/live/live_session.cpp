@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <utility>
 
 #include "base/error.hpp"
@@ -13,6 +15,7 @@
 #include "base/start_thread.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
+#include "touch/contacts/prepared_solids.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -206,9 +209,11 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
   near_ = {};
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const Box here = i < poses.size() ? moved(boxes_[i], poses[i]) : boxes_[i];
+    if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
     near_.add(here.low - Vec3(skin_reach));
     near_.add(here.high + Vec3(skin_reach));
   }
+  if (near_.empty()) near_.add(Vec3(0));
   sensing::plan_crops(cameras, rays_, near_, crops_);
   sensing::plan_drops(surroundings_, near_, volumes_);
 }

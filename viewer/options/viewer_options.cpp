@@ -6,7 +6,6 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
-#include <charconv>
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "base/units.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
+#include "setup/study_options.hpp"
 #include "setup/values.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
@@ -344,16 +344,8 @@ void check(const ViewerOptions& o) {
 }
 
 Size picture_size(const ViewerOptions& o) {
-  Size size;
-  const char* end = o.size.data() + o.size.size();
-  const auto width = std::from_chars(o.size.data(), end, size.width);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, size.height);
-    const auto fits = [](std::uint32_t v) { return v >= 16 && v <= 8192; };
-    if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height)) return size;
-  }
-  throw bad_usage(
-      fmt::format("--size: '{}' is not a size; give width x height, 16 to 8192 pixels each, such as 1280x800", o.size));
+  const setup::WindowSize size = setup::parse_window_size("--size", o.size);
+  return {size.width, size.height};
 }
 
 Fineness fineness_without_window(const ViewerOptions& o) {

@@ -1,6 +1,7 @@
 // The two ways to look at a show: pictures without a window, and a window.
 #pragma once
 
+#include "setup/study_options.hpp"
 #include "viewer/app/show.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/options/viewer_options.hpp"
@@ -18,5 +19,9 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
 /// Opens a window, and draws until it is closed or --frames have been drawn. The running focus moves on in slow motion,
 /// one slot every quarter of a second. With --frames, it moves on with every frame.
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds);
+
+/// A participant's sitting in two windows. After a signal, the program ends within this function, as after a failure;
+/// the same command continues.
+void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds);
 
 }  // namespace palpa::viewer

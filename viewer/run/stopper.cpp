@@ -27,6 +27,10 @@ void silence_at_exit() {
 
 }  // namespace
 
+void silence_at_exits() {
+  [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
+}
+
 Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
     : wake_(std::move(wake)), scripted_(!options.interact.empty() || options.frames), windowed_(!options.headless) {
   if (options.is_live()) begin();
@@ -34,7 +38,7 @@ Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
 
 void Stopper::begin() {
   if (interrupt_) return;
-  [[maybe_unused]] static const int registered = std::atexit(silence_at_exit);
+  silence_at_exits();
   relay_.emplace();
   interrupt_.emplace("ended without finishing, one second after the signal: a link, device or file did not answer",
                      wake_);

@@ -36,6 +36,9 @@ class Stopper {
   std::optional<setup::Interrupt> interrupt_;
 };
 
+/// From now on, exit() within a library silences the runs under way before the program ends.
+void silence_at_exits();
+
 /// Ends the run with its scope. It must be made after everything that takes part in drawing, so that after an error the
 /// array is silenced before anything waits for a device.
 class SilentEnd {

@@ -5,17 +5,17 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-constexpr const char* advice = "use --headless --screenshot FILE.png";
 
 std::string last_fault() {
   const char* fault = nullptr;
@@ -146,6 +146,7 @@ std::string utf8(unsigned int code) {
 }  // namespace
 
 struct Window::State {
+  using Clock = std::chrono::steady_clock;
   GLFWwindow* window = nullptr;
   std::vector<WindowEvent> events;
   inline static int open = 0;  ///< number of windows
@@ -154,6 +155,11 @@ struct Window::State {
     if (--open == 0) glfwTerminate();
   }
   void listen();
+  /// Takes the time first: it is that of answers in a study.
+  void add(WindowEvent event, Clock::time_point now) {
+    event.at_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count();
+    events.push_back(std::move(event));
+  }
   static State& of(GLFWwindow* window) { return *static_cast<State*>(glfwGetWindowUserPointer(window)); }
 
   /// GLFW counts in screen coordinates; one of them may be several pixels.
@@ -178,11 +184,11 @@ struct Window::State {
 };
 
 Window::Window(const WindowWish& wish, const char* title) : state_(std::make_unique<State>()) {
-  if (!start_glfw()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), advice));
+  if (!start_glfw()) throw Error(Exit::no_device, fmt::format("no display ({}): {}", last_fault(), wish.instead));
   ++State::open;
-  const auto refuse = [](const std::string& fault) {
+  const auto refuse = [&](const std::string& fault) {
     State::close();
-    return Error(Exit::no_device, fmt::format("{}: {}", fault, advice));
+    return Error(Exit::no_device, fmt::format("{}: {}", fault, wish.instead));
   };
   if (!glfwVulkanSupported()) throw refuse("this display has no Vulkan surfaces");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
@@ -202,7 +208,7 @@ Window::Window(const WindowWish& wish, const char* title) : state_(std::make_uni
   state_->listen();
 }
 
-Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique<State>()) {
+Window::Window(std::size_t monitor, const char* title, bool pointer) : state_(std::make_unique<State>()) {
   int count = 0;
   GLFWmonitor** const all = glfwGetMonitors(&count);
   if (count < 1) throw failure("there is no monitor for the participant");
@@ -217,13 +223,14 @@ Window::Window(std::size_t monitor, const char* title) : state_(std::make_unique
   glfwDefaultWindowHints();
   if (!state_->window) throw failure(fmt::format("no window for the participant ({})", last_fault()));
   ++State::open;
-  glfwSetInputMode(state_->window, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
+  if (!pointer) glfwSetInputMode(state_->window, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
   state_->listen();
 }
 
 void Window::State::listen() {
   glfwSetWindowUserPointer(window, this);
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+    const Clock::time_point now = Clock::now();
     State& state = State::of(w);
     WindowEvent event = state.pointer(action == GLFW_PRESS ? WindowEvent::Kind::press : WindowEvent::Kind::release);
     event.button = button == GLFW_MOUSE_BUTTON_LEFT     ? Button::left
@@ -231,7 +238,7 @@ void Window::State::listen() {
                                                         : Button::right;
     event.shift = mods & GLFW_MOD_SHIFT;
     event.ctrl = mods & GLFW_MOD_CONTROL;
-    state.events.push_back(event);
+    state.add(event, now);
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) {
     State& state = State::of(w);
@@ -244,6 +251,7 @@ void Window::State::listen() {
     state.events.push_back(event);
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int code, int action, int mods) {
+    const Clock::time_point now = Clock::now();
     WindowEvent event;
     event.kind = WindowEvent::Kind::key;
     event.key = key_pressed(key, code);
@@ -251,7 +259,7 @@ void Window::State::listen() {
     event.repeat = action == GLFW_REPEAT;
     event.shift = mods & GLFW_MOD_SHIFT;
     event.ctrl = mods & GLFW_MOD_CONTROL;
-    State::of(w).events.push_back(event);
+    State::of(w).add(event, now);
   });
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) {
     WindowEvent event;

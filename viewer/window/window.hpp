@@ -21,16 +21,16 @@ struct WindowWish {
   bool in_points = false;  ///< and no larger than the monitor; else in pixels
   /// Where a window was before; it replaces the size. If that is off all monitors, only its size counts.
   std::optional<WindowPlace> before{};
+  const char* instead = "use --headless --screenshot FILE.png";  ///< advice if there is no display
 };
 
 class Window {
  public:
-  /// Throws Error (Exit::no_device), which suggests --headless, if there is no display, or none that Vulkan can present
-  /// to.
+  /// Throws Error (Exit::no_device) with the wish's advice if there is no display, or none that Vulkan can present to.
   Window(const WindowWish& wish, const char* title);
   /// Fills a monitor. `monitor` is an index into monitors(); if there are fewer, it is the last. In addition to another
-  /// window.
-  Window(std::size_t monitor, const char* title);
+  /// window. Without `pointer`, the mouse pointer is hidden in it.
+  Window(std::size_t monitor, const char* title, bool pointer = false);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;

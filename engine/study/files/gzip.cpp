@@ -59,6 +59,24 @@ Unpacked read_gzip(const std::filesystem::path& file, std::uint64_t most_packed,
   }
 }
 
+std::string gzip_of(std::string_view bytes) {
+  z_stream stream{};
+  constexpr int gzip_only = 16 + MAX_WBITS, memory = 8;
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip_only, memory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw failure("zlib cannot start: not enough memory");
+  std::string packed(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
+  std::string input(bytes);  // zlib's interface has no const
+  stream.next_in = reinterpret_cast<Bytef*>(input.data());
+  stream.avail_in = static_cast<uInt>(input.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const int code = deflate(&stream, Z_FINISH);
+  packed.resize(packed.size() - stream.avail_out);
+  deflateEnd(&stream);
+  if (code != Z_STREAM_END) throw failure("zlib cannot pack: not enough memory");
+  return packed;
+}
+
 std::uint32_t crc32_of(std::string_view bytes) {
   return static_cast<std::uint32_t>(
       ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<z_size_t>(bytes.size())));

@@ -119,6 +119,10 @@ struct PlanLevel {
 enum class TextId {
   consent,
   depth_consent,
+  accept,
+  decline,
+  go_on,
+  wait,
   welcome,
   familiarise,
   free,

@@ -10,7 +10,6 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "array/drive.hpp"
-#include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 
 namespace palpa::study {
@@ -42,6 +41,10 @@ std::vector<Vec3> ball_around(const Vec3& centre) {
   return places;
 }
 
+array::Layout in_default_pose(const array::Layout& layout) {
+  return array::transformed(layout, layout.default_T_world_layout);
+}
+
 double level_of(double pascals) {
   constexpr double reference_pa = 20e-6;
   return 20 * std::log10(std::max(pascals, 1e-12) / std::numbers::sqrt2 / reference_pa);
@@ -58,7 +61,7 @@ double EarLevel::equivalent_db() const {
   return loudest_db() + 10 * std::log10(std::max(sounding_s, 1e-9) / day_s);
 }
 
-EarLevel predict_ear_level(const StudyPlan& plan) {
+EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {
   EarLevel level{.db = {level_of(0), level_of(0)}, .sounding_s = study::sounding_s(plan)};
   std::vector<Vec3> places = ball_around(plan.level.ears[0]);
   const std::size_t per_ear = places.size();
@@ -69,8 +72,7 @@ EarLevel predict_ear_level(const StudyPlan& plan) {
   for (const PlanMethod& method : plan.methods)
     layouts.insert(method.layout);
   for (const std::string& name : layouts) {
-    const array::Layout own = array::load_layout(name);
-    const array::Layout layout = array::transformed(own, own.default_T_world_layout);
+    const array::Layout layout = placed != nullptr ? *placed : in_default_pose(array::load_layout(name));
     const acoustics::Incident incident(layout, acoustics::air_of({}, layout.frequency_hz), array::Directivity::t4010a1);
     const std::vector<Vec3> foci = foci_of(plan);
     acoustics::Strengths strengths;

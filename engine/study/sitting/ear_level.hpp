@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "study/plan/plan.hpp"
 
@@ -31,9 +32,9 @@ struct EarLevel {
 inline constexpr double reflections_db = 10;
 inline constexpr double ear_ball_m = 0.1;
 
-/// Computes on the processor: a second for the paper's array. Arrays have the pose that they have without a rig. Throws
-/// as array::load_layout does.
-EarLevel predict_ear_level(const StudyPlan& plan);
+/// Computes on the processor: a second for the paper's array. Without `placed`, an array as posed in the world that all
+/// methods use, arrays have the pose that they have without a rig. Throws as array::load_layout does.
+EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed = nullptr);
 
 /// Published limits for airborne ultrasound at 40 kHz, for comparison (docs/study.md).
 struct EarLimit {

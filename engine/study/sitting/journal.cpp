@@ -51,6 +51,7 @@ Entry entry_of(const Json& object) {
   entry.text = number_or<std::string>(object, "text", "");
   entry.version = number_or<std::string>(object, "version", "");
   entry.rehearsal = number_or(object, "rehearsal", false);
+  entry.masking = number_or<std::string>(object, "masking", "");
   entry.accepted = number_or(object, "accepted", false);
   entry.depth_frames = number_or(object, "depth_frames", false);
   entry.deep_s = maybe_number(object, "deep_s");
@@ -96,6 +97,7 @@ std::string entry_line(const Entry& entry, std::string_view before) {
   if (!entry.text.empty()) json.member("text", entry.text);
   if (!entry.version.empty()) json.member("version", entry.version);
   if (entry.rehearsal) json.member("rehearsal", true);
+  if (!entry.masking.empty()) json.member("masking", entry.masking);
   if (entry.kind == EntryKind::consent)
     json.member("accepted", entry.accepted).member("depth_frames", entry.depth_frames);
   if (entry.deep_s) json.member("deep_s", *entry.deep_s);

@@ -68,6 +68,7 @@ struct Entry {
   std::string text{};                   ///< answer, chosen shape, reason; of a start: its UTC time
   std::string version{};                ///< of a start: palpa's
   bool rehearsal = false;               ///< of a start: nobody was there
+  std::string masking{};                ///< of a start: the sound in the headphones, if there is an array
   bool accepted = false;                ///< of consent
   bool depth_frames = false;            ///< of consent: depth images may be kept
   std::optional<double> deep_s{};       ///< of touched: how long nothing was played, because a point was too deep

@@ -21,10 +21,10 @@ class ScriptedParticipant {
 
   /// Does the next thing that the screen asks for, at the earliest moment, and moves the time there.
   void go_on(const StudyPlan& plan, Sitting& sitting, std::int64_t& now_ns) const;
-
- private:
+  /// The number of the choice that the participant makes on the screen question.
   std::size_t answer(const StudyPlan& plan, const Sitting& sitting) const;
 
+ private:
   double accuracy_;
   std::uint64_t seed_;
 };

@@ -53,7 +53,7 @@ Presented Sitting::presented() const {
   if (!agenda_.current()) return {};
   Presented presented{.sounds = sounding_ && !deep_, .method = step().method};
   presented.shape = step().shape.value_or(0);
-  if (second_ && step().second) presented.shape = *step().second;
+  if ((second_ || screen_ == Screen::between) && step().second) presented.shape = *step().second;
   if (agenda_.open() && block().kind == BlockKind::free) presented.shape = chosen_;
   return presented;
 }

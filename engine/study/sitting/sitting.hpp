@@ -48,7 +48,8 @@ enum class Act {
 /// What the array presents.
 struct Presented {
   bool sounds = false;
-  std::uint32_t method = 0, shape = 0;  ///< indices into the plan's, also while it is silent
+  /// Indices into the plan's. While it is silent: what sounds next.
+  std::uint32_t method = 0, shape = 0;
   bool operator==(const Presented&) const = default;
 };
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -287,6 +289,7 @@ Box touchable_box(const PreparedSolids& solids) {
   for (const shader::SolidRecord& record : solids.records) {
     const glm::dquat q(record.turn.w, -record.turn.x, -record.turn.y, -record.turn.z);
     const Vec3 centre(record.centre.x, record.centre.y, record.centre.z);
+    if (glm::any(glm::greaterThan(glm::abs(centre), Vec3(out_of_reach_m)))) continue;
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 at((corner & 1) != 0 ? record.high.x : record.low.x, (corner & 2) != 0 ? record.high.y : record.low.y,
                     (corner & 4) != 0 ? record.high.z : record.low.z);
@@ -294,6 +297,7 @@ Box touchable_box(const PreparedSolids& solids) {
       box.add(centre + q * at + hair);
     }
   }
+  if (box.empty()) box.add(Vec3(0));
   return box;
 }
 

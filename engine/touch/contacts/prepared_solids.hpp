@@ -69,12 +69,17 @@ double least_finger_gap(const shader::SolidRecord& solid);
 /// have more triangles than shader::surface_most_triangles.
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
 
+/// A solid whose centre is farther than this from the origin, along any axis, is out of reach: no camera sees skin
+/// there.
+inline constexpr double out_of_reach_m = 100;
+
 /// Moves a solid: from now on, T_world_rest takes it from its place in the scene to its new place. Nothing is rebuilt.
-/// Throws bad_usage if there is no such solid or if the transform is not a rigid motion.
+/// A solid that is moved out of reach is not touched, and costs nothing in touchable_box(). Throws bad_usage if there
+/// is no such solid or if the transform is not a rigid motion.
 void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest);
 
-/// The box in world coordinates around all solids in their current poses, slightly enlarged against rounding. Skin
-/// outside this box can be ignored.
+/// The box in world coordinates around all solids within reach in their current poses, slightly enlarged against
+/// rounding. Skin outside this box can be ignored. It is a point at the origin if no solid is within reach.
 Box touchable_box(const PreparedSolids& solids);
 
 }  // namespace palpa::touch

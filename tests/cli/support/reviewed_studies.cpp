@@ -28,6 +28,12 @@ std::vector<ReviewedLine> of_studies() {
                {{{"--seed", "1"}, "--seed belongs to the plan"}}),
       of_study({"rehearse", plan, "--participant", "1", "--out", "none/x"}, "--participant --out --accuracy",
                "plays nothing"),
+      {.line = {"study", "run", plan, "--participant", "1", "--out", "none/x", "--rehearse", "1", "--size", "640x480"},
+       .idle = {{{"--monitor", "1"}, "--size and --monitor exclude each other"},
+                {{"--backend", "cpu", "--gpu", "0"}, "--gpu"},
+                {{"--backend", "cpu", "--validation", "core"}, "--validation"}},
+       .untried = "--participant --out --source --link --rig --board-files --hold --size --override --rehearse --gpu "
+                  "--validation"},
       of_study({"withdraw", "1", "--out", "none"}, "--out", "computes nothing"),
       of_study({"power"},
                "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power "

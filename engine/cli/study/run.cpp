@@ -1,0 +1,66 @@
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/study/commands.hpp"
+#include "setup/study_options.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct RunStudyCommand : setup::StudyRunOptions {
+  std::vector<std::string> plans;
+};
+
+void add_options_of_run(CLI::App& app, RunStudyCommand& o) {
+  const setup::Group group(app, "Study");
+  group.words("plan", o.plans, "PLAN", "TOML file of the study");
+  setup::add_study_run_options(app, o);
+}
+
+/// The viewer takes the place of this process, so signals reach it, and its exit code is that of the command.
+void run_study(RunStudyCommand o) {
+  if (o.plans.size() != 1) throw bad_usage("give palpa study run one plan, such as assets/studies/paper.toml");
+  o.plan = o.plans.front();
+  setup::check(o);
+  std::error_code fault;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", fault);
+  const std::filesystem::path viewer = self.parent_path() / "palpa-viewer";
+  if (!std::filesystem::exists(viewer, fault)) {
+    throw failure(viewer.string() +
+                  " is missing: a study needs palpa's viewer for its windows; install or build it beside palpa");
+  }
+  std::vector<std::string> words{viewer.string()};
+  const std::vector<std::string> more = words_of(o);
+  words.insert(words.end(), more.begin(), more.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(viewer.c_str(), arguments.data());
+  throw failure(viewer.string() + " cannot be started: " + std::strerror(errno));
+}
+
+}  // namespace
+
+void add_study_run(Program& program) {
+  add_subcommand<RunStudyCommand>(
+      program,
+      {"study run", "a participant's sitting, in front of the array: opens windows",
+       "  palpa study run plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n"
+       "  palpa study run assets/studies/five-minutes.toml --participant 1 --out rehearsal \\\n"
+       "                  --rehearse 0.6 --size 1024x768",
+       "--participant --out --source --link --rig --monitor --size --override --rehearse --hold",
+       "Starts palpa-viewer --study, so it needs a display; without one, it ends with exit code 3. A sitting that was "
+       "stopped is continued by the same command. docs/study.md explains the windows."},
+      add_options_of_run, run_study);
+}
+
+}  // namespace palpa::cli

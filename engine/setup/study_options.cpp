@@ -1,0 +1,94 @@
+#include "setup/study_options.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "setup/values.hpp"
+#include "study/plan/order.hpp"
+
+namespace palpa::setup {
+
+void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
+  const Group sitting(app, "Sitting");
+  sitting.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
+  sitting.text("--out", o.out, "DIR", "folder of the study; the participant's folder is made in it");
+  sitting.text("--override", o.override_by, "TEXT",
+               "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+  sitting.number("--rehearse", o.rehearse, {0, 1}, "NUMBER",
+                 "a scripted participant with this share of right answers presses the keys [a person]");
+  const Group what(app, "What to run");
+  what.text("--source", o.source, "SOURCE", "where frames come from, as in palpa run [with --rehearse: synthetic]");
+  what.text("--link", o.link, "LINK", "the array that sounds, as in palpa run [with --rehearse: null]");
+  what.text("--rig", o.rig, "FILE", "the cameras, the array and the screen with their poses [the paper's]");
+  add_board_files(what, o.board_files);
+  what.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
+                        "how long a frame sounds if no other comes; auto: longer if frames are always late");
+  const Group windows(app, "Windows");
+  windows.text("--monitor", o.monitor, "NAME|NUMBER",
+               "monitor that the participant's window fills [the last, if there are several]");
+  windows.text("--size", o.size, "WxH", "size of the participant's window in pixels; it then fills no monitor");
+}
+
+void check(StudyRunOptions& o) {
+  if (o.plan.empty()) throw bad_usage("give the plan of the study, such as assets/studies/paper.toml");
+  if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
+  if (o.out.empty()) throw bad_usage("--out is missing: give the folder of the study");
+  if (o.rehearse) {
+    if (o.source.empty()) o.source = "synthetic";
+    if (o.link.empty()) o.link = "null";
+  }
+  if (o.source.empty())
+    throw bad_usage("--source is missing: give a camera, as for palpa run, or --rehearse for a scripted participant");
+  if (o.link.empty())
+    throw bad_usage("--link is missing: give an array, as for palpa run, or --rehearse for a scripted participant");
+  if (!o.size.empty()) parse_window_size("--size", o.size);
+  if (!o.size.empty() && !o.monitor.empty())
+    throw bad_usage("--size and --monitor exclude each other: a window of that size fills no monitor");
+}
+
+std::vector<std::string> words_of(const StudyRunOptions& o) {
+  std::vector<std::string> words{"--study", o.plan};
+  const auto add = [&](const char* option, std::string_view value) {
+    if (!value.empty()) words.insert(words.end(), {option, std::string(value)});
+  };
+  if (o.participant) add("--participant", std::to_string(*o.participant));
+  add("--out", o.out);
+  add("--override", o.override_by);
+  if (o.rehearse) add("--rehearse", fmt::format("{}", *o.rehearse));
+  add("--source", o.source);
+  add("--link", o.link);
+  add("--rig", o.rig);
+  add("--board-files", o.board_files);
+  if (o.hold_auto || o.hold_s != StudyRunOptions().hold_s)
+    add("--hold", o.hold_auto ? "auto" : format_quantity(o.hold_s, Quantity::time));
+  add("--monitor", o.monitor);
+  add("--size", o.size);
+  add("--gpu", o.common.gpu);
+  if (o.common.backend == Backend::cpu) add("--backend", "cpu");
+  add("--json", o.common.json);
+  if (o.common.quiet) words.emplace_back("--quiet");
+  if (o.common.log_level) add("--log-level", word_of(log::level_words, *o.common.log_level));
+  if (o.common.seed != 0) add("--seed", std::to_string(o.common.seed));
+  if (o.common.validation) add("--validation", word_of(gpu::validation_words, *o.common.validation));
+  return words;
+}
+
+WindowSize parse_window_size(const std::string& option, const std::string& text) {
+  WindowSize size;
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.height);
+    const auto fits = [](std::uint32_t v) { return v >= 16 && v <= 8192; };
+    if (height.ec == std::errc() && height.ptr == end && fits(size.width) && fits(size.height)) return size;
+  }
+  throw bad_usage(fmt::format("{}: '{}' is not a size; give width x height, 16 to 8192 pixels each, such as 1280x800",
+                              option, text));
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,163 @@
+// A participant's sitting in this process: a small plan, a synthetic finger, and a link that records what it is given.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "sensing/synthetic.hpp"
+#include "session/links/sources.hpp"
+#include "study/plan/plan_file.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "viewer/live/heard_link.hpp"
+#include "viewer/study/conductor.hpp"
+#include "viewer/study/scripted_keys.hpp"
+
+namespace palpa::test {
+
+/// Two shapes and two methods on one board. `blocks`: the plan's [[block]] tables.
+inline std::filesystem::path write_study_plan(const std::filesystem::path& folder, const std::string& blocks,
+                                              double touch_s = 0.05, const std::string& run = "") {
+  const std::string assets = source_file("assets").string();
+  const std::filesystem::path file = folder / "plan.toml";
+  write_text(file, "title = \"Cubes and balls\"\n[[shape]]\nname = \"cube\"\nmodel = \"" + assets +
+                       "/cube.glb\"\n[[shape]]\nname = \"semi-sphere\"\nmodel = \"" + assets +
+                       "/semi-sphere.glb\"\n[[method]]\nname = \"single-focus\"\nlayout = \"autd3\"\n"
+                       "[[method]]\nname = \"cross-section\"\nlayout = \"autd3\"\n"
+                       "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = " +
+                       std::to_string(touch_s) + "\n[run]\nmasking = \"off\"\npredict = false\n" + run +
+                       "[level]\nceiling = 0.5\nlimit_db = 140\n" + blocks);
+  return file;
+}
+
+/// A rig with a screen and one small camera, which sees the fingertip.
+inline std::filesystem::path write_study_rig(const std::filesystem::path& folder) {
+  const std::string camera = read_text(source_file("tests/cli/support/small_rig.toml"));
+  const std::string paper = read_text(source_file("assets/rigs/paper.toml"));
+  const std::filesystem::path file = folder / "rig.toml";
+  const std::size_t screen = paper.find("[screen]");
+  write_text(file, camera.substr(0, camera.find("[array]")) +
+                       paper.substr(screen, paper.find("\n\n", screen) - screen) + "\n");
+  return file;
+}
+
+inline constexpr const char* all_blocks = R"(
+[[block]]
+kind = "familiarise"
+[[block]]
+kind = "free"
+[[block]]
+kind = "practice"
+shapes = ["cube"]
+feedback = true
+[[block]]
+kind = "trial"
+[[block]]
+kind = "same-different"
+between_s = 0.05
+[[block]]
+kind = "rest"
+rest_s = 0.05
+)";
+
+/// The finger is pressed this far below the top of the objects.
+inline std::atomic<double> finger_depth_m{3e-3};
+
+class SittingBench {
+ public:
+  SittingBench(const std::filesystem::path& folder, const std::filesystem::path& plan)
+      : plan_(study::read_plan(plan)), shapes_(viewer::load_shapes(plan_)) {
+    run_.participant = 1;
+    run_.out = (folder / "study").string();
+    run_.common.backend = setup::Backend::cpu;
+    run_.rig = write_study_rig(folder).string();
+    run_.source = "pressed";
+    run_.link = "heard";
+    run_.hold_s = 5;
+    run_.rehearse = 0.5;
+  }
+  ~SittingBench() { end(); }
+
+  setup::StudyRunOptions& options() { return run_; }
+  const study::StudyPlan& plan() const { return plan_; }
+  viewer::Conductor& conductor() { return *conductor_; }
+  const study::Sitting& sitting() const { return conductor_->sitting(); }
+  const std::shared_ptr<Heard>& heard() const { return heard_; }
+
+  /// Starts the program, so to speak.
+  void begin() {
+    stop_ = false;
+    heard_ = std::make_shared<Heard>();
+    viewer::LiveSession::Kinds kinds;
+    kinds.links.push_back(heard_link(heard_));
+    kinds.sources.push_back(session::synthetic_source("pressed", "", [](double) {
+      Transform pose(1.0);
+      pose[3][1] = -finger_depth_m;
+      return pose;
+    }));
+    script_.emplace(*run_.rehearse, run_.common.seed);
+    study::EarLevel level;
+    level.db = {100, 101};
+    level.sounding_s = 10;
+    conductor_ = std::make_unique<viewer::Conductor>(plan_, run_, shapes_, level, kinds, stop_, [] {});
+  }
+  /// The program is killed.
+  void end() { conductor_.reset(); }
+
+  /// Goes on until the condition holds: false if it does not within a minute. `keys`: the scripted people press them.
+  template <typename Condition>
+  bool goes_until(Condition condition, bool keys = true) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > until) return false;
+      if (keys) {
+        if (const auto press = script_->next(plan_, *conductor_))
+          press->experimenter ? conductor_->experimenter(press->event, std::nullopt)
+                              : conductor_->participant(press->event, std::nullopt);
+      }
+      conductor_->advance();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+  bool reaches(study::Screen screen, bool keys = true) {
+    return goes_until([&] { return sitting().screen() == screen; }, keys);
+  }
+  /// Goes on without keys for that time.
+  void passes(std::chrono::milliseconds time) {
+    const auto until = std::chrono::steady_clock::now() + time;
+    goes_until([&] { return std::chrono::steady_clock::now() > until; }, false);
+  }
+  void press(viewer::Key key, bool experimenter = false) {
+    viewer::WindowEvent event;
+    event.kind = viewer::WindowEvent::Kind::key;
+    event.key = key;
+    event.at_ns =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+            .count();
+    experimenter ? conductor_->experimenter(event, std::nullopt) : conductor_->participant(event, std::nullopt);
+  }
+  /// Whether the link gets nothing but silence from a moment on.
+  bool is_silent() {
+    passes(std::chrono::milliseconds(20));  // drives under way
+    const std::uint64_t before = heard_->sounding;
+    passes(std::chrono::milliseconds(100));
+    return heard_->sounding == before && !heard_->last_sounds;
+  }
+
+ private:
+  study::StudyPlan plan_;
+  viewer::StudyShapes shapes_;
+  setup::StudyRunOptions run_;
+  std::atomic<bool> stop_{false};
+  std::shared_ptr<Heard> heard_ = std::make_shared<Heard>();
+  std::optional<viewer::ScriptedKeys> script_;
+  std::unique_ptr<viewer::Conductor> conductor_;
+};
+
+}  // namespace palpa::test

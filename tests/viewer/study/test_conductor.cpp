@@ -1,0 +1,238 @@
+// A participant's sitting in front of an array: it sounds during touches only, and is silent after everything else.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/sha256.hpp"
+#include "sitting_bench.hpp"
+#include "study/files/study_folder.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/files.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using nlohmann::json;
+using study::Screen;
+
+class ConductorTest : public testing::Test {
+ protected:
+  ConductorTest() { test::finger_depth_m = 3e-3; }
+  /// A sitting with one kind of block, whose touches do not end during a test.
+  test::SittingBench& long_touches(const std::string& kind = "trial", const std::string& run = "") {
+    bench_ = std::make_unique<test::SittingBench>(
+        folder_, test::write_study_plan(folder_, "[[block]]\nkind = \"" + kind + "\"\n", 600, run));
+    bench_->begin();
+    return *bench_;
+  }
+  bool sounds() { return bench_->conductor().presentation().gate().sounding(); }
+  bool touches_and_sounds() {
+    return bench_->reaches(Screen::touching) && bench_->goes_until([&] { return sounds(); }, false);
+  }
+  fs::path beh(const std::string& end, int run = 1) const {
+    return folder_ / "study/sub-01/beh" / ("sub-01_task-shapes_run-0" + std::to_string(run) + end);
+  }
+
+  const fs::path folder_ = test::scratch_folder("conductor");
+  std::unique_ptr<test::SittingBench> bench_;
+};
+
+std::vector<std::array<std::uint32_t, 3>> answers_in(const fs::path& folder) {
+  const study::Study study = study::read_study(std::vector<std::string>{folder.string()});
+  std::vector<std::array<std::uint32_t, 3>> rows;
+  for (const study::Trial& trial : study.participants.at(0).trials)
+    rows.push_back({trial.method, trial.shape, trial.answer});
+  std::ranges::sort(rows);
+  return rows;
+}
+
+TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
+  bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, test::all_blocks));
+  for (const std::size_t steps : {5, 16, 1000}) {
+    bench_->begin();
+    const std::size_t before = bench_->sitting().agenda().complete();
+    ASSERT_TRUE(bench_->goes_until([&] {
+      return bench_->conductor().over() || (bench_->sitting().agenda().complete() >= before + steps &&
+                                            bench_->sitting().screen() == Screen::touching);
+    })) << bench_->sitting().reason();
+    EXPECT_EQ(bench_->conductor().over(), steps == 1000) << bench_->sitting().reason();
+    bench_->end();
+    EXPECT_FALSE(bench_->heard()->last_sounds);
+    EXPECT_TRUE(bench_->heard()->finished);
+  }
+  // The same person without windows, array and kills.
+  const fs::path whole = test::scratch_folder("conductor-whole");
+  study::Record record(bench_->plan(), 1, whole, true);
+  const study::Entry start{.text = study::utc_now(), .version = "v", .rehearsal = true};
+  EXPECT_TRUE(study::rehearse(
+      bench_->plan(), record.agenda(), start, study::ScriptedParticipant(0.5, 0),
+      [&](const study::Entry& entry) { record.add(entry); }, nullptr));
+  EXPECT_EQ(answers_in(folder_ / "study"), answers_in(whole));
+  EXPECT_EQ(answers_in(whole).size(), 8u);
+  for (const int run : {1, 2})
+    EXPECT_NE(test::read_text(beh("_events.tsv", run)).find("\tvoid\t"), std::string::npos) << run;
+  EXPECT_EQ(test::read_text(beh("_events.tsv", 3)).find("\tvoid\t"), std::string::npos);
+  EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Masking"], "off");
+}
+
+TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
+  bench_ = std::make_unique<test::SittingBench>(
+      folder_, test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nshapes = [\"semi-sphere\"]\n", 0.4));
+  bench_->begin();
+  ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 1; }));
+  EXPECT_GT(bench_->heard()->sounding, 0u);
+  EXPECT_LE(bench_->heard()->loudest, 0.5F) << "the plan's ceiling";
+  const json touch = json::parse(test::read_text(beh("_stimuli.json")))["touches"].at(0);
+  EXPECT_EQ(touch["shape"], "semi-sphere");
+  EXPECT_EQ(touch["ceiling"], 0.5);
+  EXPECT_EQ(touch["drives_sha256"].get<std::string>().size(), 64u);
+  EXPECT_GT(touch["drives"], 10);
+  EXPECT_EQ(touch["model_sha256"], sha256_of_file(test::source_file("assets/semi-sphere.glb")).sha256);
+  const json foci = json::parse(test::read_text(beh("").parent_path() / touch["foci_file"].get<std::string>()));
+  ASSERT_GE(foci["frames"].size(), 2u);
+  std::size_t fingers = 0;
+  for (const json& frame : foci["frames"]) {
+    for (const json& finger : frame["fingers"]) {
+      EXPECT_EQ(finger["solid"], "1 semi-sphere") << "no other shape is within reach";
+      ++fingers;
+    }
+  }
+  EXPECT_GT(fingers, 1u);
+  // The depth of the finger, as the analysis reads it.
+  const study::Study study = study::read_study(std::vector<std::string>{(folder_ / "study").string()});
+  const study::Trial& trial = study.participants.at(0).trials.at(0);
+  EXPECT_EQ(trial.shape, 1u);
+  double deepest_m = 0;
+  for (const study::DepthCourse& course : study.participants[0].depths) {
+    for (std::size_t bin = 0; bin < course.samples.size(); ++bin) {
+      if (course.samples[bin] > 0) deepest_m = std::max(deepest_m, course.sum_m[bin] / course.samples[bin]);
+    }
+  }
+  EXPECT_NEAR(deepest_m, 3e-3, 1.5e-3) << "with the sensor's noise";
+}
+
+TEST_F(ConductorTest, AnyKeyOfTheParticipantSilences) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  bench.press(key_of('x'));
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused);
+  EXPECT_TRUE(bench.is_silent());
+  bench.press(Key::space);
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused) << "only the experimenter continues";
+  bench.press(Key::space, true);
+  EXPECT_EQ(bench.sitting().screen(), Screen::ready);
+  EXPECT_EQ(bench.sitting().agenda().voided(), 1u);
+  ASSERT_TRUE(touches_and_sounds()) << "and it goes on";
+}
+
+TEST_F(ConductorTest, PauseAndStopSilence) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  bench.press(key_of('p'), true);
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused);
+  EXPECT_TRUE(bench.is_silent());
+  bench.press(Key::space, true);
+  ASSERT_TRUE(touches_and_sounds());
+  bench.press(key_of('q'), true);
+  EXPECT_EQ(bench.sitting().screen(), Screen::stopped);
+  EXPECT_TRUE(bench.is_silent());
+  EXPECT_NE(test::read_text(beh("_events.tsv")).find("paused by the experimenter"), std::string::npos);
+}
+
+TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  test::finger_depth_m = 20e-3;
+  ASSERT_TRUE(bench.goes_until([&] { return !bench.sitting().presented().sounds; }, false));
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching) << "the touch goes on";
+  EXPECT_TRUE(bench.is_silent());
+  EXPECT_GT(*bench.conductor().presentation().deepest_m(), 15e-3);
+  test::finger_depth_m = 3e-3;
+  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false)) << "it has risen";
+}
+
+TEST_F(ConductorTest, AnArrayThatFailsIsAPauseAndCanContinue) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  bench.heard()->breaks = true;
+  ASSERT_TRUE(bench.reaches(Screen::paused, false));
+  EXPECT_NE(bench.sitting().reason().find("heard: broken"), std::string::npos) << bench.sitting().reason();
+  EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
+  bench.heard()->breaks = false;
+  bench.press(Key::space, true);
+  ASSERT_TRUE(touches_and_sounds());
+}
+
+TEST_F(ConductorTest, ADiskThatIsFullEndsTheTouchInSilence) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  // The journal cannot grow: its folder is on a disk without room, so to speak.
+  const test::FileSizeLimit full(1);
+  EXPECT_THROW(bench.press(key_of('p'), true), Error);
+  EXPECT_EQ(bench.sitting().screen(), Screen::stopped);
+  EXPECT_TRUE(bench.is_silent());
+}
+
+TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  // The program's thread stands still for longer than the gate stays open, but not so long that the touch is void.
+  std::this_thread::sleep_for(700ms);
+  EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
+  EXPECT_FALSE(bench.heard()->last_sounds);
+  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  std::this_thread::sleep_for(1200ms);
+  ASSERT_TRUE(bench.reaches(Screen::paused, false));
+  EXPECT_NE(bench.sitting().reason().find("stood still"), std::string::npos);
+}
+
+TEST_F(ConductorTest, TheArrowKeysChangeTheShapeOfTheFreeExploration) {
+  test::SittingBench& bench = long_touches("free");
+  ASSERT_TRUE(touches_and_sounds());
+  bench.press(Key::right);
+  EXPECT_EQ(bench.sitting().presented().shape, 1u);
+  ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
+  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  bench.press(Key::up);
+  EXPECT_EQ(bench.sitting().presented().shape, 0u);
+}
+
+TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
+  test::SittingBench& bench = long_touches();
+  EXPECT_EQ(bench.conductor().experimenter_view().state, "set-up");
+  bench.press(Key::space, true);
+  EXPECT_EQ(bench.sitting().screen(), Screen::setup) << "the array is not ready yet";
+  ASSERT_TRUE(bench.reaches(Screen::consent));
+  EXPECT_EQ(bench.conductor().participant_view().buttons, (std::vector<std::string>{"yes", "no"}));
+  bench.press(key_of('2'));
+  EXPECT_EQ(bench.sitting().screen(), Screen::end) << "no consent";
+  EXPECT_EQ(bench.heard()->sounding, 0u) << "nothing sounds before consent";
+  EXPECT_TRUE(bench.conductor().experimenter_view().buttons.empty());
+}
+
+TEST(StudyLinks, MayNotWriteFiles) {
+  const fs::path folder = test::scratch_folder("study-links");
+  test::SittingBench bench(folder, test::write_study_plan(folder, ""));
+  setup::StudyRunOptions run = bench.options();
+  run.link = "record:" + (folder / "drives").string();
+  const auto fault = [&] { return test::error_of([&] { check_study_links(bench.plan(), run, {}); }, Exit::usage); };
+  EXPECT_NE(fault().find("does not play into a file"), std::string::npos);
+  run.link = "null";
+  EXPECT_EQ(fault(), "");
+  run.rig = test::source_file("assets/rigs/paper.toml");
+  EXPECT_NE(fault().find("its array is paper, but method single-focus"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

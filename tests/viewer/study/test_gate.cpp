@@ -1,0 +1,125 @@
+// The gate between a live session and the array.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "base/sha256.hpp"
+#include "viewer/live/heard_link.hpp"
+#include "viewer/study/gate.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Everything that a link got, in order.
+struct Told {
+  std::vector<std::uint32_t> voices;  ///< of each plan
+  std::vector<bool> sounds;           ///< of each drive
+};
+
+class ToldLink final : public session::Link {
+ public:
+  explicit ToldLink(Told& told) : told_(told) {}
+  void plan(const session::PlayedPlan& plan) override { told_.voices.push_back(plan.schedule.voice_count); }
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    told_.sounds.push_back(drive[0].amplitude > 0);
+  }
+
+ private:
+  Told& told_;
+};
+
+class GateTest : public testing::Test {
+ protected:
+  GateTest() {
+    array::Voice& voice = schedule_.add_voice();
+    voice.foci = {{0, 0, 0.1}};
+    voice.order = {0};
+  }
+  void plan(std::uint64_t from) { link_.plan({.schedule = schedule_, .slots = {.from = from, .until = from + 10}}); }
+  void send(std::uint64_t slot, float amplitude = 0.5F) {
+    drive_[0].amplitude = amplitude;
+    link_.send(slot, drive_);
+  }
+  static Gate::Clock::time_point later() { return Gate::Clock::now() + 1h; }
+
+  Gate gate_;
+  Told told_;
+  GateLink link_{std::make_unique<ToldLink>(told_), gate_};
+  array::Schedule schedule_;
+  array::Drive drive_{2};
+};
+
+TEST_F(GateTest, IsClosedAtFirst) {
+  plan(0);
+  send(0);
+  EXPECT_EQ(told_.voices, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(told_.sounds, std::vector<bool>{false});
+  EXPECT_FALSE(gate_.sounding());
+  EXPECT_EQ(gate_.take().drives, 0u);
+}
+
+TEST_F(GateTest, ClosesForAPlanThatABoardPlaysByItself) {
+  plan(0);
+  gate_.open(later());
+  plan(7);
+  send(7);
+  EXPECT_TRUE(gate_.sounding());
+  gate_.close();
+  send(8);
+  send(9);
+  EXPECT_EQ(told_.voices, (std::vector<std::uint32_t>{0, 1, 0})) << "once, before the first silent drive";
+  EXPECT_EQ(told_.sounds, (std::vector<bool>{true, false, false}));
+}
+
+/// A thread that stands still does not renew the moment.
+TEST_F(GateTest, ClosesByItself) {
+  plan(0);
+  gate_.open(Gate::Clock::now() + 1h);
+  send(0);
+  gate_.open(Gate::Clock::now() - 1ms);
+  send(1);
+  EXPECT_EQ(told_.sounds, (std::vector<bool>{true, false}));
+  EXPECT_EQ(told_.voices.back(), 0u);
+}
+
+TEST_F(GateTest, KeepsWhatWasPlayed) {
+  plan(0);
+  send(0);
+  gate_.forget();
+  gate_.open(later());
+  send(1, 0.25F);
+  plan(2);
+  send(2, 0);
+  gate_.close();
+  send(3);
+  const PlayedTouch played = gate_.take();
+  EXPECT_EQ(played.drives, 2u);
+  ASSERT_EQ(played.frames.size(), 2u) << "the plan under way when the gate opened, and the next one";
+  EXPECT_EQ(played.frames[0].from, 0u);
+  EXPECT_EQ(played.frames[1].from, 2u);
+  EXPECT_EQ(played.frames[1].schedule.voices[0].foci, schedule_.voices[0].foci);
+  const float floats[] = {0.25F, 0, 0, 0, 0, 0, 0, 0};
+  EXPECT_EQ(played.drives_sha256, sha256({reinterpret_cast<const char*>(floats), sizeof floats}));
+  EXPECT_EQ(gate_.take().drives, 0u) << "taken";
+}
+
+TEST_F(GateTest, StandsBeforeLinksOfEveryKind) {
+  auto heard = std::make_shared<test::Heard>();
+  const std::vector<session::LinkKind> kinds = behind_gate({test::heard_link(heard)}, gate_);
+  ASSERT_EQ(kinds.size(), 1u);
+  EXPECT_EQ(kinds[0].name, "heard");
+  array::Layout layout;
+  const auto link = kinds[0].open("", {.layout = layout, .solid_names = {}});
+  drive_[0].amplitude = 1;
+  link->send(0, drive_);
+  EXPECT_EQ(heard->drives, 1u);
+  EXPECT_FALSE(heard->sounded());
+}
+
+}  // namespace
+}  // namespace palpa::viewer

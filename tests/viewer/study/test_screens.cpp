@@ -1,0 +1,94 @@
+// The pictures of a study's windows.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <set>
+#include <string>
+
+#include "viewer/study/screens.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+ParticipantView question(std::size_t answers) {
+  ParticipantView view{.screen = study::Screen::question, .text = "Which shape was it?"};
+  for (std::size_t i = 0; i < answers; ++i)
+    view.buttons.push_back("answer " + std::to_string(i));
+  return view;
+}
+
+TEST(Screens, ButtonsAreApartAndInside) {
+  for (const auto& [width, height] : {std::pair(1280u, 800u), std::pair(640u, 480u), std::pair(3840u, 2160u)}) {
+    for (const std::size_t answers : {2, 4, 5, 7, 16}) {
+      const auto places = button_places(question(answers), width, height);
+      ASSERT_EQ(places.size(), answers);
+      for (std::size_t i = 0; i < answers; ++i) {
+        const ButtonPlace& a = places[i];
+        EXPECT_LT(a.right, width);
+        EXPECT_LT(a.bottom, height);
+        EXPECT_GT(a.right - a.left, width / 16) << answers;
+        EXPECT_GT(a.bottom - a.top, height / 20) << answers;
+        EXPECT_EQ(button_at(places, (a.left + a.right) / 2.0, (a.top + a.bottom) / 2.0), i);
+        for (std::size_t k = 0; k < i; ++k) {
+          const ButtonPlace& b = places[k];
+          EXPECT_TRUE(a.left > b.right || b.left > a.right || a.top > b.bottom || b.top > a.bottom) << i << " " << k;
+        }
+      }
+      EXPECT_FALSE(button_at(places, 1, 1));
+    }
+  }
+}
+
+TEST(Screens, KeysAreThoseOfTheButtons) {
+  std::set<std::string> keys;
+  for (std::size_t i = 0; i < 16; ++i) {
+    keys.insert(button_key(i));
+    EXPECT_EQ(button_of_key(button_key(i).front()), i);
+  }
+  EXPECT_EQ(keys.size(), 16u);
+  EXPECT_FALSE(button_of_key(' '));
+  EXPECT_FALSE(button_of_key('0'));
+}
+
+std::size_t lit(const drawing::Pixels& picture) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+    count += picture.rgba[i] > 160 ? 1 : 0;
+  return count;
+}
+
+TEST(Screens, ShowTheirText) {
+  const ParticipantView empty;
+  ParticipantView words = empty;
+  words.text = "Move your finger up and down from the marker. Afterwards, say which shape it was.";
+  EXPECT_EQ(lit(draw(empty, 800, 500)), 0u);
+  const std::size_t once = lit(draw(words, 800, 500));
+  EXPECT_GT(once, 500u);
+  EXPECT_EQ(draw(words, 800, 500).rgba, draw(words, 800, 500).rgba);
+  // Over a scene, only the top changes.
+  drawing::Pixels scene{800, 500, std::vector<std::uint8_t>(800 * 500 * 4, 200)};
+  const drawing::Pixels over = draw(words, 800, 500, &scene);
+  EXPECT_NE(over.at(400, 5)[0], 200);
+  EXPECT_EQ(over.at(400, 480)[0], 200);
+}
+
+TEST(Screens, TheExperimenterSeesWhetherItSounds) {
+  ExperimenterView view{.title = "Study", .state = "touch", .lines = {{"method", "cross-section"}}};
+  view.buttons = {{Command::pause, "pause", "P"}, {Command::stop, "stop", "Q"}};
+  ExperimenterView sounding = view;
+  sounding.sounds = true;
+  const auto red = [](const drawing::Pixels& picture) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+      count += picture.rgba[i] > 200 && picture.rgba[i + 1] < 120 ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(red(draw(view, 900, 620)), 0u);
+  EXPECT_GT(red(draw(sounding, 900, 620)), 1000u);
+  const auto places = button_places(view, 900, 620);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_LT(places[0].right, places[1].left);
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,56 @@
+// All shapes of a study as one scene.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "geometry/gltf/write.hpp"
+#include "geometry/solid.hpp"
+#include "setup/load.hpp"
+#include "sitting_bench.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+#include "viewer/study/shapes.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+class Shapes : public testing::Test {
+ protected:
+  const std::filesystem::path folder_ = test::scratch_folder("study-shapes");
+  const study::StudyPlan plan_ = study::read_plan(test::write_study_plan(folder_, ""));
+  const StudyShapes shapes_ = load_shapes(plan_);
+};
+
+TEST_F(Shapes, OneAtATimeIsWithinReach) {
+  geometry::write_glb(folder_ / "all.glb", shapes_.meshes);
+  const std::vector<geometry::Solid> solids = setup::load_solids((folder_ / "all.glb").string());
+  ASSERT_EQ(solids.size(), 2u);
+  const std::vector<std::string> names{solids[0].name, solids[1].name};
+  touch::PreparedSolids prepared = touch::prepare_solids(solids);
+  for (std::size_t shape = 0; shape < 2; ++shape) {
+    EXPECT_EQ(shape_of(names[shape]), shape);
+    const std::vector<Transform> poses = only(shape, names);
+    for (std::uint32_t s = 0; s < 2; ++s)
+      touch::set_pose(prepared, s, poses[s]);
+    // As if the other shape were not there.
+    const std::vector<geometry::Solid> alone = setup::load_solids(plan_.shapes[shape].model);
+    const Box box = touch::touchable_box(prepared), expected = touch::touchable_box(touch::prepare_solids(alone));
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(box.low[i], expected.low[i], 1e-6);
+      EXPECT_NEAR(box.high[i], expected.high[i], 1e-6);
+    }
+    EXPECT_NEAR(shapes_.shapes[shape].box.high.y, 0, 1e-6) << "the objects' top";
+  }
+}
+
+TEST_F(Shapes, TheLowestPointIsOverTheObject) {
+  const Box& cube = shapes_.shapes[0].box;
+  const std::vector<sensing::SkinPoint> points{
+      {{0, 0.01F, 0}, 0}, {{0.01F, -0.004F, 0.01F}, 1}, {{0.03F, -0.05F, 0}, 2}, {{0, 0, 0.03F}, 3}};
+  const auto lowest = lowest_point(points, cube);
+  ASSERT_TRUE(lowest);
+  EXPECT_NEAR(lowest->y, -0.004, 1e-7);
+  EXPECT_FALSE(lowest_point(std::span(points).subspan(2), cube)) << "beside the cube, whose half width is 20 mm";
+}
+
+}  // namespace
+}  // namespace palpa::viewer

@@ -1,0 +1,245 @@
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/json_writer.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "setup/ending.hpp"
+#include "setup/interrupt.hpp"
+#include "setup/load.hpp"
+#include "study/plan/plan_file.hpp"
+#include "viewer/options/monitor.hpp"
+#include "viewer/run/drawing_threads.hpp"
+#include "viewer/run/run.hpp"
+#include "viewer/run/stopper.hpp"
+#include "viewer/study/conductor.hpp"
+#include "viewer/study/participant_scene.hpp"
+#include "viewer/study/screens.hpp"
+#include "viewer/study/scripted_keys.hpp"
+#include "viewer/window/swapchain.hpp"
+#include "viewer/window/window.hpp"
+#include "viewer/window/window_surface.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// The plan, if a sitting can be run with it.
+study::StudyPlan plan_to_run(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
+  study::StudyPlan plan = study::read_plan(options.plan);
+  study::refuse_missing_files(plan);
+  check_study_links(plan, options, kinds);
+  constexpr double longest_touch_s = 1800;
+  for (const study::PlanBlock& block : plan.blocks) {
+    if (block.kind == study::BlockKind::rest || block.touch_s <= longest_touch_s) continue;
+    throw bad_usage(
+        fmt::format("{}: a touch of {:g} min is longer than a sitting can keep, 30 min: give touch_s at most "
+                    "1800",
+                    options.plan, block.touch_s / 60));
+  }
+  return plan;
+}
+
+study::EarLevel level_of(const study::StudyPlan& plan, const setup::StudyRunOptions& options) {
+  std::optional<array::Layout> placed;
+  if (!options.rig.empty() && sensing::load_rig(options.rig).array)
+    placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
+  const study::EarLevel level = study::predict_ear_level(plan, placed ? &*placed : nullptr);
+  if (!options.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
+    throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
+  study::refuse_loud(plan, level, options.override_by);
+  return level;
+}
+
+/// A window that shows pictures that were made for it.
+class Shown {
+ public:
+  Shown(const gpu::Device& device, Window& window)
+      : window_(&window), surface_(device, window), presenter_(device, surface_.get()) {}
+
+  /// Takes the window's events. If it was damaged, it is drawn again.
+  std::vector<WindowEvent> take() {
+    std::vector<WindowEvent> events = std::exchange(waited_, {});
+    window_->take(events);
+    const auto damages = [](const WindowEvent& event) { return event.kind == WindowEvent::Kind::damage; };
+    damaged_ = damaged_ || std::ranges::any_of(events, damages);
+    return events;
+  }
+  void wait(double timeout_s) { window_->wait(timeout_s, waited_); }
+  bool closing() const { return window_->closing(); }
+  VkExtent2D size() const { return window_->size(); }
+  bool damaged() const {
+    const VkExtent2D now = window_->size();
+    return damaged_ || now.width != size_.width || now.height != size_.height;
+  }
+  bool visible() const { return window_->size().width > 1 && window_->size().height > 1; }
+  void show(const drawing::Pixels& pixels) {
+    if (!presenter_.draw(pixels)) return;
+    size_ = {pixels.width, pixels.height};
+    damaged_ = false;
+  }
+
+ private:
+  Window* window_;
+  WindowSurface surface_;
+  Presenter presenter_;
+  std::vector<WindowEvent> waited_;
+  VkExtent2D size_{};
+  bool damaged_ = true;
+};
+
+/// Shows a view whenever it has changed, but not more often than `apart`.
+template <typename View, typename Draw>
+void show_changed(Shown& window, const View& view, std::optional<View>& shown, Clock::time_point& last,
+                  Clock::duration apart, Draw draw) {
+  if (!window.visible() || (shown == view && !window.damaged())) return;
+  const Clock::time_point now = Clock::now();
+  if (now - last < apart) return;
+  last = now;
+  window.show(draw(window.size()));
+  if (!window.damaged()) shown = view;
+}
+
+/// The participant's window: of the size that was asked for, on the monitor that was asked for, or on the last of
+/// several. On a single monitor, the experimenter must see their window, too.
+Window participant_window(const setup::StudyRunOptions& options) {
+  constexpr const char* title = "palpa participant";
+  const std::vector<std::string> monitors = Window::monitors();
+  if (options.size.empty() && (monitors.size() > 1 || !options.monitor.empty()))
+    return {chosen_monitor(monitors, options.monitor), title, true};
+  const setup::WindowSize size = setup::parse_window_size("--size", options.size.empty() ? "1280x800" : options.size);
+  return {WindowWish{.width = size.width, .height = size.height, .in_points = options.size.empty()}, title};
+}
+
+void report(const setup::StudyRunOptions& options, const Outputs& outputs, const Conductor& conductor) {
+  const study::Agenda& agenda = conductor.sitting().agenda();
+  if (!options.common.json.empty()) {
+    JsonWriter json;
+    json.begin_object()
+        .member("participant", *options.participant)
+        .member("complete", agenda.complete())
+        .member("void", agenda.voided())
+        .member("starts", agenda.starts())
+        .member("ended", agenda.finished())
+        .end_object();
+    write_file(options.common.json, json.take());
+  }
+  if (!setup::shows_summary(options.common, outputs)) return;
+  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {} starts; see {}{}\n",
+                              *options.participant, agenda.complete(), agenda.steps().size(), agenda.voided(),
+                              agenda.starts(), conductor.record().folder().beh().string(),
+                              agenda.finished() ? "" : "; the same command continues"));
+}
+
+/// Ends the program at once, without waiting for a device. The watch for signals may have decided how; then it has
+/// printed its line.
+[[noreturn]] void leave_at_once(const std::string& line, std::optional<log::Relay>& relay) {
+  if (setup::decide_ending(Exit::failed)) log::error(line);
+  relay.reset();
+  ::_exit(static_cast<int>(setup::ending()));
+}
+
+}  // namespace
+
+void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
+  const Outputs outputs({{"--json", options.common.json}});
+  const study::StudyPlan plan = plan_to_run(options, kinds);
+  ParticipantScene scene(plan, options.rig);
+  const StudyShapes shapes = load_shapes(plan);
+  Window panel({.width = 900,
+                .height = 620,
+                .in_points = true,
+                .instead = "a study needs one for its windows; palpa study rehearse needs none"},
+               "palpa experimenter");
+  Window window = participant_window(options);
+  const study::EarLevel level = level_of(plan, options);
+  std::optional<log::Relay> relay(std::in_place);  // nothing waits for the reader of the log
+  silence_at_exits();
+  const setup::Interrupt interrupt(
+      "ended without finishing, one second after the signal: a link, device or file did not answer", Window::wake);
+  DrawingThreads threads;
+  threads.give_way();
+  threads.expect();
+  gpu::DeviceOptions device_options = setup::device_options(options.common);
+  device_options.window_extensions = panel.extensions();
+  const gpu::Device device(device_options);
+  threads.have_begun();
+  Shown experimenter(device, panel), participant(device, window);
+  Conductor conductor(plan, options, shapes, level, kinds, setup::Interrupt::flag(), Window::wake);
+  log::release_warnings();
+  const SilentEnd silent_end(setup::Interrupt::flag());
+  std::optional<ScriptedKeys> script;
+  if (options.rehearse) script.emplace(*options.rehearse, options.common.seed);
+
+  std::optional<ParticipantView> shown_participant;
+  std::optional<ExperimenterView> shown_experimenter;
+  Clock::time_point participant_at{}, experimenter_at{};
+  std::string fault;  // of the last session that failed
+  bool leaves = false;
+  while (!leaves) {
+    experimenter.wait(script ? std::min(conductor.wait_s(), 0.02) : conductor.wait_s());
+    for (const WindowEvent& event : experimenter.take()) {
+      const VkExtent2D size = experimenter.size();
+      const auto places = button_places(conductor.experimenter_view(), size.width, size.height);
+      // At the end, the experimenter leaves.
+      const bool leaving_key =
+          event.kind == WindowEvent::Kind::key && event.down && (event.key == key_of('q') || event.key == Key::escape);
+      leaves = leaves || (conductor.over() && leaving_key);
+      conductor.experimenter(event, button_at(places, event.x, event.y));
+    }
+    for (const WindowEvent& event : participant.take()) {
+      const VkExtent2D size = participant.size();
+      const auto places = button_places(conductor.participant_view(), size.width, size.height);
+      conductor.participant(event, button_at(places, event.x, event.y));
+    }
+    if (experimenter.closing() || participant.closing()) {
+      conductor.stop();
+      break;
+    }
+    if (script) {
+      if (const std::optional<ScriptedPress> press = script->next(plan, conductor)) {
+        if (press->experimenter) conductor.experimenter(press->event, std::nullopt);
+        if (!press->experimenter) conductor.participant(press->event, std::nullopt);
+      }
+    }
+    conductor.advance();
+    if (!conductor.presentation().fault().empty()) fault = conductor.presentation().fault();
+    // Who is thanked can read it; who stopped the program need not wait.
+    if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
+    const ParticipantView view = conductor.participant_view();
+    show_changed(participant, view, shown_participant, participant_at, 0ms, [&](const VkExtent2D& size) {
+      const std::optional<drawing::Pixels> under = scene.draw(device, view, size.width, size.height);
+      return draw(view, size.width, size.height, under ? &*under : nullptr);
+    });
+    const ExperimenterView state = conductor.experimenter_view();
+    const bool at_once =
+        !shown_experimenter || shown_experimenter->state != state.state || shown_experimenter->sounds != state.sounds;
+    show_changed(experimenter, state, shown_experimenter, experimenter_at, at_once ? 0ms : 250ms,
+                 [&](const VkExtent2D& size) { return draw(state, size.width, size.height); });
+  }
+  if (!conductor.presentation().end(3s))
+    leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
+  report(options, outputs, conductor);
+  const study::Agenda& agenda = conductor.sitting().agenda();
+  if (agenda.finished()) return;
+  // After a signal, there is one second for everything, but releasing a window's device may take longer.
+  if (setup::Interrupt::signalled()) {
+    leave_at_once(fmt::format("stopped by a signal after {} of {} steps; the same command continues", agenda.complete(),
+                              agenda.steps().size()),
+                  relay);
+  }
+  if (script && !fault.empty()) throw failure(fault);
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,68 @@
+#include "viewer/run/study_line.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <string_view>
+
+#include "base/output_file.hpp"
+#include "base/version.hpp"
+#include "setup/help.hpp"
+#include "setup/parse.hpp"
+#include "setup/values.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+bool has_word(int argc, const char* const* argv, std::string_view word) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view given = argv[i];
+    if (given == word || (given.starts_with(word) && given.substr(word.size()).starts_with('='))) return true;
+  }
+  return false;
+}
+
+setup::HelpText study_help() {
+  return {.name = "palpa-viewer --study",
+          .arguments = "",
+          .summary = "a participant's sitting in front of an array; palpa study run starts it",
+          .usual = "--study --participant --out --source --link --rig --monitor --size --override --rehearse --hold",
+          .examples = "  palpa-viewer --study plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n",
+          .notes =
+              "docs/study.md explains the two windows. A sitting that was stopped is continued by the same command. "
+              "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input.",
+          .common = ""};
+}
+
+}  // namespace
+
+bool asks_for_study(int argc, const char* const* argv) {
+  return has_word(argc, argv, "--study");
+}
+
+std::optional<setup::StudyRunOptions> read_study_line(int argc, const char* const* argv) {
+  CLI::App app("", "palpa-viewer");
+  app.set_help_flag("-h,--help", "show this help and exit");
+  app.set_version_flag("--version", version(), "show the version and exit");
+  setup::StudyRunOptions options;
+  const setup::Group group(app, "Study");
+  group.text("--study", options.plan, "PLAN", "TOML file of the study");
+  setup::add_study_run_options(app, options);
+  setup::add_common(app, options.common);
+  if (has_word(argc, argv, "--help") || has_word(argc, argv, "-h")) {
+    write_file("-", setup::help_page(app, study_help(), setup::help_length(argc, argv)));
+    return std::nullopt;
+  }
+  try {
+    setup::parse(app, argc, argv);
+  } catch (const CLI::CallForVersion&) {
+    write_file("-", about_program("palpa-viewer"));
+    return std::nullopt;
+  }
+  setup::apply_logging(options.common);
+  setup::check(options);
+  setup::check(options.common);
+  return options;
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,344 @@
+#include "viewer/study/conductor.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/version.hpp"
+#include "geometry/gltf/write.hpp"
+#include "session/links/foci_file.hpp"
+#include "setup/interrupt.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+using study::Act;
+using study::Screen;
+
+/// If this program's thread stands still for longer, the array is silent until it goes on.
+constexpr std::chrono::milliseconds dead_man{500};
+
+bool begins(Screen screen) {
+  return screen == Screen::ready || screen == Screen::feedback;
+}
+
+/// Screens during which the next touch is prepared.
+bool prepares(Screen screen) {
+  return screen != Screen::paused && screen != Screen::end && screen != Screen::stopped;
+}
+
+bool masks(Screen screen) {
+  return begins(screen) || screen == Screen::touching || screen == Screen::between || screen == Screen::question;
+}
+
+}  // namespace
+
+Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
+                     const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
+                     std::function<void()> wake)
+    : plan_(&plan),
+      run_(&run),
+      shapes_(&shapes),
+      level_(level),
+      record_(plan, *run.participant, run.out, run.rehearse.has_value()),
+      masking_(plan.run.masking) {
+  record_.refuse_finished();
+  sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(),
+                                              study::Entry{.text = study::utc_now(),
+                                                           .version = version_and_commit(),
+                                                           .rehearsal = run.rehearse.has_value(),
+                                                           .masking = masking_.name()},
+                                              [this](const study::Entry& entry) { record_.add(entry); });
+  run_number_ = sitting_->agenda().starts();
+  sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
+  const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");
+  geometry::write_glb(scene, shapes.meshes);
+  finger_.emplace(record_.folder(), run_number_);
+  presentation_ = std::make_unique<Presentation>(plan, run, shapes, scene, kinds, stop, std::move(wake));
+}
+
+/// Times of the sitting count from its start.
+std::int64_t Conductor::ns_of(std::int64_t steady_ns) const {
+  return steady_ns - std::chrono::duration_cast<std::chrono::nanoseconds>(begin_.time_since_epoch()).count();
+}
+
+std::int64_t Conductor::now_ns() const {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - begin_).count();
+}
+
+// ---- what people do -----------------------------------------------------------------------------------------------
+
+/// Whether a touch under way ends by it.
+bool Conductor::silences(Act act) const {
+  if (sitting_->screen() != Screen::touching) return false;
+  const bool changes = act == Act::next_shape || act == Act::other_shape;
+  return !(changes && sitting_->block().kind == study::BlockKind::free);
+}
+
+/// Silence does not wait for the disk.
+void Conductor::act(Act act, std::int64_t at_ns) {
+  if (silences(act)) presentation_->close();
+  sitting_->act(act, at_ns);
+  follow_touch();
+}
+
+void Conductor::participant(const WindowEvent& event, std::optional<std::size_t> button) {
+  const bool key = event.kind == WindowEvent::Kind::key && event.down && !event.repeat;
+  const bool click = event.kind == WindowEvent::Kind::press;
+  if (!key && !click) return;
+  const std::int64_t at_ns = ns_of(event.at_ns);
+  if (key) button = button_of_key(static_cast<char>(event.key));
+  const bool ready_key = key && (event.key == Key::space || event.key == Key::enter);
+  switch (sitting_->screen()) {
+    case Screen::consent:
+    case Screen::depth_consent:
+      if (button == 0) act(Act::accept, at_ns);
+      if (button == 1) act(Act::decline, at_ns);
+      return;
+    case Screen::question:
+      if (button) sitting_->answer(*button, at_ns);
+      return;
+    case Screen::ready:
+      // Otherwise, the touch would begin in silence.
+      if ((ready_key || click) && (presentation_->ready() || sitting_->block().kind == study::BlockKind::rest))
+        act(Act::go_on, at_ns);
+      return;
+    case Screen::feedback:
+      if (ready_key || click) act(Act::go_on, at_ns);
+      return;
+    case Screen::touching:
+      if (key && (event.key == Key::right || event.key == Key::down)) return act(Act::next_shape, at_ns);
+      if (key && (event.key == Key::left || event.key == Key::up)) return act(Act::other_shape, at_ns);
+      return act(Act::any_key, at_ns);
+    case Screen::setup:
+    case Screen::between:
+    case Screen::rest:
+    case Screen::paused:
+    case Screen::end:
+    case Screen::stopped:
+      return;
+  }
+}
+
+void Conductor::experimenter(const WindowEvent& event, std::optional<std::size_t> button) {
+  const std::int64_t at_ns = ns_of(event.at_ns);
+  if (event.kind == WindowEvent::Kind::press) {
+    const ExperimenterView view = experimenter_view();
+    if (button && *button < view.buttons.size()) command(view.buttons[*button].command, at_ns);
+    return;
+  }
+  if (event.kind != WindowEvent::Kind::key || !event.down || event.repeat) return;
+  if (event.key == Key::space || event.key == Key::enter) command(Command::go_on, at_ns);
+  if (event.key == key_of('p')) command(Command::pause, at_ns);
+  if (event.key == key_of('q') || event.key == Key::escape) command(Command::stop, at_ns);
+}
+
+void Conductor::command(Command command, std::int64_t at_ns) {
+  switch (command) {
+    case Command::pause:
+      return act(Act::pause, at_ns);
+    case Command::stop:
+      return act(Act::stop, at_ns);
+    case Command::go_on:
+      break;
+  }
+  const Screen screen = sitting_->screen();
+  if (screen != Screen::setup && screen != Screen::paused) return;
+  // After a fault, the first press starts the session again.
+  const bool failed = std::exchange(told_fault_, false);
+  if (screen == Screen::setup && (failed || !presentation_->ready())) return;
+  act(Act::go_on, at_ns);
+}
+
+void Conductor::stop() {
+  act(Act::stop, now_ns());
+}
+
+// ---- what time does -----------------------------------------------------------------------------------------------
+
+std::string Conductor::next_file(const std::string& end) const {
+  return record_.folder().file(run_number_, fmt::format("_touch-{:03}{}", touches_, end)).string();
+}
+
+/// A touch begins or was broken off.
+void Conductor::follow_touch() {
+  const bool touching = sitting_->screen() == Screen::touching;
+  if (touching == touching_) return;
+  touching_ = touching;
+  const std::optional<study::Consent>& consent = sitting_->agenda().consent();
+  const bool keeps_depth = consent && consent->depth_frames;
+  if (touching) {
+    ++touches_;
+    presentation_->gate().forget();
+    if (keeps_depth) presentation_->record(next_file("_depth"));
+    return;
+  }
+  presentation_->close();
+  if (keeps_depth) presentation_->record("");
+}
+
+/// Everything that was played is on the disk before the sitting can go on.
+void Conductor::end_touch() {
+  presentation_->close();
+  const study::Presented presented = sitting_->presented();
+  const PlayedTouch played = presentation_->gate().take();
+  study::Stimulus stimulus{.model_sha256 = shapes_->shapes[presented.shape].model_sha256,
+                           .ceiling = plan_->level.ceiling,
+                           .drives_sha256 = played.drives_sha256,
+                           .drives = played.drives};
+  if (const auto scene = presentation_->scene(); scene && !played.frames.empty()) {
+    const std::string file = next_file("_foci.json");
+    const auto foci = session::open_foci_file(
+        file, {.layout = scene->layout, .solid_names = scene->solid_names, .slot_s = presentation_->slot_s()});
+    for (const PlayedFrame& frame : played.frames)
+      foci->plan({.schedule = frame.schedule, .slots = {.from = frame.from, .until = frame.until}});
+    foci->commit();
+    stimulus.foci_file = std::filesystem::path(file).filename().string();
+  }
+  finger_->flush(static_cast<double>(now_ns()) * 1e-9);
+  sitting_->played(std::move(stimulus));
+}
+
+void Conductor::advance() {
+  if (over()) {
+    presentation_->close();
+    return;
+  }
+  if (setup::Interrupt::signalled()) return stop();
+  if (prepares(sitting_->screen()) && sitting_->agenda().current() && !told_fault_) {
+    const study::Presented next = sitting_->presented();
+    presentation_->prepare(next.method, next.shape);
+  }
+  presentation_->look();
+  const std::int64_t now = now_ns();
+  if (!presentation_->fault().empty() && !std::exchange(told_fault_, true)) {
+    presentation_->close();
+    sitting_->fault(presentation_->fault(), now);
+    follow_touch();
+  }
+  if (const std::optional<double> depth = presentation_->deepest_m()) {
+    finger_->add(static_cast<double>(now) * 1e-9, study::FingerSample{*depth, *presentation_->lowest()});
+  } else {
+    finger_->add(static_cast<double>(now) * 1e-9, std::nullopt);
+  }
+  if (sitting_->screen() == Screen::touching) {
+    sitting_->captured(presentation_->deepest_m(), now);
+    if (now >= *sitting_->next_ns()) {
+      end_touch();
+      touching_ = false;
+      const std::optional<study::Consent>& consent = sitting_->agenda().consent();
+      if (consent && consent->depth_frames) presentation_->record("");
+    }
+  }
+  sitting_->advance(now);
+  follow_touch();
+  masking_.play(masks(sitting_->screen()));
+  if (sitting_->presented().sounds) {
+    const Clock::time_point end = begin_ + std::chrono::nanoseconds(*sitting_->next_ns());
+    presentation_->open(std::min(end, Clock::now() + dead_man));
+  } else {
+    presentation_->close();
+  }
+}
+
+double Conductor::wait_s() const {
+  constexpr double usual_s = 0.1;  // presses, frames and faults end a wait
+  const std::optional<std::int64_t> next = sitting_->next_ns();
+  if (!next) return usual_s;
+  return std::clamp(static_cast<double>(*next - now_ns()) * 1e-9, 1e-3, usual_s);
+}
+
+bool Conductor::over() const {
+  return sitting_->screen() == Screen::end || sitting_->screen() == Screen::stopped;
+}
+
+// ---- what is shown ------------------------------------------------------------------------------------------------
+
+ParticipantView Conductor::participant_view() const {
+  ParticipantView view{.screen = sitting_->screen(), .text = sitting_->text()};
+  view.object = sitting_->shows_object();
+  view.marker = sitting_->shows_marker() && sitting_->block().kind != study::BlockKind::rest;
+  view.shape = sitting_->presented().shape;
+  switch (view.screen) {
+    case Screen::consent:
+    case Screen::depth_consent:
+      view.buttons = {plan_->text(study::TextId::accept), plan_->text(study::TextId::decline)};
+      break;
+    case Screen::question:
+      view.buttons = sitting_->choices();
+      break;
+    case Screen::feedback:
+      view.hint = plan_->text(study::TextId::go_on);
+      break;
+    case Screen::ready: {
+      const bool ready = presentation_->ready() || sitting_->block().kind == study::BlockKind::rest;
+      view.hint = plan_->text(ready ? study::TextId::go_on : study::TextId::wait);
+      break;
+    }
+    default:
+      break;
+  }
+  return view;
+}
+
+ExperimenterView Conductor::experimenter_view() const {
+  static constexpr const char* names[] = {"set-up",         "consent page", "consent to depth images",
+                                          "ready to begin", "touch",        "between two touches",
+                                          "question",       "feedback",     "a break",
+                                          "paused",         "the end",      "stopped"};
+  const study::Agenda& agenda = sitting_->agenda();
+  ExperimenterView view;
+  view.title =
+      fmt::format("{} · participant {}{}", plan_->title, *run_->participant, run_->rehearse ? " · rehearsal" : "");
+  view.state = names[static_cast<std::size_t>(sitting_->screen())];
+  view.sounds = presentation_->gate().sounding();
+  const auto add = [&](const char* name, std::string value, bool warns = false) {
+    view.lines.push_back({name, std::move(value), warns});
+  };
+  add("steps", fmt::format("{} of {} complete, {} void", agenda.complete(), agenda.steps().size(), agenda.voided()));
+  if (agenda.current()) {
+    const study::Step& step = agenda.step(*agenda.current());
+    const study::Presented presented = sitting_->presented();
+    add("now",
+        fmt::format("step {}: {}", *agenda.current() + 1, word_of(study::block_words, plan_->blocks[step.block].kind)));
+    add("method", plan_->methods[step.method].name);
+    if (step.shape || plan_->blocks[step.block].kind == study::BlockKind::free)
+      add("shape", plan_->shapes[presented.shape].name);
+  }
+  const bool failed = !presentation_->fault().empty();
+  add("array",
+      failed                   ? presentation_->fault()
+      : presentation_->ready() ? fmt::format("{}, {:.0f} frames/s", run_->link, presentation_->rate_hz())
+                               : "is being prepared",
+      failed);
+  const std::optional<double> depth = presentation_->deepest_m();
+  add("finger", depth ? fmt::format("{:.0f} mm below the top", *depth * 1e3) : "not over the object",
+      depth && *depth > plan_->run.deep_m);
+  add("level",
+      fmt::format("{:.0f} dB predicted at the louder ear, limit {:.0f} dB", level_.loudest_db(), plan_->level.limit_db),
+      level_.loudest_db() > plan_->level.limit_db);
+  add("", fmt::format("{:.0f} dB equivalent for 8 h; reflections +-{:.0f} dB; ceiling {:g}", level_.equivalent_db(),
+                      study::reflections_db, plan_->level.ceiling));
+  std::string limits;
+  for (const study::EarLimit& limit : study::ear_limits())
+    limits += fmt::format("{}{:.0f} dB {} ({})", limits.empty() ? "" : "\n", limit.db, limit.who, limit.what);
+  for (std::size_t at = 0, line = 0; at < limits.size(); ++line) {
+    const std::size_t end = std::min(limits.find('\n', at), limits.size());
+    add(line == 0 ? "limits" : "", limits.substr(at, end - at));
+    at = end + 1;
+  }
+  add("masking", masking_.name(), masking_.name() == "off");
+  if (!sitting_->reason().empty()) add("reason", sitting_->reason(), true);
+  const Screen screen = sitting_->screen();
+  if (screen == Screen::setup || screen == Screen::paused)
+    view.buttons.push_back({Command::go_on, failed && screen == Screen::setup ? "try again" : "continue", "space"});
+  if (screen != Screen::setup && screen != Screen::paused && !over())
+    view.buttons.push_back({Command::pause, "pause", "P"});
+  if (!over()) view.buttons.push_back({Command::stop, "stop", "Q"});
+  return view;
+}
+
+}  // namespace palpa::viewer

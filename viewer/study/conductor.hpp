@@ -1,0 +1,84 @@
+// Runs a participant's sitting in front of an array: passes keys, depths, faults and the time to the sitting, lets the
+// array sound while the sitting says so, and writes what was played. It knows no window.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "setup/study_options.hpp"
+#include "study/plan/plan.hpp"
+#include "study/sitting/ear_level.hpp"
+#include "study/sitting/finger_recorder.hpp"
+#include "study/sitting/record.hpp"
+#include "study/sitting/sitting.hpp"
+#include "viewer/hands/controls.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/study/masking.hpp"
+#include "viewer/study/presentation.hpp"
+#include "viewer/study/views.hpp"
+
+namespace palpa::viewer {
+
+class Conductor {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Continues the participant, or begins. `level`: as predicted for this plan. The references must outlive it. Throws
+  /// as study::Record and Masking do.
+  Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
+            const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
+            std::function<void()> wake);
+
+  /// Keys and clicks in the participant's window. `button`: that the pointer is on.
+  void participant(const WindowEvent& event, std::optional<std::size_t> button);
+  /// The same for the experimenter's.
+  void experimenter(const WindowEvent& event, std::optional<std::size_t> button);
+  /// Silence, and the end. The same command continues.
+  void stop();
+
+  /// Call it every round of the program's loop: at least every wait_s().
+  void advance();
+  /// How long the loop may wait for events.
+  double wait_s() const;
+  /// Nothing follows any more.
+  bool over() const;
+
+  ParticipantView participant_view() const;
+  ExperimenterView experimenter_view() const;
+
+  const study::Sitting& sitting() const { return *sitting_; }
+  const study::Record& record() const { return record_; }
+  Presentation& presentation() { return *presentation_; }
+
+ private:
+  std::int64_t ns_of(std::int64_t steady_ns) const;
+  std::int64_t now_ns() const;
+  void act(study::Act act, std::int64_t at_ns);
+  void command(Command command, std::int64_t at_ns);
+  void end_touch();
+  void follow_touch();
+  std::string next_file(const std::string& end) const;
+  bool silences(study::Act act) const;
+
+  const study::StudyPlan* plan_;
+  const setup::StudyRunOptions* run_;
+  const StudyShapes* shapes_;
+  study::EarLevel level_;
+  study::Record record_;
+  Masking masking_;
+  Clock::time_point begin_ = Clock::now();
+  std::unique_ptr<study::Sitting> sitting_;
+  std::uint32_t run_number_ = 0;
+  std::unique_ptr<Presentation> presentation_;
+  std::optional<study::FingerRecorder> finger_;
+  bool touching_ = false;      ///< a touch is under way that was begun here
+  bool told_fault_ = false;    ///< the sitting knows of the presentation's fault
+  std::uint32_t touches_ = 0;  ///< of this run
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,102 @@
+#include "viewer/study/gate.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace palpa::viewer {
+namespace {
+
+bool sounds(std::span<const array::TransducerDrive> drive) {
+  return std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
+}
+
+void copy(const array::Schedule& from, array::Schedule& to) {
+  to.slot_s = from.slot_s;
+  to.time_s = from.time_s;
+  to.advance = from.advance;
+  to.voice_count = from.voice_count;
+  to.voices.assign(from.voices.begin(), from.voices.begin() + static_cast<std::ptrdiff_t>(from.voice_count));
+}
+
+}  // namespace
+
+void Gate::forget() {
+  const std::lock_guard lock(mutex_);
+  touch_ = {};
+  digest_ = {};
+}
+
+PlayedTouch Gate::take() {
+  const std::lock_guard lock(mutex_);
+  if (touch_.drives > 0) touch_.drives_sha256 = digest_.hex();
+  digest_ = {};
+  return std::exchange(touch_, {});
+}
+
+bool Gate::sounding(Clock::time_point now) const {
+  const Clock::rep last = last_sound_;
+  return last != closed && now - Clock::time_point(Clock::duration(last)) <= std::chrono::milliseconds(100);
+}
+
+void Gate::note(std::span<const array::TransducerDrive> drive, Clock::time_point now) {
+  static_assert(sizeof(array::TransducerDrive) == 2 * sizeof(float));
+  if (sounds(drive)) {
+    last_sound_ = now.time_since_epoch().count();
+    ++sounded_;
+  }
+  const std::lock_guard lock(mutex_);
+  ++touch_.drives;
+  digest_.add({reinterpret_cast<const char*>(drive.data()), drive.size_bytes()});
+}
+
+void Gate::note(const PlayedFrame& frame) {
+  const std::lock_guard lock(mutex_);
+  touch_.frames.push_back(frame);
+}
+
+GateLink::GateLink(std::unique_ptr<session::Link> link, Gate& gate) : link_(std::move(link)), gate_(&gate) {}
+
+/// A board that plays by its own clock would play its last plan on.
+void GateLink::shut(std::uint64_t slot) {
+  passing_ = false;
+  nothing_.slot_s = newest_.schedule.slot_s;
+  link_->plan({.schedule = nothing_, .slots = {.from = slot, .until = slot}});
+}
+
+void GateLink::plan(const session::PlayedPlan& plan) {
+  newest_.from = plan.slots.from;
+  newest_.until = plan.slots.until;
+  copy(plan.schedule, newest_.schedule);
+  if (!gate_->is_open()) {
+    shut(plan.slots.from);
+    return;
+  }
+  if (passing_) gate_->note(newest_);
+  link_->plan(plan);
+}
+
+void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+  const Gate::Clock::time_point now = Gate::Clock::now();
+  if (gate_->is_open(now)) {
+    // What sounds from here on began with an earlier plan.
+    if (!std::exchange(passing_, true)) gate_->note(newest_);
+    gate_->note(drive, now);
+    link_->send(slot, drive);
+    return;
+  }
+  if (passing_) shut(slot);
+  silence_.assign(drive.size(), {});
+  link_->send(slot, silence_);
+}
+
+std::vector<session::LinkKind> behind_gate(std::vector<session::LinkKind> kinds, Gate& gate) {
+  for (session::LinkKind& kind : kinds) {
+    kind.open = [open = std::move(kind.open), &gate](const std::string& argument, const session::LinkSetting& setting) {
+      return std::make_unique<GateLink>(open(argument, setting), gate);
+    };
+  }
+  return kinds;
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,95 @@
+// The gate between a live session and the array during a study. It lets sound through only until a moment that the
+// study's thread renews again and again. If that thread stands still, the array falls silent.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/schedule.hpp"
+#include "base/sha256.hpp"
+#include "session/links/link.hpp"
+
+namespace palpa::viewer {
+
+/// What sounded from one frame on.
+struct PlayedFrame {
+  std::uint64_t from = 0, until = 0;  ///< slots, see session::Slots
+  array::Schedule schedule;           ///< only its valid voices
+};
+
+/// What went through the gate in one touch.
+struct PlayedTouch {
+  std::uint64_t drives = 0;  ///< also those that are silent, for example between the crests of a modulation
+  /// The digest of these drives: for each transducer, amplitude and phase as 32-bit floats, in layout order. Empty
+  /// without drives.
+  std::string drives_sha256{};
+  std::vector<PlayedFrame> frames{};
+};
+
+/// One thread opens, closes and takes; the links' output threads pass through.
+class Gate {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Lets sound through until then. Replaces an earlier moment.
+  void open(Clock::time_point until) { until_ = until.time_since_epoch().count(); }
+  /// Only silence passes from now on. A drive that is just being sent is the last one that may sound.
+  void close() { until_ = closed; }
+  bool is_open(Clock::time_point now = Clock::now()) const { return now.time_since_epoch().count() < until_; }
+
+  /// Forgets what has passed so far.
+  void forget();
+  /// What has passed since forget(). Call it when the gate is closed.
+  PlayedTouch take();
+  /// Whether a drive that sounds has passed within the last 100 ms.
+  bool sounding(Clock::time_point now = Clock::now()) const;
+  /// How many drives that sound have passed altogether.
+  std::uint64_t sounded() const { return sounded_; }
+
+ private:
+  friend class GateLink;
+  static constexpr Clock::rep closed = Clock::time_point::min().time_since_epoch().count();
+
+  void note(std::span<const array::TransducerDrive> drive, Clock::time_point now);
+  void note(const PlayedFrame& frame);
+
+  std::atomic<Clock::rep> until_{closed}, last_sound_{closed};
+  std::atomic<std::uint64_t> sounded_{0};
+  std::mutex mutex_;
+  PlayedTouch touch_;
+  Sha256 digest_;
+};
+
+/// Plays to another link what the gate lets through, and silence while it is closed. The gate must outlive it.
+class GateLink final : public session::Link {
+ public:
+  GateLink(std::unique_ptr<session::Link> link, Gate& gate);
+
+  void plan(const session::PlayedPlan& plan) override;
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
+  bool plays_plans() const override { return link_->plays_plans(); }
+  void finish() override { link_->finish(); }
+  std::optional<session::Carried> carried() const override { return link_->carried(); }
+
+ private:
+  void shut(std::uint64_t slot);
+
+  std::unique_ptr<session::Link> link_;
+  Gate* gate_;
+  bool passing_ = false;  ///< the link's last plan and drive may sound
+  PlayedFrame newest_;    ///< of the last plan
+  array::Schedule nothing_;
+  array::Drive silence_;
+};
+
+/// The same kinds of links, behind the gate.
+std::vector<session::LinkKind> behind_gate(std::vector<session::LinkKind> kinds, Gate& gate);
+
+}  // namespace palpa::viewer

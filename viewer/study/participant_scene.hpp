@@ -1,0 +1,36 @@
+// The objects of a study as the participant sees them on the rig's screen: the marker tile, and in the familiarisation
+// the shape.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/device.hpp"
+#include "sensing/rig.hpp"
+#include "study/plan/plan.hpp"
+#include "viewer/render/offscreen.hpp"
+#include "viewer/render/participant.hpp"
+#include "viewer/study/views.hpp"
+
+namespace palpa::viewer {
+
+class ParticipantScene {
+ public:
+  /// The screen is that of the rig; without a rig, that of the paper's. Throws bad_input for a rig without a screen,
+  /// and as setup::load_solids does.
+  ParticipantScene(const study::StudyPlan& plan, const std::string& rig);
+
+  const Participant& setting() const { return participant_; }
+  /// A picture of that size; nullopt if the view shows neither object nor marker.
+  std::optional<drawing::Pixels> draw(const gpu::Device& device, const ParticipantView& view, std::uint32_t width,
+                                      std::uint32_t height);
+
+ private:
+  Participant participant_;
+  std::vector<Picture> pictures_;  ///< of each shape
+  std::optional<Offscreen> eye_;
+};
+
+}  // namespace palpa::viewer

@@ -1,0 +1,192 @@
+#include "viewer/study/presentation.hpp"
+
+#include <fmt/core.h>
+
+#include <thread>
+#include <utility>
+
+#include "base/error.hpp"
+#include "sensing/rig.hpp"
+#include "session/links/link.hpp"
+#include "setup/interrupt.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+/// Poses that are set while a frame is planned hold from the next frame on, and another one may already be under way.
+constexpr std::uint64_t frames_until_placed = 3;
+/// Without a newer look at the skin, nobody knows how deep the finger is.
+constexpr std::chrono::milliseconds longest_unseen{500};
+
+}  // namespace
+
+setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t method,
+                                     const setup::StudyRunOptions& run, const std::string& scene) {
+  const study::PlanMethod& own = plan.methods[method];
+  setup::LiveOptions options;
+  options.common = run.common;
+  options.common.json.clear();
+  options.scene = scene;
+  options.source = run.source;
+  options.rig.rig = run.rig;
+  const bool placed_by_rig = !run.rig.empty() && sensing::load_rig(run.rig).array.has_value();
+  if (!placed_by_rig) options.rig.layout = own.layout;
+  options.link = run.link;
+  options.board_files = run.board_files;
+  options.touch.parameters.delta_m = own.delta_m;
+  options.touch.parameters.foci = own.foci;
+  options.touch.stride = own.stride;
+  options.touch.dwell_s = own.dwell_s;
+  options.touch.modulation_hz = own.modulation_hz;
+  options.touch.method.method = own.method;
+  options.touch.method_given = true;
+  options.axes = plan.run.axes;
+  options.smoothing = plan.run.smoothing;
+  options.hysteresis = plan.run.hysteresis;
+  options.predict = plan.run.predict ? session::Predict::automatic : session::Predict::off;
+  options.safety.ceiling = plan.level.ceiling;
+  options.hold_s = run.hold_s;
+  options.hold_auto = run.hold_auto;
+  return options;
+}
+
+void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
+                       const LiveSession::Kinds& kinds) {
+  const std::vector<session::LinkKind> links = setup::with_builtin(kinds.links);
+  if (!session::file_of_link(run.link, links).empty()) {
+    throw bad_usage(
+        fmt::format("--link {}: a study does not play into a file, because every method would begin it again; the foci "
+                    "of each touch "
+                    "are written anyway",
+                    run.link));
+  }
+  if (run.rig.empty()) return;
+  const sensing::Rig rig = sensing::load_rig(run.rig);
+  if (!rig.array) return;
+  for (const study::PlanMethod& method : plan.methods) {
+    if (method.layout == rig.array->layout) continue;
+    throw bad_usage(
+        fmt::format("{}: its array is {}, but method {} of {} needs {}: give a rig with this array, or one "
+                    "without an array",
+                    run.rig, rig.array->layout, method.name, plan.file, method.layout));
+  }
+}
+
+Presentation::Presentation(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
+                           std::filesystem::path scene, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
+                           std::function<void()> wake)
+    : plan_(&plan),
+      run_(&run),
+      shapes_(&shapes),
+      scene_file_(std::move(scene)),
+      kinds_{kinds.sources, behind_gate(setup::with_builtin(kinds.links), gate_)},
+      stop_(&stop),
+      wake_(std::move(wake)) {}
+
+Presentation::~Presentation() {
+  gate_.close();
+}
+
+void Presentation::prepare(std::size_t method, std::size_t shape) {
+  const bool other = method_ != method || shape_ != shape || !fault_.empty() || !wanted_;
+  if (!other) return;
+  gate_.close();
+  method_ = method;
+  shape_ = shape;
+  wanted_ = true;
+  fault_.clear();
+  if (session_ && !session_->over() && session_method_ != method_) session_->all_off();
+  look();
+}
+
+/// The run of a failed session has set the flag.
+void Presentation::start() {
+  if (setup::Interrupt::signalled()) return;
+  session_.reset();
+  *stop_ = false;
+  if (setup::Interrupt::signalled()) *stop_ = true;
+  session_method_ = method_;
+  placed_.reset();
+  since_.reset();
+  newest_ = 0;
+  lowest_.reset();
+  seen_at_.reset();
+  session_ = std::make_unique<LiveSession>(options_of_method(*plan_, *method_, *run_, scene_file_.string()), kinds_,
+                                           *stop_, wake_);
+}
+
+void Presentation::place() {
+  const auto scene = session_->scene();
+  if (!scene || placed_ == shape_) return;
+  session_->place(only(*shape_, scene->solid_names));
+  placed_ = shape_;
+  since_.reset();
+  lowest_.reset();
+  seen_at_.reset();
+}
+
+void Presentation::look() {
+  if (!wanted_ || !fault_.empty()) return;
+  if (session_ && session_->over()) {
+    const bool asked = session_method_ != method_;
+    if (!asked) {
+      gate_.close();
+      fault_ = session_->fault().empty() ? "the source of frames has ended" : session_->fault();
+      session_.reset();
+      return;
+    }
+    session_.reset();
+  }
+  if (!session_) start();
+  if (!session_ || session_method_ != method_) return;
+  session_->look();
+  place();
+  if (session_->take()) {
+    newest_ = session_->snapshot().sequence;
+    rate_hz_ = session_->snapshot().numbers.rate_hz;
+    if (placed_ && !since_) since_ = newest_ + frames_until_placed;
+  }
+  if (session_->take_seen() && since_ && session_->seen().sequence >= *since_) {
+    lowest_ = lowest_point(session_->seen().skin.points, shapes_->shapes[*shape_].box);
+    seen_at_ = Clock::now();
+  }
+}
+
+bool Presentation::ready() const {
+  return session_ && fault_.empty() && session_method_ == method_ && placed_ == shape_ && since_ &&
+         newest_ >= *since_ && seen_at_ && Clock::now() - *seen_at_ < longest_unseen;
+}
+
+void Presentation::open(Clock::time_point until) {
+  if (ready()) {
+    gate_.open(until);
+  } else {
+    gate_.close();
+  }
+}
+
+std::optional<double> Presentation::deepest_m() const {
+  if (!lowest_ || !shape_) return std::nullopt;
+  return shapes_->shapes[*shape_].box.high.y - lowest_->y;
+}
+
+double Presentation::slot_s() const {
+  return method_ ? plan_->methods[*method_].dwell_s : 1.5e-3;
+}
+
+void Presentation::record(const std::string& folder) {
+  if (session_) session_->record(folder);
+}
+
+bool Presentation::end(std::chrono::milliseconds patience) {
+  gate_.close();
+  wanted_ = false;
+  if (!session_) return true;
+  session_->all_off();
+  const Clock::time_point until = Clock::now() + patience;
+  while (!session_->over() && Clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return session_->over();
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,103 @@
+// What a participant feels: a live session for one method of the plan, with one shape within reach, and the gate that
+// lets it sound.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "setup/live_run.hpp"
+#include "setup/study_options.hpp"
+#include "study/plan/plan.hpp"
+#include "viewer/live/live_session.hpp"
+#include "viewer/study/gate.hpp"
+#include "viewer/study/shapes.hpp"
+
+namespace palpa::viewer {
+
+/// The options of a live run for one method of the plan. `scene`: the file with all shapes.
+setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t method,
+                                     const setup::StudyRunOptions& run, const std::string& scene);
+
+/// Throws bad_usage for a link that writes a file, because every method would replace it; and if the rig has another
+/// array than a method of the plan.
+void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
+                       const LiveSession::Kinds& kinds);
+
+class Presentation {
+ public:
+  using Clock = Gate::Clock;
+
+  /// `stop` is the flag of the runs; signals set it, too. `wake` is called from other threads when there is something
+  /// new. The references must outlive it. Starts nothing yet.
+  Presentation(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
+               std::filesystem::path scene, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
+               std::function<void()> wake);
+  /// Closes the gate and ends the session.
+  ~Presentation();
+  Presentation(const Presentation&) = delete;
+  Presentation& operator=(const Presentation&) = delete;
+
+  /// Wants this shape with this method. Starts a session if the method's is not under way, also after a fault. Closes
+  /// the gate if anything changes.
+  void prepare(std::size_t method, std::size_t shape);
+  /// Takes what the session has seen, and starts the next session if the last one is over. Call it every round.
+  void look();
+  /// Frames come, and those of the wanted shape are played.
+  bool ready() const;
+  /// Why the session ended although nobody asked for it; empty while all is well. prepare() forgets it.
+  const std::string& fault() const { return fault_; }
+
+  /// Lets it sound until then, if it is ready. Call it again and again.
+  void open(Clock::time_point until);
+  void close() { gate_.close(); }
+  Gate& gate() { return gate_; }
+  const Gate& gate() const { return gate_; }
+
+  /// The lowest captured point over the object, in the newest frame that was looked at; nullopt if there was none.
+  const std::optional<Vec3>& lowest() const { return lowest_; }
+  /// How far it is below the top of the object.
+  std::optional<double> deepest_m() const;
+  /// What the session uses, while it runs; nullptr otherwise.
+  std::shared_ptr<const LiveScene> scene() const { return session_ ? session_->scene() : nullptr; }
+  double rate_hz() const { return rate_hz_; }
+  /// Duration of a slot of the wanted method.
+  double slot_s() const;
+
+  /// From now on, depth images go to that new folder; empty: no more.
+  void record(const std::string& folder);
+
+  /// Silence and the end of the session. Returns whether it is over after at most that time.
+  bool end(std::chrono::milliseconds patience);
+
+ private:
+  void start();
+  void place();
+
+  const study::StudyPlan* plan_;
+  const setup::StudyRunOptions* run_;
+  const StudyShapes* shapes_;
+  std::filesystem::path scene_file_;
+  LiveSession::Kinds kinds_;
+  std::atomic<bool>* stop_;
+  std::function<void()> wake_;
+  Gate gate_;
+  std::unique_ptr<LiveSession> session_;
+  std::optional<std::size_t> method_, shape_;  ///< that are wanted
+  std::optional<std::size_t> session_method_, placed_;
+  std::uint64_t newest_ = 0;            ///< sequence of the newest frame that was planned
+  std::optional<std::uint64_t> since_;  ///< frames from here on have the shape that is placed
+  bool wanted_ = false;                 ///< a session should be under way
+  std::string fault_;
+  std::optional<Vec3> lowest_;
+  std::optional<Clock::time_point> seen_at_;
+  double rate_hz_ = 0;
+};
+
+}  // namespace palpa::viewer

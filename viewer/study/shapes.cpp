@@ -1,0 +1,65 @@
+#include "viewer/study/shapes.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <glm/ext/matrix_transform.hpp>
+#include <utility>
+
+#include "base/sha256.hpp"
+#include "touch/contacts/prepared_solids.hpp"
+
+namespace palpa::viewer {
+
+StudyShapes load_shapes(const study::StudyPlan& plan) {
+  StudyShapes all;
+  std::uint32_t group = 0;
+  for (std::size_t shape = 0; shape < plan.shapes.size(); ++shape) {
+    StudyShape& own = all.shapes.emplace_back();
+    own.model_sha256 = sha256_of_file(plan.shapes[shape].model).sha256;
+    std::uint32_t groups = 0;
+    for (geometry::SceneMesh& mesh : geometry::load_gltf(plan.shapes[shape].model).meshes) {
+      mesh.name = solid_name(plan, shape);
+      mesh.copy.reset();
+      if (mesh.part) {
+        groups = std::max(groups, mesh.part->group + 1);
+        mesh.part->solid = mesh.name;
+        mesh.part->group += group;
+      }
+      for (const Vec3& position : mesh.mesh.positions)
+        own.box.add(position);
+      all.meshes.push_back(std::move(mesh));
+      all.shape_of_mesh.push_back(static_cast<std::uint32_t>(shape));
+    }
+    group += groups;
+  }
+  return all;
+}
+
+std::string solid_name(const study::StudyPlan& plan, std::size_t shape) {
+  return fmt::format("{} {}", shape, plan.shapes[shape].name);
+}
+
+std::size_t shape_of(const std::string& solid_name) {
+  return static_cast<std::size_t>(std::strtoul(solid_name.c_str(), nullptr, 10));
+}
+
+std::vector<Transform> only(std::size_t shape, std::span<const std::string> solid_names) {
+  const Transform away = glm::translate(Transform(1.0), Vec3(0, 10 * touch::out_of_reach_m, 0));
+  std::vector<Transform> poses;
+  for (const std::string& name : solid_names)
+    poses.push_back(shape_of(name) == shape ? Transform(1.0) : away);
+  return poses;
+}
+
+std::optional<Vec3> lowest_point(std::span<const sensing::SkinPoint> points, const Box& box) {
+  std::optional<Vec3> lowest;
+  for (const sensing::SkinPoint& point : points) {
+    const Vec3 p(point.position);
+    if (p.x < box.low.x || p.x > box.high.x || p.z < box.low.z || p.z > box.high.z) continue;
+    if (!lowest || p.y < lowest->y) lowest = p;
+  }
+  return lowest;
+}
+
+}  // namespace palpa::viewer

@@ -1,0 +1,45 @@
+// All shapes of a study as one scene, of which one shape at a time is within reach. A session then changes the shape
+// from one frame to the next, without loading anything.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/math.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "sensing/skin_point.hpp"
+#include "study/plan/plan.hpp"
+
+namespace palpa::viewer {
+
+/// One shape of the plan.
+struct StudyShape {
+  std::string model_sha256;
+  Box box;  ///< around its meshes, metres, world
+};
+
+struct StudyShapes {
+  std::vector<StudyShape> shapes;            ///< as in the plan
+  std::vector<geometry::SceneMesh> meshes;   ///< of all shapes; each is named after its shape
+  std::vector<std::uint32_t> shape_of_mesh;  ///< of each mesh
+};
+
+/// Reads the models. Throws as geometry::load_gltf does.
+StudyShapes load_shapes(const study::StudyPlan& plan);
+
+/// The name of the solids of a shape in the scene: "2 pyramid" for the third shape.
+std::string solid_name(const study::StudyPlan& plan, std::size_t shape);
+/// The shape of a solid of the scene, by its name.
+std::size_t shape_of(const std::string& solid_name);
+
+/// The pose of each solid with which only one shape is within reach.
+std::vector<Transform> only(std::size_t shape, std::span<const std::string> solid_names);
+
+/// The lowest skin point over or in the object: within its box seen from above.
+std::optional<Vec3> lowest_point(std::span<const sensing::SkinPoint> points, const Box& box);
+
+}  // namespace palpa::viewer
