@@ -155,7 +155,7 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
 void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
   const Outputs outputs({{"--json", options.common.json}});
   const study::StudyPlan plan = plan_to_run(options, kinds);
-  ParticipantScene scene(plan, options.rig);
+  const ParticipantScene scene(plan, options.rig);
   const StudyShapes shapes = load_shapes(plan);
   Window panel({.width = 900,
                 .height = 620,
@@ -175,6 +175,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   device_options.window_extensions = panel.extensions();
   const gpu::Device device(device_options);
   threads.have_begun();
+  std::optional<Offscreen> eye;
   Shown experimenter(device, panel), participant(device, window);
   Conductor conductor(plan, options, shapes, level, kinds, setup::Interrupt::flag(), Window::wake);
   log::release_warnings();
@@ -219,7 +220,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
     if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
     const ParticipantView view = conductor.participant_view();
     show_changed(participant, view, shown_participant, participant_at, 0ms, [&](const VkExtent2D& size) {
-      const std::optional<drawing::Pixels> under = scene.draw(device, view, size.width, size.height);
+      const std::optional<drawing::Pixels> under = scene.draw(device, eye, view, size.width, size.height);
       return draw(view, size.width, size.height, under ? &*under : nullptr);
     });
     const ExperimenterView state = conductor.experimenter_view();

@@ -1,15 +1,10 @@
 #include "viewer/study/gate.hpp"
 
-#include <algorithm>
 #include <string_view>
 #include <utility>
 
 namespace palpa::viewer {
 namespace {
-
-bool sounds(std::span<const array::TransducerDrive> drive) {
-  return std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
-}
 
 void copy(const array::Schedule& from, array::Schedule& to) {
   to.slot_s = from.slot_s;
@@ -41,7 +36,7 @@ bool Gate::sounding(Clock::time_point now) const {
 
 void Gate::note(std::span<const array::TransducerDrive> drive, Clock::time_point now) {
   static_assert(sizeof(array::TransducerDrive) == 2 * sizeof(float));
-  if (sounds(drive)) {
+  if (session::sounds(drive)) {
     last_sound_ = now.time_since_epoch().count();
     ++sounded_;
   }
@@ -69,6 +64,7 @@ void GateLink::plan(const session::PlayedPlan& plan) {
   newest_.until = plan.slots.until;
   copy(plan.schedule, newest_.schedule);
   if (!gate_->is_open()) {
+    withheld_.plans += plan.schedule.voice_count > 0 ? 1 : 0;
     shut(plan.slots.from);
     return;
   }
@@ -86,8 +82,23 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
     return;
   }
   if (passing_) shut(slot);
+  withheld_.drives += session::sounds(drive) ? 1 : 0;
   silence_.assign(drive.size(), {});
   link_->send(slot, silence_);
+}
+
+/// Drives and plans that the gate withheld are not lost.
+std::optional<session::Carried> GateLink::carried() const {
+  std::optional<session::Carried> carried = link_->carried();
+  if (!carried) return carried;
+  const auto add = [&](session::Passed& passed) {
+    passed.drives += withheld_.drives;
+    passed.plans += withheld_.plans;
+  };
+  if (carried->guard) add(*carried->guard);
+  add(carried->submitted);
+  add(carried->completed);
+  return carried;
 }
 
 std::vector<session::LinkKind> behind_gate(std::vector<session::LinkKind> kinds, Gate& gate) {

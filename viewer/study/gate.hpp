@@ -14,6 +14,7 @@
 
 #include "array/schedule.hpp"
 #include "base/sha256.hpp"
+#include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 
 namespace palpa::viewer {
@@ -76,13 +77,14 @@ class GateLink final : public session::Link {
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   bool plays_plans() const override { return link_->plays_plans(); }
   void finish() override { link_->finish(); }
-  std::optional<session::Carried> carried() const override { return link_->carried(); }
+  std::optional<session::Carried> carried() const override;
 
  private:
   void shut(std::uint64_t slot);
 
   std::unique_ptr<session::Link> link_;
   Gate* gate_;
+  session::Passed withheld_;
   bool passing_ = false;  ///< the link's last plan and drive may sound
   PlayedFrame newest_;    ///< of the last plan
   array::Schedule nothing_;

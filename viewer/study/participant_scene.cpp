@@ -16,8 +16,9 @@ ParticipantScene::ParticipantScene(const study::StudyPlan& plan, const std::stri
     show_solids(pictures_.emplace_back(), setup::load_solids(shape.model));
 }
 
-std::optional<drawing::Pixels> ParticipantScene::draw(const gpu::Device& device, const ParticipantView& view,
-                                                      std::uint32_t width, std::uint32_t height) {
+std::optional<drawing::Pixels> ParticipantScene::draw(const gpu::Device& device, std::optional<Offscreen>& eye,
+                                                      const ParticipantView& view, std::uint32_t width,
+                                                      std::uint32_t height) const {
   if (!view.marker && !view.object) return std::nullopt;
   ViewState state;
   state.dark = true;
@@ -26,8 +27,8 @@ std::optional<drawing::Pixels> ParticipantScene::draw(const gpu::Device& device,
   const Picture& picture = pictures_[view.shape];
   DrawnPicture drawn(device);
   drawn.update(picture, state);
-  if (!eye_ || eye_->width() != width || eye_->height() != height) eye_.emplace(device, width, height);
-  return viewer::draw(participant_, extent(picture, Extent::objects, state), width, height, *eye_, drawn);
+  if (!eye || eye->width() != width || eye->height() != height) eye.emplace(device, width, height);
+  return viewer::draw(participant_, extent(picture, Extent::objects, state), width, height, *eye, drawn);
 }
 
 }  // namespace palpa::viewer

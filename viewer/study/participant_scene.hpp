@@ -23,14 +23,14 @@ class ParticipantScene {
   ParticipantScene(const study::StudyPlan& plan, const std::string& rig);
 
   const Participant& setting() const { return participant_; }
-  /// A picture of that size; nullopt if the view shows neither object nor marker.
-  std::optional<drawing::Pixels> draw(const gpu::Device& device, const ParticipantView& view, std::uint32_t width,
-                                      std::uint32_t height);
+  /// A picture of that size; nullopt if the view shows neither object nor marker. `eye` is used again from call to
+  /// call, and must end before the device.
+  std::optional<drawing::Pixels> draw(const gpu::Device& device, std::optional<Offscreen>& eye,
+                                      const ParticipantView& view, std::uint32_t width, std::uint32_t height) const;
 
  private:
   Participant participant_;
   std::vector<Picture> pictures_;  ///< of each shape
-  std::optional<Offscreen> eye_;
 };
 
 }  // namespace palpa::viewer

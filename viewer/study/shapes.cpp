@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "base/sha256.hpp"
@@ -53,13 +55,23 @@ std::vector<Transform> only(std::size_t shape, std::span<const std::string> soli
 }
 
 std::optional<Vec3> lowest_point(std::span<const sensing::SkinPoint> points, const Box& box) {
-  std::optional<Vec3> lowest;
+  std::vector<Vec3> inside;
   for (const sensing::SkinPoint& point : points) {
     const Vec3 p(point.position);
-    if (p.x < box.low.x || p.x > box.high.x || p.z < box.low.z || p.z > box.high.z) continue;
-    if (!lowest || p.y < lowest->y) lowest = p;
+    if (p.x < box.low.x || p.x > box.high.x || p.z < box.low.z || p.z > box.high.z || p.y < box.low.y) continue;
+    inside.push_back(p);
   }
-  return lowest;
+  std::ranges::sort(inside, {}, &Vec3::y);
+  // The points around the lowest one come next to it in this order.
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    std::size_t around = 0;
+    for (std::size_t k = i + 1; k < inside.size() && inside[k].y - inside[i].y <= neighbour_m; ++k) {
+      const Vec3 way = inside[k] - inside[i];
+      around += glm::dot(way, way) <= neighbour_m * neighbour_m ? 1 : 0;
+      if (around >= least_neighbours) return inside[i];
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpa::viewer

@@ -2,6 +2,7 @@
 // from one frame to the next, without loading anything.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -39,7 +40,12 @@ std::size_t shape_of(const std::string& solid_name);
 /// The pose of each solid with which only one shape is within reach.
 std::vector<Transform> only(std::size_t shape, std::span<const std::string> solid_names);
 
-/// The lowest skin point over or in the object: within its box seen from above.
+/// A depth camera sees single points between a finger and what is behind it (flying pixels). A point on skin has at
+/// least this many others around it, this near.
+inline constexpr std::size_t least_neighbours = 10;
+inline constexpr double neighbour_m = 4e-3;
+
+/// The lowest point of skin over or in the object: within its box seen from above, not below its bottom.
 std::optional<Vec3> lowest_point(std::span<const sensing::SkinPoint> points, const Box& box);
 
 }  // namespace palpa::viewer

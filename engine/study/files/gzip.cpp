@@ -71,7 +71,7 @@ std::string gzip_of(std::string_view bytes) {
   stream.next_out = reinterpret_cast<Bytef*>(packed.data());
   stream.avail_out = static_cast<uInt>(packed.size());
   const int code = deflate(&stream, Z_FINISH);
-  packed.resize(packed.size() - stream.avail_out);
+  packed.erase(std::min<std::size_t>(packed.size(), stream.total_out));
   deflateEnd(&stream);
   if (code != Z_STREAM_END) throw failure("zlib cannot pack: not enough memory");
   return packed;

@@ -51,6 +51,7 @@ inline constexpr const char* all_blocks = R"(
 kind = "familiarise"
 [[block]]
 kind = "free"
+touch_s = 0.1
 [[block]]
 kind = "practice"
 shapes = ["cube"]

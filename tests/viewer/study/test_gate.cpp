@@ -108,6 +108,22 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
   EXPECT_EQ(gate_.take().drives, 0u) << "taken";
 }
 
+/// A run warns of drives that were lost on their way, but these were not to arrive.
+TEST_F(GateTest, WhatItWithholdsIsNotLost) {
+  auto heard = std::make_shared<test::Heard>();
+  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
+  drive_[0].amplitude = 1;
+  link.plan({.schedule = schedule_, .slots = {.from = 0, .until = 10}});
+  link.send(0, drive_);
+  link.send(1, drive_);
+  gate_.open(later());
+  link.send(2, drive_);
+  EXPECT_EQ(heard->sounding, 1u);
+  ASSERT_TRUE(link.carried());
+  EXPECT_EQ(link.carried()->completed.drives, 3u);
+  EXPECT_EQ(link.carried()->submitted.drives, 3u);
+}
+
 TEST_F(GateTest, StandsBeforeLinksOfEveryKind) {
   auto heard = std::make_shared<test::Heard>();
   const std::vector<session::LinkKind> kinds = behind_gate({test::heard_link(heard)}, gate_);

@@ -44,12 +44,26 @@ TEST_F(Shapes, OneAtATimeIsWithinReach) {
 
 TEST_F(Shapes, TheLowestPointIsOverTheObject) {
   const Box& cube = shapes_.shapes[0].box;
-  const std::vector<sensing::SkinPoint> points{
-      {{0, 0.01F, 0}, 0}, {{0.01F, -0.004F, 0.01F}, 1}, {{0.03F, -0.05F, 0}, 2}, {{0, 0, 0.03F}, 3}};
+  std::vector<sensing::SkinPoint> points;
+  const auto add_skin = [&](const glm::vec3& lowest) {
+    for (int i = 0; i < 36; ++i)
+      points.push_back(
+          {lowest +
+               glm::vec3(static_cast<float>(i % 6), 0.2F * static_cast<float>(i), static_cast<float>(i / 6)) * 1e-3F,
+           0});
+  };
+  add_skin({0.03F, -0.01F, 0});
+  EXPECT_FALSE(lowest_point(points, cube)) << "beside the cube, whose half width is 20 mm";
+  add_skin({0, -0.043F, 0});
+  const auto deep = lowest_point(points, cube);
+  ASSERT_TRUE(deep) << "a finger that sticks out below is seen within the cube";
+  EXPECT_LT(deep->y, -0.039);
+  points.clear();
+  add_skin({0.005F, -0.004F, 0.005F});
+  points.push_back({{0, -0.03F, 0}, 1});  // a flying pixel
   const auto lowest = lowest_point(points, cube);
   ASSERT_TRUE(lowest);
   EXPECT_NEAR(lowest->y, -0.004, 1e-7);
-  EXPECT_FALSE(lowest_point(std::span(points).subspan(2), cube)) << "beside the cube, whose half width is 20 mm";
 }
 
 }  // namespace
