@@ -204,7 +204,8 @@ void Conductor::end_touch() {
 
 void Conductor::advance() {
   if (over()) {
-    presentation_->close();
+    masking_.play(false);
+    (void)presentation_->end(std::chrono::milliseconds(0));
     return;
   }
   if (setup::Interrupt::signalled()) return stop();
@@ -315,8 +316,12 @@ ExperimenterView Conductor::experimenter_view() const {
                                : "is being prepared",
       failed);
   const std::optional<double> depth = presentation_->deepest_m();
-  add("finger", depth ? fmt::format("{:.0f} mm below the top", *depth * 1e3) : "not over the object",
-      depth && *depth > plan_->run.deep_m);
+  if (depth) {
+    add("finger", fmt::format("{:.0f} mm {} the top", std::abs(*depth) * 1e3, *depth < 0 ? "above" : "below"),
+        *depth > plan_->run.deep_m);
+  } else {
+    add("finger", "not over the object");
+  }
   add("level",
       fmt::format("{:.0f} dB predicted at the louder ear, limit {:.0f} dB", level_.loudest_db(), plan_->level.limit_db),
       level_.loudest_db() > plan_->level.limit_db);

@@ -294,7 +294,8 @@ TEST_F(CliAliases, OfAnOutputAreNoOther) {
 TEST_F(CliAliases, EveryOptionThatNamesAFileIsTried) {
   // Folders are tried in test_cli_recording.cpp. A sitting is another program's.
   const std::set<std::string> elsewhere{"run --record",     "study run --out", "study run --source",
-                                        "study run --link", "study run --rig", "study run --board-files"};
+                                        "study run --link", "study run --rig", "study run --board-files",
+                                        "study run --json"};
   const std::vector<Line> all = lines();
   for (const std::string& command : every_command()) {
     std::set<std::string> tried;

@@ -226,6 +226,7 @@ TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
   EXPECT_EQ(bench.sitting().screen(), Screen::end) << "no consent";
   EXPECT_EQ(bench.heard()->sounding, 0u) << "nothing sounds before consent";
   EXPECT_TRUE(bench.conductor().experimenter_view().buttons.empty());
+  EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); })) << "the array is left alone at the end";
 }
 
 TEST(StudyLinks, MayNotWriteFiles) {
