@@ -86,10 +86,16 @@ namespace {
   const TransferSetting::Entry* const table = setting.table.data();
   const float closest = setting.closest, alpha = setting.absorption, k = setting.wave_number;
 
+  // Plain arrays, because the checks of the library's arrays would keep the compiler from doing several points at once.
+  const double *const to_x = to.x.data(), *const to_y = to.y.data(), *const to_z = to.z.data();
+  const float *const nx = to.nx.data(), *const ny = to.ny.data(), *const nz = to.nz.data();
+  float *const re = out.re.data(), *const im = out.im.data();
+  float *const slope_re = out.slope_re.data(), *const slope_im = out.slope_im.data();
+
   // From the transducer to the point: unit vector, distance, and the fraction of the distance beyond whole wavelengths.
-  BlockOf<float> x, y, z, distance, turns;
+  float x[block_points], y[block_points], z[block_points], distance[block_points], turns[block_points];
   for (std::size_t i = 0; i < block_points; ++i) {
-    const double dx = to.x[i] - from.position.x, dy = to.y[i] - from.position.y, dz = to.z[i] - from.position.z;
+    const double dx = to_x[i] - from.position.x, dy = to_y[i] - from.position.y, dz = to_z[i] - from.position.z;
     const double d = std::sqrt(dx * dx + dy * dy + dz * dz);
     const double all = d * setting.turns_per_metre;
     turns[i] = static_cast<float>(all - nearest(all));
@@ -98,7 +104,7 @@ namespace {
     y[i] = static_cast<float>(dy);
     z[i] = static_cast<float>(dz);
   }
-  BlockOf<float> slant, inverse, loud, rise;
+  float slant[block_points], inverse[block_points], loud[block_points], rise[block_points];
   for (std::size_t i = 0; i < block_points; ++i) {
     inverse[i] = 1 / std::max(distance[i], 1e-9F);
     slant[i] = (x[i] * ax + y[i] * ay + z[i] * az) * inverse[i];
@@ -117,24 +123,24 @@ namespace {
     loud[i] *= near;
     rise[i] *= near;
   }
-  BlockOf<float> cosine, sine;
+  float cosine[block_points], sine[block_points];
   for (std::size_t i = 0; i < block_points; ++i) {
     const float size = std::abs(turns[i]);
     // Uses the quarter turn on either side of the steep part of each curve.
     cosine[i] = sine_of_turns(0.25F - size);
     sine[i] = std::copysign(sine_of_turns(0.25F - std::abs(0.25F - size)), turns[i]);
-    out.re[i] = loud[i] * cosine[i];
-    out.im[i] = loud[i] * sine[i];
+    re[i] = loud[i] * cosine[i];
+    im[i] = loud[i] * sine[i];
   }
   if (!slopes) return;
   for (std::size_t i = 0; i < block_points; ++i) {
-    const float along = (x[i] * to.nx[i] + y[i] * to.ny[i] + z[i] * to.nz[i]) * inverse[i];
-    const float axis = ax * to.nx[i] + ay * to.ny[i] + az * to.nz[i];
+    const float along = (x[i] * nx[i] + y[i] * ny[i] + z[i] * nz[i]) * inverse[i];
+    const float axis = ax * nx[i] + ay * ny[i] + az * nz[i];
     const float spread = distance[i] > closest ? alpha + inverse[i] : alpha;
     const float grows = rise[i] * (axis - slant[i] * along) * inverse[i] - spread * along * loud[i];
     const float turn = k * along * loud[i];
-    out.slope_re[i] = grows * cosine[i] - turn * sine[i];
-    out.slope_im[i] = grows * sine[i] + turn * cosine[i];
+    slope_re[i] = grows * cosine[i] - turn * sine[i];
+    slope_im[i] = grows * sine[i] + turn * cosine[i];
   }
 }
 
