@@ -11,6 +11,7 @@ void add_study_level(Program& program);
 void add_study_plan(Program& program);
 void add_study_power(Program& program);
 void add_study_rehearse(Program& program);
+void add_study_simulate(Program& program);
 void add_study_withdraw(Program& program);
 
 }  // namespace palpa::cli

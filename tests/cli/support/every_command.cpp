@@ -92,6 +92,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
              "model = \"plan.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
              "[level]\nceiling = 0.05\n");
   write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
+  write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -124,6 +125,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"study rehearse",
        {"study", "rehearse", source_file("assets/studies/five-minutes.toml"), "--participant", "1", "--out",
         folder_ / "rehearsed"}},
+      {"study simulate", {"study", "simulate", folder_ / "study-plan.toml", "--finger", tip}},
       {"study withdraw", {"study", "withdraw", "2", "--out", folder_ / "withdrawn"}},
       {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},

@@ -28,6 +28,7 @@ std::vector<ReviewedLine> of_studies() {
                {{{"--seed", "1"}, "--seed belongs to the plan"}}),
       of_study({"rehearse", plan, "--participant", "1", "--out", "none/x"}, "--participant --out --accuracy",
                "plays nothing"),
+      of_study({"simulate", plan}, "--finger --beside --html --csv --prediction", "computes on the processor"),
       of_study({"withdraw", "1", "--out", "none"}, "--out", "computes nothing"),
       of_study({"power"},
                "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power "
