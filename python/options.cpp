@@ -63,7 +63,7 @@ bool is_list(py::handle value) {
 std::string joined(const std::string& name, py::handle value) {
   if (!is_list(value)) return text_of(name, value);
   std::vector<std::string> parts;
-  for (const py::handle part : value.cast<py::sequence>())
+  for (const py::object part : value.cast<py::sequence>())
     parts.push_back(text_of(name, part));
   return fmt::format("{}", fmt::join(parts, ","));
 }
@@ -75,7 +75,7 @@ bool values_of(bool flag, bool several, const std::string& name, py::handle valu
     return value.cast<bool>();
   }
   if (several && is_list(value)) {
-    for (const py::handle one : value.cast<py::sequence>())
+    for (const py::object one : value.cast<py::sequence>())
       texts.push_back(joined(name, one));
     return !texts.empty();
   }

@@ -163,7 +163,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (const std::optional<std::string> one = path_of(camera)) {
     cameras = {*one};
   } else if (!camera.is_none()) {
-    for (const py::handle file : camera.cast<py::sequence>())
+    for (const py::object file : camera.cast<py::sequence>())
       cameras.push_back(path_of(file).value_or(""));
   }
   cancellable([&] {

@@ -55,8 +55,9 @@ std::vector<py::object> one_or_several(const py::object& value) {
   if (one) return {value};
   if (!py::isinstance<py::sequence>(value)) throw bad_usage("depth: give a path, an array, or a list of these");
   std::vector<py::object> several;
-  for (const py::handle part : value.cast<py::sequence>())
-    several.push_back(py::reinterpret_borrow<py::object>(part));
+  // A sequence may make its parts when they are asked for, as arrays do: only py::object keeps them.
+  for (const py::object part : value.cast<py::sequence>())
+    several.push_back(part);
   return several;
 }
 
