@@ -7,7 +7,8 @@
 //   SIGTERM, SIGQUIT             all off, and it exits; its loop ends, too
 //   INT HUP PIPE TSTP TTIN TTOU  are for the loop, which ends in silence; the guard ignores them
 //
-// The guard has its own process session, so no terminal reaches it. docs/safety.md lists the cases in which it cannot help.
+// The guard has its own process session, so no terminal reaches it. docs/safety.md lists the cases in which it cannot
+// help.
 #pragma once
 
 #include <span>
