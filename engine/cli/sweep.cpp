@@ -104,7 +104,7 @@ std::string forecast_text(const sweep::Forecast& forecast) {
   std::string text =
       fmt::format("{} cases: {:.3g} to {:.3g} s each, half of them at most {:.3g} s; {} in all\n", forecast.cases,
                   forecast.least_s, forecast.most_s, forecast.median_s, minutes(forecast.all_s));
-  fmt::format_to(std::back_inserter(text), "memory: at most {} for a case, beside what palpa itself needs\n",
+  fmt::format_to(std::back_inserter(text), "memory: at most {} for a case, in addition to what palpa itself needs\n",
                  format_bytes(static_cast<std::uint64_t>(forecast.most_bytes)));
   if (forecast.measured != 0) {
     fmt::format_to(std::back_inserter(text), "the times are {:.2f} times the models', as {} results there took\n",

@@ -1,4 +1,4 @@
-// The cases of a plan: their identifiers, and how they are dealt to processes.
+// The cases of a plan: their identifiers, and how they are divided among processes.
 #pragma once
 
 #include <cstdint>

@@ -118,7 +118,7 @@ class Metadata {
          {"description",
           fmt::format("{} of {} cases of a sweep with palpa {}", rows, plan_.count(), version_and_commit())},
          {"datePublished", iso_time(seconds_now())},
-         {"license", "The licence of the data is for its author to add."},
+         {"license", "The author of the data should add its licence."},
          {"hasPart", parts},
          {"mentions", actions}});
   }

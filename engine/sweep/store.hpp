@@ -1,5 +1,5 @@
 // The folder of a sweep's results. Each process that computes cases has a folder of its own in it, runs/NAME:
-//   run.json      what computed: palpa's version, the device, the shard of the plan
+//   run.json      palpa's version, the device, the shard of the plan
 //   cases.jsonl   a line for each case, complete or absent: the file grows by whole lines, and a last line without its
 //                 end counts as absent
 // Nothing is ever changed or removed, so a process that is killed loses only the case that it computes.

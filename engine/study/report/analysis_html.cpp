@@ -32,7 +32,7 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
 
 void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) {
   const std::string &a = analysis.study.methods[pair.a], &b = analysis.study.methods[pair.b];
-  page.heading(fmt::format("{} less {}", b, a));
+  page.heading(fmt::format("{} minus {}", b, a));
   std::vector<HtmlRow> rows{
       {"measure", "value"},
       {"participants with both methods", std::to_string(pair.people.size())},

@@ -22,7 +22,7 @@ std::string analysis_text(const Analysis& analysis) {
     text += measures_text(method.pooled);
   }
   for (const MethodPair& pair : analysis.between.pairs) {
-    fmt::format_to(out, "\n{} less {}: mean {} (95 % {}) of {} participant{}\n", printable(study.methods[pair.b]),
+    fmt::format_to(out, "\n{} minus {}: mean {} (95 % {}) of {} participant{}\n", printable(study.methods[pair.b]),
                    printable(study.methods[pair.a]), shown(pair.mean), shown(pair.t), pair.people.size(),
                    pair.people.size() == 1 ? "" : "s");
     fmt::format_to(out, "  Wilcoxon's signed-rank test, {}: {}, T+ = {}\n", pair.drop.exact ? "exact" : "approximate",
