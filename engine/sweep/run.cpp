@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -57,7 +58,7 @@ class Sweep {
  private:
   void todo(std::vector<Case> mine, const Store& store) {
     report_.mine = mine.size();
-    states_ = store.states();
+    look_at(store, false);
     std::vector<Case> failed;
     for (Case& one : mine) {
       report_.ids.push_back(one.id);
@@ -94,7 +95,7 @@ class Sweep {
   /// Takes one case after the other that nobody has. What others hold is looked at once more at the end: if they were
   /// killed meanwhile, it is free and has no result.
   void claim_all(const std::vector<Case>& all) {
-    LockedBytes claims(claims_file(task_.out, all));
+    LockedBytes& claims = claims_.emplace(claims_file(task_.out, all));
     std::vector<Case> left;
     for (const Case& one : todo_) {
       if (!claims.try_lock(one.index)) {
@@ -104,29 +105,36 @@ class Sweep {
       // Its holder marks a case when its line is in the file.
       const bool marked = claims.is_marked(one.index);
       if (marked) left.push_back(one);
-      if (!marked && !compute_claimed(claims, one)) return;
+      if (!marked && !compute_one(one)) return;
       claims.unlock(one.index);
     }
     if (left.empty()) return;
     look_again();
     for (const Case& one : left) {
-      if (has_result(one)) continue;
+      if (has_result(one) || failed_elsewhere_.contains(one.id)) continue;
       if (!claims.try_lock(one.index)) {
         ++report_.elsewhere;
         continue;
       }
       look_again();
-      if (!has_result(one) && !compute_claimed(claims, one)) return;
+      const bool is_open = !has_result(one) && !failed_elsewhere_.contains(one.id);
+      if (is_open && !compute_one(one)) return;
       claims.unlock(one.index);
     }
   }
 
   /// At the results that others have written meanwhile.
-  void look_again() {
-    for (const auto& [id, state] : Store(task_.out, writer_->name()).states()) {
-      const auto [known, is_new] = states_.emplace(id, state);
+  void look_again() { look_at(Store(task_.out, writer_->name()), true); }
+
+  /// Reads only what has been added since the last look. What another process has tried in vain since this run began
+  /// is not tried by this one, too.
+  void look_at(const Store& store, bool since_begin) {
+    const auto take = [&](std::size_t, std::string_view id, State state, std::string_view) {
+      const auto [known, is_new] = states_.emplace(std::string(id), state);
       if (!is_new) known->second = std::min(known->second, state);
-    }
+      if (since_begin && state == State::failed) failed_elsewhere_.emplace(id);
+    };
+    store.each(take, &places_);
   }
 
   bool has_result(const Case& one) const {
@@ -134,10 +142,9 @@ class Sweep {
     return known != states_.end() && known->second != State::failed;
   }
 
-  bool compute_claimed(LockedBytes& claims, const Case& one) {
-    const bool goes_on = compute_one(one);
-    claims.mark(one.index);
-    return goes_on;
+  /// For other processes: the case has a line in a file.
+  void mark(const Case& one) {
+    if (claims_) claims_->mark(one.index);
   }
 
   bool stopped() const { return task_.stop && *task_.stop; }
@@ -147,6 +154,7 @@ class Sweep {
     // Two values of a plan may mean the same case.
     if (has_result(one)) {
       ++report_.before;
+      mark(one);
       return true;
     }
     const std::vector<Setting> settings = plan_.settings(one.index);
@@ -170,6 +178,7 @@ class Sweep {
     line.took_s = std::chrono::duration<double>(Clock::now() - begin).count();
     line.ended_s = seconds_now();
     writer_->add(line);
+    mark(one);
     states_[one.id] = line.state;
     count(line, settings);
     if (stopped()) return false;
@@ -216,6 +225,9 @@ class Sweep {
   SweepReport report_;
   std::vector<Case> todo_;
   std::unordered_map<std::string, State> states_;
+  std::unordered_set<std::string> failed_elsewhere_;  ///< since this run began
+  Places places_;
+  std::optional<LockedBytes> claims_;
   std::optional<Workbench> bench_;
   std::unique_ptr<StoreWriter> writer_;
 };

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/version.hpp"
@@ -45,6 +46,25 @@ class SweepStore : public testing::Test {
     return {};
   }
 };
+
+TEST_F(SweepStore, ALaterLookReadsOnlyWhatIsNew) {
+  StoreWriter writer(folder_, this_run());
+  Places places;
+  const auto look = [&] {
+    std::vector<std::string> ids;
+    Store(folder_).each([&](std::size_t, std::string_view id, State, std::string_view) { ids.emplace_back(id); },
+                        &places);
+    return ids;
+  };
+  EXPECT_TRUE(look().empty());
+  writer.add(line_of("00000000000000000001"));
+  EXPECT_EQ(look(), (std::vector<std::string>{"00000000000000000001"}));
+  EXPECT_TRUE(look().empty());
+  writer.add(line_of("00000000000000000002", State::failed));
+  writer.add(line_of("00000000000000000003"));
+  EXPECT_EQ(look(), (std::vector<std::string>{"00000000000000000002", "00000000000000000003"}));
+  EXPECT_EQ(Store(folder_).states().size(), 3u);
+}
 
 TEST_F(SweepStore, LinesAreThereOrNot) {
   EXPECT_TRUE(Store(folder_).states().empty()) << "a folder that does not exist yet";

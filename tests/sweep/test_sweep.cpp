@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <set>
@@ -14,11 +15,13 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/locked_bytes.hpp"
 #include "base/version.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "sweep/cases.hpp"
 #include "sweep/gather.hpp"
 #include "sweep/run.hpp"
 
@@ -170,6 +173,51 @@ TEST_F(SweepRuns, ProcessesWithClaimShareTheCases) {
   EXPECT_NE(compute("claim", {"--claim"}).out.find("100 cases: 1 computed"), std::string::npos);
   EXPECT_EQ(compute("one").exit_code, 0);
   EXPECT_EQ(table("claim"), table("one"));
+}
+
+/// The file of the claims in a folder of results.
+fs::path claims_in(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().starts_with("claims-")) return entry.path();
+  }
+  return {};
+}
+
+TEST_F(SweepRuns, WhatFailedElsewhereIsNotTriedInTheSameSweep) {
+  const sweep::Plan plan = sweep::load_plan(plan_);
+  const sweep::Inputs inputs(plan);
+  const sweep::Case last = sweep::deal(sweep::list_cases(plan, inputs, true), sweep::Shard()).back();
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  const auto other_process = [&](const sweep::CaseLine&, std::uint64_t number, std::uint64_t) {
+    if (number != 1) return true;
+    sweep::RunInfo info{{}, version(), commit()};
+    info.shard = "other";
+    sweep::StoreWriter(out("one"), info).add({.id = last.id, .state = sweep::State::failed, .error = "no memory"});
+    LockedBytes(claims_in(out("one"))).mark(last.index);
+    return true;
+  };
+  const sweep::SweepTask task{.out = out("one"), .claim = true, .compute = cpu};
+  const sweep::SweepReport first = run_sweep(plan, task, other_process);
+  EXPECT_EQ(first.done + first.refused + first.failed, 11u);
+  // The next sweep tries it.
+  const sweep::SweepReport next = run_sweep(plan, task);
+  EXPECT_EQ(next.before, 11u);
+  EXPECT_EQ(next.done + next.refused, 1u);
+}
+
+TEST_F(SweepRuns, AStoppedCaseIsNotMarkedAsWritten) {
+  write_text(plan_,
+             "command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\n"
+             "size = \"20mm,20mm\"\npixels = \"20,20\"\n[vary]\ntemperature = [20, 25]\n");
+  const std::atomic<bool> stop = true;
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  run_sweep(sweep::load_plan(plan_), {.out = out("one"), .claim = true, .compute = cpu, .stop = &stop});
+  const LockedBytes claims(claims_in(out("one")));
+  EXPECT_EQ(sweep::Store(out("one")).states().size(), 0u);
+  for (const std::uint64_t index : {0, 1})
+    EXPECT_FALSE(claims.is_marked(index)) << index;
 }
 
 TEST_F(SweepRuns, TheDeviceIsKeptAndResultsDoNotDependOnWhatCameBefore) {
