@@ -10,6 +10,7 @@
 #include "study/sitting/journal.hpp"
 #include "study/sitting_plan.hpp"
 #include "support/exhaustive.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -169,8 +170,8 @@ TEST(Journal, RefusesAnotherVersionAndForeignLines) {
     const std::string head = head_line({1, "x"});
     return json + head.substr(head.rfind('\t'));
   };
-  EXPECT_THROW(read_journal(line(R"({"palpa_journal":2,"participant":1,"plan_sha256":"x"})"), "j"), Error);
-  EXPECT_THROW(read_journal("onset\tduration\n", "j"), Error);
+  EXPECT_REFUSED(read_journal(line(R"({"palpa_journal":2,"participant":1,"plan_sha256":"x"})"), "j"), "has version 2");
+  EXPECT_REFUSED(read_journal("onset\tduration\n", "j"), "j: line 1");
   const Journal empty = read_journal("", "j");
   EXPECT_FALSE(empty.head);
   EXPECT_EQ(read_journal("{\"palpa_jou", "j").whole, 0u) << "cut within the first line";

@@ -9,6 +9,7 @@
 #include "base/version.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "sweep/store.hpp"
 
 namespace palpa::sweep {
@@ -117,8 +118,8 @@ TEST_F(SweepStore, AFolderOfSomethingElseIsRefused) {
   fs::create_directory(folder_);
   EXPECT_NO_THROW(Store{folder_}) << "an empty one";
   test::write_text(folder_ / "thesis.tex", "x");
-  EXPECT_THROW(Store{folder_}, Error);
-  EXPECT_THROW(Store(folder_ / "thesis.tex"), Error);
+  EXPECT_ERROR(Store{folder_}, Exit::usage, "has files, but is no folder of a sweep");
+  EXPECT_ERROR(Store(folder_ / "thesis.tex"), Exit::usage, "thesis.tex is not a folder");
 }
 
 }  // namespace
