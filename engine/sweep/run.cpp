@@ -45,12 +45,14 @@ class Sweep {
     const Clock::time_point begin = Clock::now();
     std::optional<Cancellable> cancellable;
     if (task_.stop) cancellable.emplace(*task_.stop);
+    refuse_hopeless(plan_);
     const Store store(task_.out);
     store.check_version();
     const std::vector<Case> all = list_cases(plan_, inputs_, true);
     report_.cases = all.size();
     todo(deal(all, task_.claim ? Shard() : task_.shard), store);
     if (!todo_.empty()) compute(all);
+    report_.all_in_vain = is_all_in_vain(all);
     report_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return report_;
   }
@@ -142,6 +144,20 @@ class Sweep {
     return known != states_.end() && known->second != State::failed;
   }
 
+  /// A shard may have only cases whose options do not fit together, while others compute the rest.
+  bool is_all_in_vain(const std::vector<Case>& all) {
+    if (report_.done + report_.failed + report_.elsewhere != 0 || stopped()) return false;
+    if (writer_) look_again();
+    std::uint64_t refused = 0;
+    for (const Case& one : all) {
+      const auto known = states_.find(one.id);
+      if (known == states_.end()) continue;
+      if (known->second != State::refused) return false;
+      ++refused;
+    }
+    return refused == all.size() || (fitted_ && refused != 0);
+  }
+
   /// For other processes: the case has a line in a file.
   void mark(const Case& one) {
     if (claims_) claims_->mark(one.index);
@@ -165,6 +181,8 @@ class Sweep {
     std::string json;
     try {
       const std::unique_ptr<Line> options = read_line(command_of(plan_.command), given_by(inputs_.resolved(settings)));
+      check_line(*options);
+      fitted_ = true;
       json = bench_->compute(*options);
     } catch (const Error& error) {
       if (stopped()) return false;
@@ -223,6 +241,7 @@ class Sweep {
   const AfterCase& after_;
   Inputs inputs_;
   SweepReport report_;
+  bool fitted_ = false;  ///< the options of a case that was computed now fit together
   std::vector<Case> todo_;
   std::unordered_map<std::string, State> states_;
   std::unordered_set<std::string> failed_elsewhere_;  ///< since this run began
