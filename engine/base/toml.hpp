@@ -38,7 +38,7 @@ struct TomlValue {
   Kind kind = Kind::text;
   std::string text;              ///< of a number, its shortest exact form; of a flag, "true"
   std::vector<TomlValue> items;  ///< of a list
-  std::vector<std::pair<std::string, TomlValue>> members{};  ///< of a table, in the file's order
+  std::vector<std::pair<std::string, TomlValue>> members;  ///< of a table, in the file's order
 };
 
 /// One table. Every getter throws bad_input; `done()` at the end refuses keys that were never read.
