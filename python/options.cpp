@@ -61,19 +61,11 @@ std::string text_of(const std::string& name, py::handle value) {
   throw not_a_value(name, "a number, a text or a path");
 }
 
-/// An array without dimensions is a number.
-bool is_list(py::handle value) {
-  if (py::isinstance<py::str>(value) || !py::isinstance<py::sequence>(value)) return false;
-  if (PySequence_Size(value.ptr()) >= 0) return true;
-  PyErr_Clear();
-  return false;
-}
-
 /// (0, 0, 0.15) is "0,0,0.15".
 std::string joined(const std::string& name, py::handle value) {
   if (!is_list(value)) return text_of(name, value);
   std::vector<std::string> parts;
-  for (const py::handle part : value.cast<py::sequence>())
+  for (const py::object part : value.cast<py::sequence>())
     parts.push_back(text_of(name, part));
   return fmt::format("{}", fmt::join(parts, ","));
 }
@@ -85,7 +77,7 @@ bool values_of(bool flag, bool several, const std::string& name, py::handle valu
     return value.cast<bool>();
   }
   if (several && is_list(value)) {
-    for (const py::handle one : value.cast<py::sequence>())
+    for (const py::object one : value.cast<py::sequence>())
       texts.push_back(joined(name, one));
     return !texts.empty();
   }
@@ -127,6 +119,13 @@ std::string in_python(const std::string& help) {
 }
 
 }  // namespace
+
+bool is_list(py::handle value) {
+  if (py::isinstance<py::str>(value) || !py::isinstance<py::sequence>(value)) return false;
+  if (PySequence_Size(value.ptr()) >= 0) return true;
+  PyErr_Clear();
+  return false;
+}
 
 OptionTable::OptionTable(std::string function, const std::function<void(CLI::App&)>& add,
                          std::initializer_list<const char*> hidden)

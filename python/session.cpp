@@ -164,8 +164,8 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (const std::optional<std::string> one = path_of(camera)) {
     cameras = {*one};
   } else if (!camera.is_none()) {
-    if (!py::isinstance<py::sequence>(camera)) throw bad_usage("camera: give a path, or a list of these");
-    for (const py::handle file : camera.cast<py::sequence>())
+    if (!is_list(camera)) throw bad_usage("camera: give a path, or a list of these");
+    for (const py::object file : camera.cast<py::sequence>())
       cameras.push_back(file_of("camera", file));
   }
   cancellable([&] {
@@ -199,7 +199,7 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
     points = setup::skin_points("skin", points_of("skin", skin)).points;
   } else {
     const std::vector<sensing::Camera>& cameras = session.setting().cameras;
-    if (!py::isinstance<py::sequence>(depth) || py::len(depth) != cameras.size())
+    if (!is_list(depth) || py::len(depth) != cameras.size())
       throw bad_usage(fmt::format("depth: give a list of {}, one for each camera", counted(cameras.size(), "array")));
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const py::object image = depth[py::int_(i)];

@@ -63,8 +63,7 @@ class ScratchFolder {
 sweep::Shard shard_of(const py::object& shard) {
   if (shard.is_none()) return {};
   if (py::isinstance<py::str>(shard)) return sweep::parse_shard(bytes_of("shard", shard));
-  if (!py::isinstance<py::sequence>(shard) || py::len(shard) != 2)
-    throw bad_usage("shard: give (i, n), \"i/n\" or \"env\"");
+  if (!is_list(shard) || py::len(shard) != 2) throw bad_usage("shard: give (i, n), \"i/n\" or \"env\"");
   return sweep::parse_shard(fmt::format("{}/{}", bytes_of("shard", py::str(shard[py::int_(0)])),
                                         bytes_of("shard", py::str(shard[py::int_(1)]))));
 }

@@ -54,10 +54,11 @@ std::vector<py::object> one_or_several(const char* name, const py::object& value
   if (value.is_none()) return {};
   const bool one = is_text_or_path(value) || (py::isinstance<py::array>(value) && py::array(value).ndim() == 2);
   if (one) return {value};
-  if (!py::isinstance<py::sequence>(value)) throw bad_usage(fmt::format("{}: give a path, or a list of these", name));
+  if (!is_list(value)) throw bad_usage(fmt::format("{}: give a path, or a list of these", name));
   std::vector<py::object> several;
-  for (const py::handle part : value.cast<py::sequence>())
-    several.push_back(py::reinterpret_borrow<py::object>(part));
+  // A sequence may make its parts when they are asked for, as arrays do: only py::object keeps them.
+  for (const py::object part : value.cast<py::sequence>())
+    several.push_back(part);
   return several;
 }
 

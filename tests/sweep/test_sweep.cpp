@@ -218,14 +218,20 @@ TEST_F(SweepRuns, AStoppedCaseIsNotMarkedAsWritten) {
   write_text(plan_,
              "command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\n"
              "size = \"20mm,20mm\"\npixels = \"20,20\"\n[vary]\ntemperature = [20, 25]\n");
-  const std::atomic<bool> stop = true;
+  std::atomic<bool> stop = false;
+  std::string first;
   setup::ComputeOptions cpu;
   cpu.backend = setup::Backend::cpu;
-  run_sweep(sweep::load_plan(plan_), {.out = out("one"), .claim = true, .compute = cpu, .stop = &stop});
+  const sweep::SweepTask task{.out = out("one"), .claim = true, .compute = cpu, .stop = &stop};
+  run_sweep(sweep::load_plan(plan_), task, [&](const sweep::CaseLine& line, std::uint64_t, std::uint64_t) {
+    first = line.settings.back().second;
+    stop = true;  // so the second case has begun, and ends without a result
+    return true;
+  });
   const LockedBytes claims(claims_in(out("one")));
-  EXPECT_EQ(sweep::Store(out("one")).states().size(), 0u);
-  for (const std::uint64_t index : {0, 1})
-    EXPECT_FALSE(claims.is_marked(index)) << index;
+  EXPECT_EQ(sweep::Store(out("one")).states().size(), 1u);
+  EXPECT_EQ(claims.is_marked(0), first == "20");
+  EXPECT_EQ(claims.is_marked(1), first == "25");
 }
 
 TEST_F(SweepRuns, TheDeviceIsKeptAndResultsDoNotDependOnWhatCameBefore) {
@@ -320,15 +326,16 @@ TEST_F(SweepRuns, ExitsWithAFailureIfNothingCouldBeComputed) {
   write_text(plan_,
              "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"-78.75mm,-78.75mm,0\"\n"
              "[vary]\ntemperature = [20, 25]\n");
-  expect_failure(compute("out"), 1, "no case could be computed: all were refused; the case temperature 20: --focus:");
-  expect_failure(compute("out"), 1, "no case could be computed: all were refused; --gather writes why");
+  expect_failure(compute("out", {"--quiet"}), 1,
+                 "no case could be computed: all were refused; the case temperature 20: --focus:");
+  expect_failure(compute("out", {"--quiet"}), 1, "no case could be computed: all were refused; --gather writes why");
   // One that can be is enough, and so is one of another shard.
   write_text(plan_,
              "command = \"drive\"\n[options]\nlayout = \"openmpd\"\n"
              "[vary]\nfocus = [\"-78.75mm,-78.75mm,0\", \"0,0,10cm\"]\n");
   EXPECT_EQ(compute("two").exit_code, 0);
   // Options that fit in no case are refused before anything is computed.
-  write_text(plan_, "command = \"touch\"\n[options]\nscene = \"" + source_file("assets/cube.glb") + "\"\n");
+  write_text(plan_, "command = \"touch\"\n[options]\nscene = \"" + source_file("assets/cube.glb").string() + "\"\n");
   for (const std::vector<std::string>& how : {std::vector<std::string>{"--list"}, {"--estimate"}, {"--out", out("no")}})
     expect_failure(sweep(how), 4, "plan.toml: no skin");
   EXPECT_FALSE(fs::exists(out("no")));
@@ -348,10 +355,10 @@ TEST_F(SweepRuns, PathsToListsAndObjectsAreKnownBeforeACaseIsComputed) {
   const std::pair<const char*, std::string> plans[] = {
       {"touch", touched + "layout = \"openmpd\"\nspectrum = true\ntune = true\n"},
       {"touch", touched + "method = \"multi-focus\"\n"},
-      {"drive", "layout = \"openmpd\"\nfocus = [\"0,0,100mm\", \"1mm,0,100mm\"]\nspread = \"phase=0.1\"\ndraws = 10\n"},
+      {"drive", "layout = \"openmpd\"\nfocus = [\"0,0,100mm\", \"1mm,0,100mm\"]\nspread = \"phase=0.1\"\ndraws = 20\n"},
       {"field",
        "layout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\nsize = \"2cm,2cm\"\npixels = \"3,3\"\n"
-       "spread = \"phase=0.1\"\ndraws = 10\n"}};
+       "spread = \"phase=0.1\"\ndraws = 20\n"}};
   setup::ComputeOptions cpu;
   cpu.backend = setup::Backend::cpu;
   for (const auto& [command, options] : plans) {
@@ -369,9 +376,10 @@ TEST_F(SweepRuns, PathsToListsAndObjectsAreKnownBeforeACaseIsComputed) {
 
 /// A model's touches, with a time for each of them that is far from this machine's noise.
 TEST_F(SweepRuns, EstimatesAreOfTheRightSize) {
-  write_text(plan_, fmt::format("command = \"touch\"\n[options]\npoints = \"{}\"\npenetration = \"3mm\"\nscene = "
-                                "\"{}\"\n[vary]\ndelta = {{ from = \"2mm\", to = \"3mm\", count = 10 }}\n",
-                                source_file("assets/finger.ply"), source_file("assets/semi-sphere.glb")));
+  write_text(plan_,
+             fmt::format("command = \"touch\"\n[options]\npoints = \"{}\"\npenetration = \"3mm\"\nscene = "
+                         "\"{}\"\n[vary]\ndelta = {{ from = \"2mm\", to = \"3mm\", count = 10 }}\n",
+                         source_file("assets/finger.ply").string(), source_file("assets/semi-sphere.glb").string()));
   const sweep::Plan plan = sweep::load_plan(plan_);
   const sweep::Inputs inputs(plan);
   double model_s = 0, took_s = 1e9;
@@ -389,7 +397,7 @@ TEST_F(SweepRuns, EstimatesAreOfTheRightSize) {
   }
   // A build without optimisation, or a busy machine, takes longer; a machine of tomorrow less.
   EXPECT_GT(took_s, model_s / 4);
-  if (!instrumented()) EXPECT_LT(took_s, model_s * 8);
+  EXPECT_LT(took_s, model_s * (instrumented() ? 1000 : 8));
 }
 
 TEST_F(SweepRuns, ClaimersThatAreKilledAtAnyTimeLoseNothing) {
