@@ -1,4 +1,5 @@
 // The journal: what is on the disk is the state, wherever a program was killed.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "study/files/gzip.hpp"
 #include "study/sitting/journal.hpp"
 #include "study/sitting_plan.hpp"
 #include "support/exhaustive.hpp"
@@ -166,9 +168,7 @@ TEST(Journal, EveryChangeShows) {
 
 TEST(Journal, RefusesAnotherVersionAndForeignLines) {
   const auto line = [](const std::string& json) {
-    // The digits as the journal computes them for a first line.
-    const std::string head = head_line({1, "x"});
-    return json + head.substr(head.rfind('\t'));
+    return fmt::format("{}\t{:08x}\n", json, crc32_of(json));  // a first line: no digits come before it
   };
   EXPECT_REFUSED(read_journal(line(R"({"palpa_journal":2,"participant":1,"plan_sha256":"x"})"), "j"), "has version 2");
   EXPECT_REFUSED(read_journal("onset\tduration\n", "j"), "j: line 1");

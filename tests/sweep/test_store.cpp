@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -46,6 +47,34 @@ class SweepStore : public testing::Test {
     return {};
   }
 };
+
+TEST_F(SweepStore, ALaterLookReadsOnlyWhatIsNew) {
+  const auto add = [&](const std::string& id, State state = State::done) {
+    StoreWriter writer(folder_, this_run());
+    writer.add(line_of(id, state));
+    return fs::path(folder_) / "runs" / writer.name() / "cases.jsonl";
+  };
+  Places places;
+  const auto look = [&] {
+    std::multiset<std::string> ids;
+    const auto take = [&](std::size_t, std::string_view id, State, std::string_view) { ids.emplace(id); };
+    Store(folder_).each(take, &places);
+    return ids;
+  };
+  EXPECT_TRUE(look().empty());
+  const fs::path file = add("00000000000000000001");
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000001"}));
+  EXPECT_TRUE(look().empty());
+  add("00000000000000000002", State::failed);
+  // The first process writes on, and is seen in the middle of a line.
+  const std::string before = test::read_text(file), line = to_json_line(line_of("00000000000000000003"));
+  test::write_text(file, before + line.substr(0, 20));
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000002"}));
+  test::write_text(file, before + line);
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000003"}));
+  EXPECT_TRUE(look().empty());
+  EXPECT_EQ(Store(folder_).states().size(), 3u);
+}
 
 TEST_F(SweepStore, LinesAreThereOrNot) {
   EXPECT_TRUE(Store(folder_).states().empty()) << "a folder that does not exist yet";

@@ -86,16 +86,10 @@ namespace {
   const TransferSetting::Entry* const table = setting.table.data();
   const float closest = setting.closest, alpha = setting.absorption, k = setting.wave_number;
 
-  // Plain arrays, because the checks of the library's arrays would keep the compiler from doing several points at once.
-  const double *const to_x = to.x.data(), *const to_y = to.y.data(), *const to_z = to.z.data();
-  const float *const nx = to.nx.data(), *const ny = to.ny.data(), *const nz = to.nz.data();
-  float *const re = out.re.data(), *const im = out.im.data();
-  float *const slope_re = out.slope_re.data(), *const slope_im = out.slope_im.data();
-
   // From the transducer to the point: unit vector, distance, and the fraction of the distance beyond whole wavelengths.
-  float x[block_points], y[block_points], z[block_points], distance[block_points], turns[block_points];
+  BlockOf<float> x, y, z, distance, turns;
   for (std::size_t i = 0; i < block_points; ++i) {
-    const double dx = to_x[i] - from.position.x, dy = to_y[i] - from.position.y, dz = to_z[i] - from.position.z;
+    const double dx = to.x[i] - from.position.x, dy = to.y[i] - from.position.y, dz = to.z[i] - from.position.z;
     const double d = std::sqrt(dx * dx + dy * dy + dz * dz);
     const double all = d * setting.turns_per_metre;
     turns[i] = static_cast<float>(all - nearest(all));
@@ -104,7 +98,7 @@ namespace {
     y[i] = static_cast<float>(dy);
     z[i] = static_cast<float>(dz);
   }
-  float slant[block_points], inverse[block_points], loud[block_points], rise[block_points];
+  BlockOf<float> slant, inverse, loud, rise;
   for (std::size_t i = 0; i < block_points; ++i) {
     inverse[i] = 1 / std::max(distance[i], 1e-9F);
     slant[i] = (x[i] * ax + y[i] * ay + z[i] * az) * inverse[i];
@@ -123,24 +117,24 @@ namespace {
     loud[i] *= near;
     rise[i] *= near;
   }
-  float cosine[block_points], sine[block_points];
+  BlockOf<float> cosine, sine;
   for (std::size_t i = 0; i < block_points; ++i) {
     const float size = std::abs(turns[i]);
     // Uses the quarter turn on either side of the steep part of each curve.
     cosine[i] = sine_of_turns(0.25F - size);
     sine[i] = std::copysign(sine_of_turns(0.25F - std::abs(0.25F - size)), turns[i]);
-    re[i] = loud[i] * cosine[i];
-    im[i] = loud[i] * sine[i];
+    out.re[i] = loud[i] * cosine[i];
+    out.im[i] = loud[i] * sine[i];
   }
   if (!slopes) return;
   for (std::size_t i = 0; i < block_points; ++i) {
-    const float along = (x[i] * nx[i] + y[i] * ny[i] + z[i] * nz[i]) * inverse[i];
-    const float axis = ax * nx[i] + ay * ny[i] + az * nz[i];
+    const float along = (x[i] * to.nx[i] + y[i] * to.ny[i] + z[i] * to.nz[i]) * inverse[i];
+    const float axis = ax * to.nx[i] + ay * to.ny[i] + az * to.nz[i];
     const float spread = distance[i] > closest ? alpha + inverse[i] : alpha;
     const float grows = rise[i] * (axis - slant[i] * along) * inverse[i] - spread * along * loud[i];
     const float turn = k * along * loud[i];
-    slope_re[i] = grows * cosine[i] - turn * sine[i];
-    slope_im[i] = grows * sine[i] + turn * cosine[i];
+    out.slope_re[i] = grows * cosine[i] - turn * sine[i];
+    out.slope_im[i] = grows * sine[i] + turn * cosine[i];
   }
 }
 
@@ -181,29 +175,33 @@ template <class L>
     add_lanes<L>(strengths, sounds, &TransferBlock::slope_re, &TransferBlock::slope_im, sum.slope_re, sum.slope_im);
 }
 
-[[gnu::always_inline]] inline std::complex<double> sum_all(const SourceBlock& sources, const TransferBlock& sound,
-                                                           bool slopes) {
-  constexpr std::size_t beside = 16;
-  static_assert(block_points % beside == 0);
-  std::array<float, beside> re{}, im{};
-  for (std::size_t i = 0; i < block_points; i += beside) {
-    for (std::size_t l = 0; l < beside; ++l) {
-      re[l] += sources.re[i + l] * sound.re[i + l] - sources.im[i + l] * sound.im[i + l];
-      im[l] += sources.re[i + l] * sound.im[i + l] + sources.im[i + l] * sound.re[i + l];
+/// A row's sums stay in registers from point to point.
+template <class L>
+[[gnu::always_inline]] inline void receive_all(std::span<const SourceBlock> rows, const TransferBlock& sound,
+                                               std::span<LaneSums> sums) {
+  constexpr std::size_t width = L::width, parts = sum_lanes / width;
+  static_assert(block_points % sum_lanes == 0 && sum_lanes % width == 0);
+  using Float = typename L::Float;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    Float re[parts], im[parts];
+    for (std::size_t part = 0; part < parts; ++part) {
+      re[part] = load_lanes<L>(&sums[row].re[part * width]);
+      im[part] = load_lanes<L>(&sums[row].im[part * width]);
+    }
+    for (std::size_t i = 0; i < block_points; i += sum_lanes) {
+      for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t at = i + part * width;
+        const Float a = load_lanes<L>(&rows[row].re[at]), b = load_lanes<L>(&rows[row].im[at]);
+        const Float g = load_lanes<L>(&sound.re[at]), h = load_lanes<L>(&sound.im[at]);
+        re[part] += a * g - b * h;
+        im[part] += a * h + b * g;
+      }
+    }
+    for (std::size_t part = 0; part < parts; ++part) {
+      store_lanes<L>(re[part], &sums[row].re[part * width]);
+      store_lanes<L>(im[part], &sums[row].im[part * width]);
     }
   }
-  for (std::size_t i = 0; slopes && i < block_points; i += beside) {
-    for (std::size_t l = 0; l < beside; ++l) {
-      re[l] += sources.slope_re[i + l] * sound.slope_re[i + l] - sources.slope_im[i + l] * sound.slope_im[i + l];
-      im[l] += sources.slope_re[i + l] * sound.slope_im[i + l] + sources.slope_im[i + l] * sound.slope_re[i + l];
-    }
-  }
-  double real = 0, imaginary = 0;
-  for (std::size_t l = 0; l < beside; ++l) {
-    real += static_cast<double>(re[l]);
-    imaginary += static_cast<double>(im[l]);
-  }
-  return {real, imaginary};
 }
 
 void transfer_plain(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
@@ -214,13 +212,13 @@ void add_plain(std::span<const std::complex<float>> strengths, std::span<const T
                SumBlock& sum) {
   add_all<Lanes4>(strengths, sounds, slopes, sum);
 }
-std::complex<double> sum_plain(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
-  return sum_all(sources, sound, slopes);
+void receive_plain(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
+  receive_all<Lanes4>(rows, sound, sums);
 }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] std::complex<double> sum_avx2(const SourceBlock& sources, const TransferBlock& sound,
-                                                      bool slopes) {
-  return sum_all(sources, sound, slopes);
+[[gnu::target("avx2")]] void receive_avx2(std::span<const SourceBlock> rows, const TransferBlock& sound,
+                                          std::span<LaneSums> sums) {
+  receive_all<Lanes8>(rows, sound, sums);
 }
 [[gnu::target("avx2")]] void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to,
                                            bool slopes, TransferBlock& out) {
@@ -235,14 +233,14 @@ std::complex<double> sum_plain(const SourceBlock& sources, const TransferBlock& 
 struct Kernels {
   decltype(&transfer_plain) transfer = transfer_plain;
   decltype(&add_plain) add = add_plain;
-  decltype(&sum_plain) sum = sum_plain;
+  decltype(&receive_plain) receive = receive_plain;
 };
 
 const Kernels& kernels() {
   static const Kernels chosen = [] {
     Kernels best;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, sum_avx2};
+    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, receive_avx2};
 #endif
     return best;
   }();
@@ -261,8 +259,25 @@ void add_products(std::span<const std::complex<float>> strengths, std::span<cons
   kernels().add(strengths, sounds, slopes, sum);
 }
 
-std::complex<double> sum_of_products(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
-  return kernels().sum(sources, sound, slopes);
+void add_slopes(std::complex<float> factor, TransferBlock& sound) {
+  const float a = factor.real(), b = factor.imag();
+  for (std::size_t i = 0; i < block_points; ++i) {
+    sound.re[i] += a * sound.slope_re[i] - b * sound.slope_im[i];
+    sound.im[i] += a * sound.slope_im[i] + b * sound.slope_re[i];
+  }
+}
+
+void add_received(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
+  kernels().receive(rows, sound, sums);
+}
+
+std::complex<double> LaneSums::total() const {
+  double real = 0, imaginary = 0;
+  for (std::size_t lane = 0; lane < sum_lanes; ++lane) {
+    real += static_cast<double>(re[lane]);
+    imaginary += static_cast<double>(im[lane]);
+  }
+  return {real, imaginary};
 }
 
 }  // namespace palpa::acoustics

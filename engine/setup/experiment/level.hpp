@@ -1,5 +1,5 @@
 // The level of pressure at which afferents are computed. Linear acoustics gives pressures that are several times too
-// high for a loud array, so that the level is set by a force that somebody has measured or states.
+// high for a loud array. The level is therefore set by a force that somebody has measured or assumes.
 #pragma once
 
 #include "array/layouts/layout.hpp"
