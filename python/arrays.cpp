@@ -9,7 +9,9 @@
 #include <glm/matrix.hpp>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
+#include "module.hpp"
 #include "running.hpp"
 
 namespace palpa::python {
@@ -20,6 +22,14 @@ std::string shape_text(const py::array& array) {
   for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
     sizes.push_back(std::to_string(array.shape(axis)));
   return fmt::format("({}{})", fmt::join(sizes, ", "), sizes.size() == 1 ? "," : "");
+}
+
+/// ascii(value), shortened; the name of its type if there is none.
+std::string repr_of(py::handle value) {
+  const py::object text = py::reinterpret_steal<py::object>(PyObject_ASCII(value.ptr()));
+  if (text) return shortened(one_line(text.cast<std::string>()), 80);
+  PyErr_Clear();
+  return Py_TYPE(value.ptr())->tp_name;
 }
 
 /// numpy.asarray(value).
@@ -106,12 +116,11 @@ std::vector<double> numbers_of(const std::string& name, py::handle value) {
 
 double length_of(const std::string& name, py::handle value) {
   const auto refused = [&] {
-    return bad_usage(fmt::format("{}: give {}; palpa got {}", name, quantity_hint(Quantity::length),
-                                 py::repr(value).cast<std::string>()));
+    return bad_usage(fmt::format("{}: give {}; palpa got {}", name, quantity_hint(Quantity::length), repr_of(value)));
   };
   if (py::isinstance<py::bool_>(value)) throw refused();
   if (py::isinstance<py::str>(value)) {
-    if (const auto metres = parse_quantity(value.cast<std::string>(), Quantity::length)) return *metres;
+    if (const auto metres = parse_quantity(bytes_of(name, value), Quantity::length)) return *metres;
     throw refused();
   }
   const double metres = PyFloat_AsDouble(value.ptr());

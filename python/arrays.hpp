@@ -1,5 +1,5 @@
-// NumPy arrays to the engine's values and back. Checks of what comes in: shape, type, NaN. What goes out is read-only,
-// in C order, and keeps the object alive whose memory it shows.
+// NumPy arrays to the engine's values and back. The shape and type of inputs are checked, and NaN is refused. Outputs
+// are read-only and in C order. They keep the object alive whose memory they show.
 #pragma once
 
 #include <pybind11/numpy.h>

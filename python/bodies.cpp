@@ -16,6 +16,7 @@
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "bodies_doc.hpp"
 #include "layout.hpp"
 #include "module.hpp"
@@ -177,7 +178,7 @@ void add_scatter(py::module_& m) {
           "json", [](const ScatterObject& o) { return to_json(o.result); },
           "str: what `palpa scatter --json` writes. Only `timing_ms` differs between runs.")
       .def("__repr__", [](const ScatterObject& o) {
-        return fmt::format("<palpa.Scattering: {} faces, at most {:.4g} Pa>", o.result.faces.size(),
+        return fmt::format("<palpa.Scattering: {}, at most {:.4g} Pa>", counted(o.result.faces.size(), "face"),
                            o.result.loudest_pa);
       });
 
@@ -274,7 +275,7 @@ Declared<FingerAir>& finger_air() {
 setup::Skin skin_word(const std::string& word) {
   if (word == "vertices") return setup::Skin::vertices;
   if (word == "cameras") return setup::Skin::cameras;
-  throw bad_usage(fmt::format("skin: '{}' is neither vertices nor cameras", word));
+  throw bad_usage(fmt::format("skin: '{}' is neither vertices nor cameras", printable(word, 60)));
 }
 
 SimulateArguments simulate_arguments(Declared<SimulateArguments>& options, const py::object& penetration,
@@ -402,7 +403,7 @@ void add_simulation_class(py::module_& m) {
           },
           py::arg("file"), "Write the body and both pressures for ParaView.")
       .def("__repr__", [](const SimulateObject& o) {
-        return fmt::format("<palpa.Simulation: {} faces, at most {:.4g} Pa>", o.result.body.triangles.size(),
+        return fmt::format("<palpa.Simulation: {}, at most {:.4g} Pa>", counted(o.result.body.triangles.size(), "face"),
                            o.result.langevin.peak_pa);
       });
   py::class_<Figure6Object, std::shared_ptr<Figure6Object>>(m, "Figure6", "The paper's Fig. 6.")
@@ -418,8 +419,9 @@ void add_simulation_class(py::module_& m) {
       .def(
           "json", [](const Figure6Object& o) { return to_json(std::span(o.touches)); },
           "str: what `palpa simulate --figure6 --json` writes.")
-      .def("__repr__",
-           [](const Figure6Object& o) { return fmt::format("<palpa.Figure6: {} touches>", o.touches.size()); });
+      .def("__repr__", [](const Figure6Object& o) {
+        return fmt::format("<palpa.Figure6: {}>", counted(o.touches.size(), "touch"));
+      });
 }
 
 void add_simulate(py::module_& m) {
@@ -442,7 +444,8 @@ force : bool, optional
            }),
            py::arg("finger"), py::kw_only(), py::arg("force") = false)
       .def("__repr__", [](const FingerBodyObject& o) {
-        return fmt::format("<palpa.FingerBody {}: {} faces>", o.body.name(), o.body.body().triangles.size());
+        return shown_text(
+            fmt::format("<palpa.FingerBody {}: {}>", o.body.name(), counted(o.body.body().triangles.size(), "face")));
       });
   const setup::SimulateTask defaults;
   const std::string doc = simulate_options().documented(simulate_doc);

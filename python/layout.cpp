@@ -20,6 +20,7 @@
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "layout_doc.hpp"
 #include "module.hpp"
 #include "options.hpp"
@@ -174,7 +175,7 @@ std::vector<setup::AskedFocus> asked_foci(const py::object& foci, const py::obje
     loud = numbers_of("gains", gains);
     if (loud.size() == 1) loud.assign(places.size(), loud[0]);
     if (loud.size() != places.size())
-      throw bad_usage(fmt::format("gains: there are {} for {} foci", loud.size(), places.size()));
+      throw bad_usage(fmt::format("gains: there are {} for {}", loud.size(), counted(places.size(), "focus")));
   }
   std::vector<setup::AskedFocus> asked;
   asked.reserve(places.size());
@@ -363,7 +364,9 @@ BadInput
       .def(py::init([](const py::object& source) { return LayoutObject(*layout_of("Layout", source)); }),
            py::arg("source"))
       .def_static("names", &array::layout_names, "The names of the built-in layouts.\n\nReturns\n-------\nlist of str")
-      .def_readonly("source", &LayoutObject::source, "str: its name or file; empty for a moved layout.")
+      .def_property_readonly(
+          "source", [](const LayoutObject& o) { return shown_text(o.source); },
+          "str: its name or file; empty for a moved layout.")
       .def_property_readonly(
           "name", [](const LayoutObject& o) { return o.layout.name; }, "str")
       .def("__len__", [](const LayoutObject& o) { return o.layout.transducers.size(); })
@@ -405,9 +408,8 @@ Layout)")
       .def(
           "read_drive",
           [](const LayoutObject& o, const py::object& file) {
-            const std::optional<std::string> path = path_of(file);
-            if (!path) throw bad_usage("read_drive: give the path of a CSV file");
-            return complex_of(unlocked([&] { return setup::load_drive(*path, o.layout); }));
+            const std::string path = file_of("file", file);
+            return complex_of(unlocked([&] { return setup::load_drive(path, o.layout); }));
           },
           py::arg("file"), R"(Read a drive that `palpa drive --csv` or Layout.write_drive wrote.
 
@@ -422,16 +424,15 @@ BadInput
       .def(
           "write_drive",
           [](const LayoutObject& o, const py::object& file, const py::object& drive) {
-            const std::optional<std::string> path = path_of(file);
-            if (!path) throw bad_usage("write_drive: give the path of a CSV file");
+            const std::string path = file_of("file", file);
             const array::Drive driven = drive_of("drive", drive, o.layout);
-            unlocked([&] { write_file(*path, setup::drive_csv(o.layout, driven)); });
+            unlocked([&] { write_file(path, setup::drive_csv(o.layout, driven)); });
           },
           py::arg("file"), py::arg("drive"),
           "Write a drive as CSV: index,x,y,z,nx,ny,nz,amplitude,phase of each transducer.\n\n"
           "Parameters\n----------\nfile : path\ndrive : Drive or array_like of complex, shape (M,)")
       .def("__repr__", [](const LayoutObject& o) {
-        return fmt::format("<palpa.Layout {}: {} transducers>", o.layout.name, o.layout.transducers.size());
+        return fmt::format("<palpa.Layout {}: {}>", o.layout.name, counted(o.layout.transducers.size(), "transducer"));
       });
 }
 
@@ -481,9 +482,9 @@ force : bool, optional
       .def(py::init([](const LayoutPtr& layout, const py::object& finger, bool force, const py::kwargs& kwargs) {
              return finger_sound(layout, finger, finger_options().read(kwargs), force);
            }),
-           py::arg("layout"), py::arg("finger"), py::kw_only(), py::arg("force") = false)
+           py::arg("layout").none(false), py::arg("finger"), py::kw_only(), py::arg("force") = false)
       .def("__repr__", [](const FingerSoundObject& o) {
-        return fmt::format("<palpa.FingerSound {} in {}>", o.name, o.layout->layout.name);
+        return shown_text(fmt::format("<palpa.FingerSound {} in {}>", o.name, o.layout->layout.name));
       });
 }
 

@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 #include "base/start_thread.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/sources.hpp"
@@ -169,6 +170,7 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   std::exception_ptr fault;
   try {
     const std::vector<session::LinkKind> links = links_with_gain(run.gain);
+    const Outputs outputs(setup::outputs_of(options, links));
     if (o.from_points()) {
       run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
     } else {

@@ -1,5 +1,6 @@
 #include "module.hpp"
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <unistd.h>
 
@@ -21,6 +22,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
+#include "base/text.hpp"
 #include "base/words.hpp"
 #include "running.hpp"
 #include "setup/asset_folder.hpp"
@@ -77,10 +79,10 @@ PyObject* class_of(Exit code) {
 
 void raise(const Error& error) {
   const std::string message = error.what();
-  const py::object value =
-      py::reinterpret_steal<py::object>(PyObject_CallFunction(class_of(error.code()), "s", message.c_str()));
+  const py::object value = py::reinterpret_steal<py::object>(
+      PyObject_CallFunctionObjArgs(class_of(error.code()), shown_text(message).ptr(), nullptr));
   if (!value) return;  // Python has set an error of its own
-  if (error.code() == Exit::bad_input) value.attr("file") = file_of(message);
+  if (error.code() == Exit::bad_input) value.attr("file") = shown_text(file_of(message));
   value.attr("exit_code") = static_cast<int>(error.code());
   PyErr_SetObject(class_of(error.code()), value.ptr());
 }
@@ -107,8 +109,73 @@ void add_errors(py::module_& m) {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& e) {
       raise(e);
+    } catch (const py::cast_error&) {
+      PyErr_SetString(PyExc_TypeError, "an argument has a type that cannot be used here; help() says what it takes");
     }
   });
+}
+
+py::str shown_text(const std::string& text) {
+  PyObject* const made = PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape");
+  if (!made) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(made);
+}
+
+std::string bytes_of(const std::string& name, py::handle text) {
+  const py::object made = py::reinterpret_steal<py::object>(PyUnicode_EncodeFSDefault(text.ptr()));
+  if (!made) {
+    PyErr_Clear();
+    throw bad_usage(fmt::format("{}: the text has a character that is no Unicode", name));
+  }
+  std::string bytes(PyBytes_AS_STRING(made.ptr()), static_cast<std::size_t>(PyBytes_GET_SIZE(made.ptr())));
+  if (bytes.find('\0') != std::string::npos) throw bad_usage(fmt::format("{}: the text has a zero character", name));
+  return bytes;
+}
+
+namespace {
+
+/// Called instead of the allocation that pybind11 makes for an object that has no value, such as one that was made by
+/// __new__ alone: its members would read memory without a value.
+void* refuse_empty_object(std::size_t) {
+  throw py::type_error("the object has no value: it was made by __new__ without __init__; call its class instead");
+}
+
+/// pybind11's, which calls every function of the module. For arguments that do not fit, it writes a message with all of
+/// them, and throws where Python cannot write one of them (such as a number of 5000 digits).
+PyCFunctionWithKeywords dispatcher = nullptr;
+
+PyObject* call_guarded(PyObject* self, PyObject* arguments, PyObject* keywords) {
+  try {
+    return dispatcher(self, arguments, keywords);
+  } catch (const std::exception&) {
+    PyErr_SetString(PyExc_TypeError, "the arguments do not fit; help() says what the function takes");
+    return nullptr;
+  }
+}
+
+void guard_function(PyObject* function) {
+  if (PyInstanceMethod_Check(function)) function = PyInstanceMethod_GET_FUNCTION(function);
+  if (!PyCFunction_Check(function)) return;
+  PyMethodDef& definition = *reinterpret_cast<PyCFunctionObject*>(function)->m_ml;
+  if ((definition.ml_flags & METH_KEYWORDS) == 0) return;
+  const auto plain = [](auto* pointer) { return reinterpret_cast<void (*)()>(pointer); };
+  if (!dispatcher) dispatcher = reinterpret_cast<PyCFunctionWithKeywords>(plain(definition.ml_meth));
+  if (plain(definition.ml_meth) == plain(dispatcher))
+    definition.ml_meth = reinterpret_cast<PyCFunction>(plain(call_guarded));
+}
+
+}  // namespace
+
+void guard(const py::module_& m) {
+  for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(m.attr("__dict__"))) {
+    guard_function(value.ptr());
+    if (!PyType_Check(value.ptr())) continue;
+    auto* const info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr()));
+    if (!info) continue;
+    info->operator_new = refuse_empty_object;
+    for (const auto& [member, function] : py::reinterpret_steal<py::dict>(PyDict_Copy(info->type->tp_dict)))
+      guard_function(function.ptr());
+  }
 }
 
 // ---- the interpreter beside the engine ------------------------------------------------------------------------------
@@ -284,7 +351,7 @@ log::Level level_of(const std::string& word) {
     if (word == entry.word) return entry.value;
     known += (known.empty() ? "" : ", ") + std::string(entry.word);
   }
-  throw py::value_error("'" + word + "' is no log level; the levels are " + known);
+  throw bad_usage(fmt::format("level: '{}' is no log level; the levels are {}", printable(word, 60), known));
 }
 
 void add_log(py::module_& m) {
@@ -302,9 +369,9 @@ level : {"quiet", "error", "warning", "info", "debug"}
   m.def(
       "messages",
       [] {
-        std::vector<std::pair<std::string, std::string>> lines;
-        for (log::Line& line : tail().take())
-          lines.emplace_back(word_of(log::level_words, line.level), std::move(line.text));
+        py::list lines;
+        for (const log::Line& line : tail().take())
+          lines.append(py::make_tuple(std::string(word_of(log::level_words, line.level)), shown_text(line.text)));
         return lines;
       },
       R"(Take the messages since the last call, such as warnings of unusual values.
@@ -335,4 +402,5 @@ PYBIND11_MODULE(_engine, m) {
   add_tasks(m);
   add_session(m);
   add_sweeps(m);
+  guard(m);
 }

@@ -4,11 +4,16 @@
 
 #include <pybind11/pybind11.h>
 
+#include <string>
+
 namespace palpa::python {
 
 namespace py = pybind11;
 
 void add_errors(py::module_& m);
+/// Call at the end. Lets two things raise TypeError that would otherwise end the program: a use of an object of these
+/// classes that has no value, and arguments that neither fit nor can be written into a message.
+void guard(const py::module_& m);
 void add_running(py::module_& m);
 void add_options(py::module_& m);
 void add_shapes(py::module_& m);
@@ -18,5 +23,11 @@ void add_bodies(py::module_& m);
 void add_tasks(py::module_& m);
 void add_session(py::module_& m);
 void add_sweeps(py::module_& m);
+
+/// A name or a message. Bytes that are not UTF-8, as names of files may have, become what os.fsdecode makes of them.
+py::str shown_text(const std::string& text);
+/// The bytes of a text, as os.fsencode makes them. Throws bad_usage naming the argument `name` for a text with a zero
+/// character, and for one that has no bytes.
+std::string bytes_of(const std::string& name, py::handle text);
 
 }  // namespace palpa::python

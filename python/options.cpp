@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "array/free_field.hpp"
@@ -18,6 +19,7 @@
 #include "own.hpp"
 #include "setup/nearest_word.hpp"
 #include "setup/option_table.hpp"
+#include "shapes.hpp"
 #include "touch_object.hpp"
 
 namespace palpa::python {
@@ -36,11 +38,15 @@ Error not_a_value(const std::string& name, const char* wanted) {
 /// A number, a text or a path as it would stand on a command line.
 std::string text_of(const std::string& name, py::handle value) {
   if (py::isinstance<py::bool_>(value)) throw not_a_value(name, "a value, not True or False");
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::str>(value)) return bytes_of(name, value);
   if (PyIndex_Check(value.ptr())) {
     const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
     if (!number) throw py::error_already_set();
-    return py::str(number).cast<std::string>();
+    // Python writes no number of more than 4300 digits.
+    if (const py::object text = py::reinterpret_steal<py::object>(PyObject_Str(number.ptr())))
+      return bytes_of(name, text);
+    PyErr_Clear();
+    throw not_a_value(name, "a smaller number");
   }
   if (py::isinstance<py::float_>(value) || py::hasattr(value, "__float__")) {
     const double number = PyFloat_AsDouble(value.ptr());
@@ -51,19 +57,15 @@ std::string text_of(const std::string& name, py::handle value) {
     return fmt::format("{}", number);
   }
   if (py::hasattr(value, "source")) return text_of(name, value.attr("source"));  // of a Layout or a Scene
-  if (py::hasattr(value, "__fspath__")) return text_of(name, value.attr("__fspath__")());
+  if (const std::optional<std::string> path = path_of(value)) return *path;
   throw not_a_value(name, "a number, a text or a path");
-}
-
-bool is_list(py::handle value) {
-  return !py::isinstance<py::str>(value) && py::isinstance<py::sequence>(value);
 }
 
 /// (0, 0, 0.15) is "0,0,0.15".
 std::string joined(const std::string& name, py::handle value) {
   if (!is_list(value)) return text_of(name, value);
   std::vector<std::string> parts;
-  for (const py::handle part : value.cast<py::sequence>())
+  for (const py::object part : value.cast<py::sequence>())
     parts.push_back(text_of(name, part));
   return fmt::format("{}", fmt::join(parts, ","));
 }
@@ -75,7 +77,7 @@ bool values_of(bool flag, bool several, const std::string& name, py::handle valu
     return value.cast<bool>();
   }
   if (several && is_list(value)) {
-    for (const py::handle one : value.cast<py::sequence>())
+    for (const py::object one : value.cast<py::sequence>())
       texts.push_back(joined(name, one));
     return !texts.empty();
   }
@@ -117,6 +119,13 @@ std::string in_python(const std::string& help) {
 }
 
 }  // namespace
+
+bool is_list(py::handle value) {
+  if (py::isinstance<py::str>(value) || !py::isinstance<py::sequence>(value)) return false;
+  if (PySequence_Size(value.ptr()) >= 0) return true;
+  PyErr_Clear();
+  return false;
+}
 
 OptionTable::OptionTable(std::string function, const std::function<void(CLI::App&)>& add,
                          std::initializer_list<const char*> hidden)

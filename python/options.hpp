@@ -79,6 +79,10 @@ class Declared {
   Values usual_;
 };
 
+/// Whether it has parts to be read one after the other: neither a text nor an array without dimensions. Take the parts
+/// as py::object: an array makes them when they are asked for.
+bool is_list(py::handle value);
+
 /// The options of outputs, for which the module has results.
 inline constexpr std::initializer_list<const char*> outputs_of_commands = {"--json", "--quiet", "--log-level"};
 

@@ -1,4 +1,4 @@
-// Functions of the caller's as method and solver. The engine calls them on the thread that computes, and their results
+// The caller's own functions as method and solver. The engine calls them on the thread that computes, and their results
 // are checked like the content of a file. What they raise ends a live run in silence. Their code is in options.cpp.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Engine calls beside the interpreter: without the interpreter's lock (the GIL), interruptible with Ctrl-C, refused
-// after fork(), and over before the interpreter ends.
+// Calls of the engine without the interpreter's lock (the GIL). Ctrl-C can interrupt them, they are refused after
+// fork(), and they end before the interpreter does.
 #pragma once
 
 #include <pybind11/pybind11.h>

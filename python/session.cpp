@@ -16,6 +16,7 @@
 #include "array/schedule.hpp"
 #include "arrays.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/words.hpp"
 #include "layout.hpp"
 #include "module.hpp"
@@ -163,8 +164,9 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (const std::optional<std::string> one = path_of(camera)) {
     cameras = {*one};
   } else if (!camera.is_none()) {
-    for (const py::handle file : camera.cast<py::sequence>())
-      cameras.push_back(path_of(file).value_or(""));
+    if (!is_list(camera)) throw bad_usage("camera: give a path, or a list of these");
+    for (const py::object file : camera.cast<py::sequence>())
+      cameras.push_back(file_of("camera", file));
   }
   cancellable([&] {
     std::vector<sensing::Camera> eyes;
@@ -197,8 +199,8 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
     points = setup::skin_points("skin", points_of("skin", skin)).points;
   } else {
     const std::vector<sensing::Camera>& cameras = session.setting().cameras;
-    if (!py::isinstance<py::sequence>(depth) || py::len(depth) != cameras.size())
-      throw bad_usage(fmt::format("depth: give a list of {} arrays, one for each camera", cameras.size()));
+    if (!is_list(depth) || py::len(depth) != cameras.size())
+      throw bad_usage(fmt::format("depth: give a list of {}, one for each camera", counted(cameras.size(), "array")));
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const py::object image = depth[py::int_(i)];
       images.push_back({depths_of("depth", image, cameras[i].width, cameras[i].height), time});
@@ -248,14 +250,15 @@ void add_stats(py::module_& m) {
           "json", [](const StatsObject& o) { return session::to_json(o.stats); },
           "str: what `palpa run --stats json` prints.")
       .def("__repr__", [](const StatsObject& o) {
-        return fmt::format("<palpa.RunStats: {} frames, {} with a touch>", o.stats.captured, o.stats.touching);
+        return fmt::format("<palpa.RunStats: {}, {} with a touch>", counted(o.stats.captured, "frame"),
+                           o.stats.touching);
       });
 }
 
 void add_session_class(py::module_& m) {
   const std::string doc = session_options().documented(session_doc);
   py::class_<SessionObject, SessionPtr>(m, "Session", doc.c_str())
-      .def(py::init(&make_session), py::arg("scene"), py::kw_only(), py::arg("camera") = py::none(),
+      .def(py::init(&make_session), py::arg("scene").none(false), py::kw_only(), py::arg("camera") = py::none(),
            py::arg("depth") = false)
       .def("touch", &touch_frame, py::arg("skin") = py::none(), py::arg("time") = 0.0, py::kw_only(),
            py::arg("depth") = py::none(), R"(Process the next frame.
@@ -343,8 +346,8 @@ pose : array_like, shape (4, 4)
              }
            })
       .def("__repr__", [](const SessionObject& o) {
-        return fmt::format("<palpa.Session of {}{}>", o.scene->source,
-                           o.live() ? fmt::format(" from {} to {}", o.options.source, o.options.link) : "");
+        return shown_text(fmt::format("<palpa.Session of {}{}>", o.scene->source,
+                                      o.live() ? fmt::format(" from {} to {}", o.options.source, o.options.link) : ""));
       });
 }
 

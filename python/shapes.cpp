@@ -12,6 +12,7 @@
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/reference.hpp"
+#include "base/text.hpp"
 #include "base/words.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"
@@ -26,16 +27,18 @@
 namespace palpa::python {
 
 std::optional<std::string> path_of(py::handle value) {
-  std::string path;
-  if (py::isinstance<py::str>(value)) {
-    path = value.cast<std::string>();
-  } else if (py::hasattr(value, "__fspath__")) {
-    path = py::str(value.attr("__fspath__")()).cast<std::string>();
-  } else {
-    return std::nullopt;
-  }
-  if (path.find('\0') != std::string::npos) throw bad_usage("a path cannot have a zero character");
-  return path;
+  if (!py::isinstance<py::str>(value) && !py::hasattr(value, "__fspath__")) return std::nullopt;
+  const py::object path = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
+  if (!path) throw py::error_already_set();
+  // As bytes, a path may be anything that a file may be called.
+  const py::object text = py::isinstance<py::str>(path)
+                              ? path
+                              : py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefaultAndSize(
+                                    PyBytes_AS_STRING(path.ptr()), PyBytes_GET_SIZE(path.ptr())));
+  if (!text) throw py::error_already_set();
+  std::string bytes = bytes_of("path", text);
+  if (bytes.empty()) throw bad_usage("a path is empty");
+  return bytes;
 }
 
 std::string file_of(const char* name, py::handle value) {
@@ -65,15 +68,18 @@ NamedMesh mesh_of(const std::string& what, py::handle value) {
 
 std::size_t solid_index(const SceneObject& scene, const py::object& key) {
   if (py::isinstance<py::str>(key)) {
-    const auto name = key.cast<std::string>();
+    const std::string name = bytes_of("solid", key);
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
       if (scene.solids[i].name == name) return i;
     }
-    throw py::key_error(fmt::format("{} has no solid \"{}\"", scene.source, name));
+    throw py::key_error(fmt::format("{} has no solid \"{}\"", printable(scene.source), printable(name, 60)));
   }
   const auto count = static_cast<py::ssize_t>(scene.solids.size());
-  const auto index = key.cast<py::ssize_t>();
-  if (index < -count || index >= count) throw py::index_error(fmt::format("the scene has {} solids", count));
+  if (!PyIndex_Check(key.ptr())) throw py::type_error("give the name or the index of a solid");
+  const py::ssize_t index = PyNumber_AsSsize_t(key.ptr(), PyExc_IndexError);
+  if (index == -1 && PyErr_Occurred()) throw py::error_already_set();
+  if (index < -count || index >= count)
+    throw py::index_error(fmt::format("the scene has {}", counted(scene.solids.size(), "solid")));
   return static_cast<std::size_t>(index < 0 ? index + count : index);
 }
 
@@ -170,8 +176,9 @@ BadUsage
       .def_property_readonly(
           "area", [](const MeshObject& o) { return geometry::area(o.mesh); }, "float: square metres.")
       .def("__repr__", [](const MeshObject& o) {
-        return fmt::format("<palpa.Mesh{}: {} vertices, {} faces>", o.source.empty() ? "" : " " + o.source,
-                           o.mesh.positions.size(), o.mesh.triangles.size());
+        return shown_text(fmt::format("<palpa.Mesh{}: {}, {}>", o.source.empty() ? "" : " " + o.source,
+                                      counted(o.mesh.positions.size(), "vertex"),
+                                      counted(o.mesh.triangles.size(), "face")));
       });
   m.def(
       "read_ply",
@@ -270,8 +277,9 @@ Returns
 ndarray of float64, shape (n,)
     Metres, positive inside. Outside of a convex solid, it is minus a lower bound of the distance.)")
       .def("__repr__", [](const SolidObject& o) {
-        return fmt::format("<palpa.Solid \"{}\": {} vertices, {} faces>", o.solid().name,
-                           o.solid().mesh.positions.size(), o.solid().mesh.triangles.size());
+        return fmt::format("<palpa.Solid \"{}\": {}, {}>", o.solid().name,
+                           counted(o.solid().mesh.positions.size(), "vertex"),
+                           counted(o.solid().mesh.triangles.size(), "face"));
       });
 
   const std::string doc = scene_options().documented(R"(The solids of a glTF model, ready to be touched.
@@ -287,7 +295,8 @@ BadInput
     The file is missing or broken, or has no solid.)");
   py::class_<SceneObject, std::shared_ptr<SceneObject>>(m, "Scene", doc.c_str())
       .def(py::init(&load_scene), py::arg("file"))
-      .def_readonly("source", &SceneObject::source, "str: the file.")
+      .def_property_readonly(
+          "source", [](const SceneObject& o) { return shown_text(o.source); }, "str: the file.")
       .def("__len__", [](const SceneObject& o) { return o.solids.size(); })
       .def("__getitem__",
            [](const std::shared_ptr<SceneObject>& o, const py::object& key) {
@@ -306,7 +315,7 @@ BadInput
         std::string names;
         for (std::size_t i = 0; i < o.solids.size() && i < 5; ++i)
           names += (i ? ", " : "") + o.solids[i].name;
-        return fmt::format("<palpa.Scene {}: {}{}>", o.source, names, o.solids.size() > 5 ? ", ..." : "");
+        return shown_text(fmt::format("<palpa.Scene {}: {}{}>", o.source, names, o.solids.size() > 5 ? ", ..." : ""));
       });
 }
 
@@ -314,7 +323,7 @@ setup::Plane plane_word(const std::string& word) {
   for (const auto& entry : setup::plane_words) {
     if (word == entry.word) return entry.value;
   }
-  throw bad_usage(fmt::format("plane: '{}' is not one of xy, xz, yz", word));
+  throw bad_usage(fmt::format("plane: '{}' is not one of xy, xz, yz", printable(word, 60)));
 }
 
 std::array<double, 2> two_numbers(const char* name, const py::object& value) {
@@ -367,8 +376,9 @@ void add_places_class(py::module_& m) {
           "tuple of float or None: left, right, bottom, top of a plane in metres, as matplotlib's imshow takes them.")
       .def("__len__", [](const PlacesObject& o) { return o.places.points.size(); })
       .def("__repr__", [](const PlacesObject& o) {
-        return fmt::format("<palpa.Places: {} {}>", o.places.points.size(),
-                           o.places.grid ? "pixels of a plane" : "samples of a line");
+        return fmt::format("<palpa.Places: {}>", o.places.grid
+                                                     ? counted(o.places.points.size(), "pixel") + " of a plane"
+                                                     : counted(o.places.points.size(), "sample") + " of a line");
       });
   m.def("plane", &make_plane, py::arg("plane"), py::kw_only(), py::arg("centre") = py::none(), py::arg("size"),
         py::arg("pixels") = py::none(), R"(Places on a plane, at the centres of pixels.

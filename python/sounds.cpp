@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "base/text.hpp"
 #include "layout.hpp"
 #include "running.hpp"
 #include "setup/drive_file.hpp"
@@ -129,8 +130,8 @@ void add_drive_class(py::module_& m) {
           },
           "str: what `palpa drive --csv` writes: index,x,y,z,nx,ny,nz,amplitude,phase of each transducer.")
       .def("__repr__", [](const DriveObject& o) {
-        return fmt::format("<palpa.Drive of {}: {} transducers, {} foci>", o.result.layout.name, o.result.drive.size(),
-                           o.result.foci.size());
+        return fmt::format("<palpa.Drive of {}: {}, {}>", o.result.layout.name,
+                           counted(o.result.drive.size(), "transducer"), counted(o.result.foci.size(), "focus"));
       });
 }
 
@@ -181,8 +182,8 @@ void add_field_class(py::module_& m) {
           "json", [](const FieldObject& o) { return unlocked([&] { return to_json(o.result); }); },
           "str: what `palpa field --json` writes. Only `timing_ms` differs between runs.")
       .def("__repr__", [](const FieldObject& o) {
-        return fmt::format("<palpa.Field of {}: {} points, at most {:.0f} Pa>", o.result.layout,
-                           o.result.pressures.size(), o.result.peak_pa());
+        return fmt::format("<palpa.Field of {}: {}, at most {:.0f} Pa>", o.result.layout,
+                           counted(o.result.pressures.size(), "point"), o.result.peak_pa());
       });
 }
 

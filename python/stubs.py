@@ -173,7 +173,8 @@ def text():
     lines = ['"""Made by python/stubs.py from the module itself."""', "from collections.abc import Callable, Sequence", "from os import PathLike",
              "from typing import Any, Literal, Union", "", "import numpy as np", "from numpy.typing import ArrayLike, NDArray", "",
              "_Path = Union[str, PathLike[str]]", "__version__: str", ""]
-    public = [name for name in dir(palpa._engine) if not name.startswith("_")]
+    public = palpa.__all__
+    lines += ["__all__ = ["] + [f'    "{name}",' for name in public] + ["]", ""]
     classes = [name for name in public if inspect.isclass(getattr(palpa, name))]
     classes.sort(key=lambda name: (not issubclass(getattr(palpa, name), Exception), len(getattr(palpa, name).__mro__) if issubclass(
         getattr(palpa, name), Exception) else 0, name))

@@ -62,11 +62,10 @@ class ScratchFolder {
 
 sweep::Shard shard_of(const py::object& shard) {
   if (shard.is_none()) return {};
-  if (py::isinstance<py::str>(shard)) return sweep::parse_shard(shard.cast<std::string>());
-  if (!py::isinstance<py::sequence>(shard) || py::len(shard) != 2)
-    throw bad_usage("shard: give (i, n), \"i/n\" or \"env\"");
-  return sweep::parse_shard(fmt::format("{}/{}", py::str(shard[py::int_(0)]).cast<std::string>(),
-                                        py::str(shard[py::int_(1)]).cast<std::string>()));
+  if (py::isinstance<py::str>(shard)) return sweep::parse_shard(bytes_of("shard", shard));
+  if (!is_list(shard) || py::len(shard) != 2) throw bad_usage("shard: give (i, n), \"i/n\" or \"env\"");
+  return sweep::parse_shard(fmt::format("{}/{}", bytes_of("shard", py::str(shard[py::int_(0)])),
+                                        bytes_of("shard", py::str(shard[py::int_(1)]))));
 }
 
 /// A value of a plan: a number if it is one, otherwise its text.

@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
+#include "base/text.hpp"
 #include "driver/sources.hpp"
 #include "geometry/gltf/write.hpp"
 #include "module.hpp"
@@ -107,7 +108,8 @@ void add_parts(py::module_& m) {
           "json",
           [](const PartsObject& o, const py::object& file) { return setup::to_json(o.solids, file_of("file", file)); },
           py::arg("file"), "str: what `palpa decompose --json --out file` writes.")
-      .def("__repr__", [](const PartsObject& o) { return fmt::format("<palpa.Parts of {} solids>", o.solids.size()); });
+      .def("__repr__",
+           [](const PartsObject& o) { return fmt::format("<palpa.Parts of {}>", counted(o.solids.size(), "solid")); });
   const std::string doc =
       decompose_options().documented(R"(Cut the solids of a model into convex parts, as in the paper (V-HACD).
 
@@ -195,7 +197,7 @@ void add_calibration(py::module_& m) {
           "json", [](const CalibrationObject& o) { return setup::to_json(o.result); },
           "str: what `palpa calibrate --json` writes.")
       .def("__repr__", [](const CalibrationObject& o) {
-        return fmt::format("<palpa.Calibration: {} cameras>", o.result.cameras.size());
+        return fmt::format("<palpa.Calibration: {}>", counted(o.result.cameras.size(), "camera"));
       });
   const std::string doc = calibrate_options().documented(
       R"(Find the poses of a rig's cameras from frames of the calibration target (docs/calibration.md).
@@ -220,7 +222,8 @@ struct RecordingObject {
 
 py::list images_of(const RecordingObject& o, py::ssize_t index) {
   const auto count = static_cast<py::ssize_t>(o.recording.entries.size());
-  if (index < -count || index >= count) throw py::index_error(fmt::format("the recording has {} frames", count));
+  if (index < -count || index >= count)
+    throw py::index_error(fmt::format("the recording has {}", counted(o.recording.entries.size(), "frame")));
   sensing::FrameSet set;
   unlocked([&] { sensing::read_entry(o.recording, static_cast<std::size_t>(index < 0 ? index + count : index), set); });
   py::list images;
@@ -326,7 +329,8 @@ BadInput
                  RecordingObject{path, unlocked([&] { return sensing::load_recording(path); })});
            }),
            py::arg("folder"))
-      .def_readonly("source", &RecordingObject::source, "str: its folder.")
+      .def_property_readonly(
+          "source", [](const RecordingObject& o) { return shown_text(o.source); }, "str: its folder.")
       .def("__len__", [](const RecordingObject& o) { return o.recording.entries.size(); })
       .def_property_readonly(
           "cameras",
@@ -357,8 +361,9 @@ Returns
 list of Any
     An array of uint16 for each camera, shape (height, width), in the camera's depth unit; 0 means no data.)")
       .def("__repr__", [](const RecordingObject& o) {
-        return fmt::format("<palpa.Recording {}: {} frames of {} cameras>", o.source, o.recording.entries.size(),
-                           o.recording.cameras.size());
+        return shown_text(fmt::format("<palpa.Recording {}: {} of {}>", o.source,
+                                      counted(o.recording.entries.size(), "frame"),
+                                      counted(o.recording.cameras.size(), "camera")));
       });
   py::class_<ExportObject, std::shared_ptr<ExportObject>>(m, "Export", "The foci of all frames of a source.")
       .def_property_readonly(
@@ -373,7 +378,8 @@ list of Any
           "json", [](const ExportObject& o) { return setup::to_json(o.result); },
           "str: what `palpa export --json` writes.")
       .def("__repr__", [](const ExportObject& o) {
-        return fmt::format("<palpa.Export: {} frames, {} rows>", o.result.stats.frames, o.rows.size());
+        return fmt::format("<palpa.Export: {}, {}>", counted(o.result.stats.frames, "frame"),
+                           counted(o.rows.size(), "row"));
       });
   const std::string doc = export_options().documented(
       R"(Play a source on its own clock, and take the foci, drives and events of all its frames.

@@ -11,6 +11,7 @@
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "own.hpp"
@@ -49,14 +50,15 @@ bool is_text_or_path(py::handle value) {
   return path_of(value).has_value();
 }
 
-std::vector<py::object> one_or_several(const py::object& value) {
+std::vector<py::object> one_or_several(const char* name, const py::object& value) {
   if (value.is_none()) return {};
   const bool one = is_text_or_path(value) || (py::isinstance<py::array>(value) && py::array(value).ndim() == 2);
   if (one) return {value};
-  if (!py::isinstance<py::sequence>(value)) throw bad_usage("depth: give a path, an array, or a list of these");
+  if (!is_list(value)) throw bad_usage(fmt::format("{}: give a path, or a list of these", name));
   std::vector<py::object> several;
-  for (const py::handle part : value.cast<py::sequence>())
-    several.push_back(py::reinterpret_borrow<py::object>(part));
+  // A sequence may make its parts when they are asked for, as arrays do: only py::object keeps them.
+  for (const py::object part : value.cast<py::sequence>())
+    several.push_back(part);
   return several;
 }
 
@@ -77,8 +79,8 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
                           const py::object& camera, const py::object& rig, const py::object& penetration) {
   setup::TouchInputOptions o;
   o.scene = scene.source;
-  const std::vector<py::object> images = one_or_several(depth);
-  for (const py::object& file : one_or_several(camera))
+  const std::vector<py::object> images = one_or_several("depth", depth);
+  for (const py::object& file : one_or_several("camera", camera))
     o.cameras.push_back(file_of("camera", file));
   if (!rig.is_none()) o.rig = file_of("rig", rig);
   if (!penetration.is_none()) o.penetration_m = length_of("penetration", penetration);
@@ -302,9 +304,9 @@ void add_finger(py::module_& m) {
                              "per line: frequency (Hz), amplitude, phase (rad), around, hold, felt.")
       .def_property_readonly("tuned", tuned_of, "dict or None: what tune=True chose.")
       .def("__repr__", [](const FingerObject& o) {
-        return fmt::format("<palpa.Finger {} on {}: {} contacts, {} foci>", o.finger().id,
-                           o.values().solids[o.finger().solid], o.finger().contact_count,
-                           o.scheduled().placement.foci.size());
+        return fmt::format("<palpa.Finger {} on {}: {}, {}>", o.finger().id, o.values().solids[o.finger().solid],
+                           counted(o.finger().contact_count, "contact"),
+                           counted(o.scheduled().placement.foci.size(), "focus"));
       });
 }
 
@@ -394,8 +396,8 @@ void add_touch_class(py::module_& m) {
           "csv", [](const TouchObject& o) { return unlocked([&] { return to_csv(o.values); }); },
           "str: what `palpa touch --csv` writes: index,x,y,z,depth,finger,solid of each contact.")
       .def("__repr__", [](const TouchObject& o) {
-        return fmt::format("<palpa.Touch: {} contacts, {} finger{}>", o.values.touch.contacts.size(),
-                           o.values.touch.finger_count, o.values.touch.finger_count == 1 ? "" : "s");
+        return fmt::format("<palpa.Touch: {}, {}>", counted(o.values.touch.contacts.size(), "contact"),
+                           counted(o.values.touch.finger_count, "finger"));
       });
 }
 

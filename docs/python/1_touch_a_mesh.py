@@ -25,7 +25,7 @@ print("deepest contact:", touch.contacts.depths.max(), "m")
 print("foci play in the order", touch.order, "for", touch.dwell, "s each")
 
 # %% [markdown]
-# The foci lie on a ring around the centroid, in the plane of the first two axes.
+# Seen along the third axis of the cross-section, the foci form a ring around the centroid.
 
 # %%
 ring = (finger.foci - finger.centroid) @ finger.axes.T

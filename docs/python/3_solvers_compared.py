@@ -17,7 +17,7 @@ for solver in ("naive", "gs-pat", "greedy", "loudest"):
     print(f"{solver:8} mean {one.pressures.mean():6.0f} Pa, weakest to strongest {one.evenness:.3f}")
 
 # %% [markdown]
-# A pressure can also be asked for. The array then gives each focus what it asks for, if it can.
+# You can also ask for a pressure. The array then gives each focus this pressure, if it can.
 
 # %%
 asked = array.solve(foci, pressure=1000, backend="cpu")

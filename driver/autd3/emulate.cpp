@@ -8,6 +8,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "driver/autd3/listen.hpp"
 #include "driver/emulate/session.hpp"
 #include "driver/emulate/stop.hpp"
@@ -56,8 +57,8 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   const bool sounds = !server.silent(device_time_s());
   const std::uint64_t operations = server.devices()[0].operations();
   emulate::conclude(options, outputs,
-                    {fmt::format("{} device{}, {} operations each, {}", server.devices().size(),
-                                 server.devices().size() == 1 ? "" : "s", operations, sounds ? "sounding" : "silent"),
+                    {fmt::format("{}, {} each, {}", counted(server.devices().size(), "device"),
+                                 counted(operations, "operation"), sounds ? "sounding" : "silent"),
                      "operations", operations, sounds, violations, server.violation_count()});
 }
 

@@ -1,4 +1,5 @@
-// A plan as AUTD3 devices play it: what each transducer emits in each part, and at which part the devices' clock is.
+// A plan as AUTD3 devices play it: what each transducer emits in each part, and which part is due by the devices'
+// clock.
 #pragma once
 
 #include <array>

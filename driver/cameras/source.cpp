@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "driver/cameras/live_camera.hpp"
 #include "driver/cameras/match.hpp"
 
@@ -182,9 +183,9 @@ std::vector<std::string> parse_names(const std::string& argument, const std::str
 void check_count(std::size_t named, std::size_t cameras, const std::string& kind, const std::string& rig) {
   if (named == cameras && named <= most_cameras) return;
   throw bad_usage(
-      fmt::format("source {} names {} camera{}, but {} describes {}; name as many cameras as the rig has, in the same "
+      fmt::format("source {} names {}, but {} describes {}; name as many cameras as the rig has, in the same "
                   "order (palpa doctor --write-rig FILE writes a rig for the cameras that are plugged in)",
-                  kind, named, named == 1 ? "" : "s", rig, cameras));
+                  kind, counted(named, "camera"), rig, cameras));
 }
 
 std::unique_ptr<sensing::DepthSource> open_cameras(std::unique_ptr<Host> host, std::vector<sensing::Camera> cameras,

@@ -9,6 +9,7 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "driver/autd3/emulate.hpp"
 #include "driver/openmpd/emulate.hpp"
 #include "driver/sonicsurface/emulate.hpp"
@@ -100,9 +101,8 @@ void conclude(const Options& options, const Outputs& outputs, const Outcome& out
   }
   if (setup::shows_summary(options.common, outputs)) write_file("-", outcome.summary + "\n");
   if (outcome.violation_count == 0) return;
-  throw failure(fmt::format("{} violation{}, the first at {:.4f} s: {}", outcome.violation_count,
-                            outcome.violation_count == 1 ? "" : "s", outcome.violations[0].time_s,
-                            outcome.violations[0].what));
+  throw failure(fmt::format("{}, the first at {:.4f} s: {}", counted(outcome.violation_count, "violation"),
+                            outcome.violations[0].time_s, outcome.violations[0].what));
 }
 
 void add_emulate(cli::Program& program) {

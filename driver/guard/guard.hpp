@@ -1,13 +1,14 @@
 // The guard: a separate process that holds a board, so that the board falls silent whatever happens to the loop.
 //
 //   a drive in every slot        it plays the newest (the heartbeat)
-//   100 ms without one           all off; it stays, and plays again when drives return
-//   10 ms, and its plan is over  the same
-//   the end of its socket        the loop is gone, however it ended: all off, and it leaves
-//   SIGTERM, SIGQUIT             all off, and it leaves; its loop ends, too
+//   100 ms without a drive       all off; it stays, and plays again when drives return
+//   10 ms, if the plan is over   the same
+//   the end of its socket        the loop is gone, however it ended: all off, and it exits
+//   SIGTERM, SIGQUIT             all off, and it exits; its loop ends, too
 //   INT HUP PIPE TSTP TTIN TTOU  are for the loop, which ends in silence; the guard ignores them
 //
-// The guard has its own process session, so no terminal reaches it. docs/safety.md says what it cannot protect from.
+// The guard has its own process session, so no terminal reaches it. docs/safety.md lists the cases in which it cannot
+// help.
 #pragma once
 
 #include <span>
@@ -19,8 +20,8 @@ namespace palpa::driver {
 /// After this time without a drive, a board is silenced, whatever `--hold` says.
 inline constexpr double heartbeat_s = 0.1;
 
-/// A drive that no other drive follows sounds no longer than its plan may. When this time, or one and a half slots if
-/// that is longer, has passed since the newest drive, a guard silences at the plan's end.
+/// A drive that no other drive follows sounds no longer than its plan may. If no drive has come for this time (or for
+/// one and a half slots, if that is longer), a guard silences the board at the plan's end.
 inline constexpr double unfollowed_s = 0.01;
 
 /// Whether a board that sounds must be silenced. All times are on one clock: the newest drive came at `heard_s`, and

@@ -1,20 +1,21 @@
 // OpenMPD boards as one array: `openmpd:SERIAL[,SERIAL...]`, the serial numbers in the order of the layout's boards. If
 // several boards have the same serial number: SERIAL@BUS-PORT.
 //
-// Each board gets one frame per slot, and all boards get the same number of frames: a drive waits until all of them
-// take one. Silence does not wait for a board that takes nothing: each board gets its all-off frame as soon as it takes
-// one, and no drive follows before all boards have it. The boards take a frame every `divider` periods, at most half a
-// slot, so that their buffers stay empty and silence sounds at once. The boards' own cable keeps their carriers in
-// phase, and one of them (its switch MS_SELECT) is the master of all. No program can see or set that.
+// Each board gets one frame per slot, and all boards get the same number of frames: a drive waits until every board can
+// take a frame. Silence does not wait for a board that takes nothing. Each board gets its all-off frame as soon as it
+// can take one, and no drive follows before all boards have this frame. The boards take a frame every `divider`
+// periods, at most half a slot, so that their buffers stay empty and silence sounds at once. The boards' own cable
+// keeps their carriers in phase, and one of them (its switch MS_SELECT) is the master of all. No program can see or set
+// that.
 //
 // With a ramp, a drive is several frames, in even steps from the drive before. They take at most half a slot, and there
 // are as many as the boards take and as chip and bus can carry. A transducer that was off takes its new phase, and one
 // that goes off keeps its old phase.
 //
 // If a board falls out of step or is gone, all boards are silenced and resynchronised. The array plays on when all are
-// in step again, a good second after the last board is back. A board that waits for others gets zeros, which are not a
-// frame. If nothing is played, an all-off frame is sent twice a second, because a board clears its buffer every second
-// in which it got nothing, and might cut the next frame.
+// in step again, slightly more than a second after the last board is back. A board that waits for others gets zeros,
+// which are not a frame. If nothing is played, an all-off frame is sent twice a second, because a board clears its
+// buffer every second in which it got nothing, and might cut the next frame.
 #pragma once
 
 #include <cstddef>

@@ -17,6 +17,7 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "driver/clock.hpp"
 #include "driver/emulate/live_sound_picture.hpp"
 #include "driver/emulate/stop.hpp"
@@ -76,9 +77,9 @@ array::Layout layout_of(const emulate::Options& options, std::size_t boards) {
   const std::string name = !options.layout.empty() ? options.layout : boards == 2 ? "openmpd-pair" : "openmpd";
   array::Layout layout = array::load_layout(name);
   if (layout.boards.size() != boards || layout.transducers.size() != boards * transducers) {
-    throw bad_usage(fmt::format(
-        "the layout {} does not consist of {} OpenMPD board{}: give --layout one that does, or leave --view out", name,
-        boards, boards == 1 ? "" : "s"));
+    throw bad_usage(
+        fmt::format("the layout {} does not consist of {}: give --layout one that does, or leave --view out", name,
+                    counted(boards, "OpenMPD board")));
   }
   return layout;
 }
@@ -146,8 +147,8 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
   for (const auto& one : boards) {
     const auto& violations = one->board.violations();
     if (violations.count() == 0) continue;
-    throw failure(fmt::format("{}: {} violation{}, the first at {:.4f} s: {}", one->serial(), violations.count(),
-                              violations.count() == 1 ? "" : "s", violations.kept()[0].time_s,
+    throw failure(fmt::format("{}: {}, the first at {:.4f} s: {}", one->serial(),
+                              counted(violations.count(), "violation"), violations.kept()[0].time_s,
                               violations.kept()[0].what));
   }
   for (const auto& one : boards) {
@@ -193,8 +194,9 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   if (setup::shows_summary(options.common, outputs)) {
     for (const auto& one : boards) {
       const Fpga& fpga = one->board.fpga();
-      write_file("-", fmt::format("{}: {} frames, {}, at most {} bytes waited\n", one->serial(), fpga.frames(),
-                                  fpga.sounds() ? "sounds" : "silent", fpga.most_buffered()));
+      write_file("-",
+                 fmt::format("{}: {}, {}, at most {} bytes waited\n", one->serial(), counted(fpga.frames(), "frame"),
+                             fpga.sounds() ? "sounds" : "silent", fpga.most_buffered()));
     }
   }
   judge(boards);

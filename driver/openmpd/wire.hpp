@@ -1,15 +1,15 @@
 // One OpenMPD board at the end of its cable. It takes frames, and is in step or gets into step by itself.
 //
-// The board never sends anything, so it is not visible that it is out of step. Therefore it is resynchronised when it
-// is opened and after every transfer that failed, was cancelled or took too long:
+// The board never sends anything, so nobody can see that it is out of step. Therefore it is resynchronised when it is
+// opened and after every transfer that failed, was cancelled or took too long:
 //
 //   cancel -> purge -> 512 zeros, two all-off frames -> 1 s without a byte -> 512 zeros, an all-off frame -> in step
 //
 // The first burst silences it, wherever in a frame its parser was. The pause makes it drop what is left of a cut frame,
 // and the second burst ends the parser's last frame. A device that is gone is looked for until it is back.
 //
-// Only requests are waited for, so there is at most one in each tend(). A board that does not answer then does not hold
-// up a caller that has several boards or must leave. Only the search for a lost device allocates.
+// tend() waits only for requests, and makes at most one of them. A board that does not answer therefore does not delay
+// a caller that has several boards or has to end. Only the search for a lost device allocates.
 #pragma once
 
 #include <array>

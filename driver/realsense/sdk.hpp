@@ -1,6 +1,6 @@
 // What palpa needs from librealsense2: a few calls, from any thread. If palpa is built with the SDK (CMake's
-// PALPA_REALSENSE), librealsense.cpp makes them; otherwise absent.cpp reports that it is not. A test has its own
-// cameras.
+// PALPA_REALSENSE), librealsense.cpp makes them. Otherwise absent.cpp reports that palpa was built without the SDK. A
+// test has its own cameras.
 #pragma once
 
 #include <cstddef>

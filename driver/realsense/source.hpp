@@ -1,5 +1,5 @@
 // `--source realsense:SERIAL[,SERIAL...]`: RealSense cameras through the librealsense2 SDK, as a DepthSource
-// (driver/cameras). One that was unplugged is found again by its serial number.
+// (driver/cameras). A camera that was unplugged is found again by its serial number.
 #pragma once
 
 #include <memory>

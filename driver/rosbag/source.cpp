@@ -17,6 +17,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "driver/rosbag/bag.hpp"
 #include "driver/rosbag/messages.hpp"
 
@@ -116,8 +117,8 @@ class BagSource final : public sensing::DepthSource {
       }
     }
     if (bag_.cut_short() && read_ > 0)
-      log::warning(fmt::format("{}: ends {}, after {} depth frames; the recording was cut short", bag_.file(),
-                               bag_.cut_short(), read_));
+      log::warning(fmt::format("{}: ends {}, after {}; the recording was cut short", bag_.file(), bag_.cut_short(),
+                               counted(read_, "depth frame")));
     return false;
   }
 

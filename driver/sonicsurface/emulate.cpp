@@ -8,6 +8,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "driver/emulate/session.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/sonicsurface/board.hpp"
@@ -59,10 +60,10 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
        .violations = [&] { return machine.violations().kept(); },
        .serve = [&](const auto& stop, auto& lock, const auto& took) { pty.serve(machine, stop, lock, took); }});
   const bool sounds = !machine.all_silent() || !machine.all_silent_behind();
-  emulate::conclude(
-      options, outputs,
-      {fmt::format("{} bytes, {} swaps, {}", machine.bytes(), machine.swaps(), sounds ? "sounding" : "silent"), "bytes",
-       machine.bytes(), sounds, violations, machine.violations().count()});
+  emulate::conclude(options, outputs,
+                    {fmt::format("{}, {}, {}", counted(machine.bytes(), "byte"), counted(machine.swaps(), "swap"),
+                                 sounds ? "sounding" : "silent"),
+                     "bytes", machine.bytes(), sounds, violations, machine.violations().count()});
 }
 
 }  // namespace palpa::driver::sonicsurface

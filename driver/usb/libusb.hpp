@@ -1,5 +1,5 @@
-// Devices on this machine's USB, by libusb. Every list makes its own new context, so a device that comes back is found
-// even without udev.
+// Devices on this machine's USB, by libusb. Every search for devices makes a new context of libusb, so a device that
+// comes back is found even without udev.
 #pragma once
 
 #include "driver/usb/device.hpp"

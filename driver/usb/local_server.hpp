@@ -1,5 +1,5 @@
-// A peripheral at a socket, for the drivers of other processes (local.hpp): many may ask who it is, but only one has it
-// open.
+// A peripheral at a socket, for the drivers of other processes (local.hpp): many of them may ask what it is, but only
+// one can have it open.
 #pragma once
 
 #include <poll.h>

@@ -1,6 +1,6 @@
-// The USB devices among which boards are looked for: those of this machine, and this user's emulators. A guard that
-// opens a board comes through here, so only this place decides that emulators are looked for, too. This is how `palpa
-// run --link openmpd:EMU1` finds a board that `palpa emulate` plays.
+// The USB devices among which boards are looked for: those of this machine, and this user's emulators. Guards open
+// their boards through this header, so it is the only place that decides to look for emulators, too. This is how
+// `palpa run --link openmpd:EMU1` finds a board that `palpa emulate` plays.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a camera's node can deliver, and how palpa says it.
+// What a camera's node can deliver, and its description in messages.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // `--source v4l2:/dev/videoN[,/dev/videoM...]`: depth cameras through the kernel's own driver, as a DepthSource
-// (driver/cameras). One that was unplugged is found again by its serial number, under any number.
+// (driver/cameras). A camera that was unplugged is found again by its serial number, whatever number its node then has.
 #pragma once
 
 #include <memory>

@@ -3,8 +3,8 @@
 // As many fingers as fit are solved together as one part, with the real matrix of their foci, then the next part. The
 // influence of one part on another is not solved, but evaluated afterwards over the whole array. A finger with a focus
 // that is louder than the finger's request at its crest is lowered as a whole. If that does not suffice, because the
-// focus hears other fingers, the whole slot is lowered. So no focus is louder than requested; some are quieter. Memory
-// grows linearly with the number of foci, not with its square.
+// sound of other fingers reaches the focus, the whole slot is lowered. So no focus is louder than requested; some are
+// quieter. Memory grows linearly with the number of foci, not with its square.
 #pragma once
 
 #include <complex>

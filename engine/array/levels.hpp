@@ -8,8 +8,8 @@
 //
 // Fingers that each could have their pressure alone are thus lowered by the same factor. A finger that could not is
 // first lowered by itself, and then yields to others: if it requests a third too much, it lowers another by a hundredth
-// at most; far beyond that, it gets what the others leave. The transition is continuous: a finger that crosses the
-// limit of what can be reached makes no other finger jump. Fingers without a request come after all others.
+// at most; far beyond that, it gets what the others leave. The transition is continuous: if a finger crosses the limit
+// of what can be reached, no other finger changes suddenly. Fingers without a request come after all others.
 #pragma once
 
 #include <span>

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/file_register.hpp"
+#include "base/open_output.hpp"
 #include "base/output_place.hpp"
 
 namespace palpa {
@@ -25,16 +26,7 @@ void sync_folder(const std::filesystem::path& folder) {
 }
 
 void lock(int descriptor, const std::string& name) {
-  struct flock whole {};
-  whole.l_type = F_WRLCK;
-  whole.l_whence = SEEK_SET;
-  int result = 0;
-  do {
-    result = ::fcntl(descriptor, F_OFD_SETLK, &whole);
-  } while (result < 0 && errno == EINTR);
-  if (result == 0) return;
-  if (errno == EAGAIN || errno == EACCES)
-    throw bad_usage(name + ": another palpa is writing this file; wait until it has ended");
+  if (lock_output(descriptor, name)) return;
   throw failure(name + ": cannot be locked: " + std::system_category().message(errno) +
                 "; use a folder on a file system with locks");
 }

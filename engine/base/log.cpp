@@ -170,7 +170,7 @@ std::vector<std::string> untold() {
     line.told = line.times;
     texts.push_back(line.times == 1 ? line.text : fmt::format("{} ({} times)", line.text, line.times));
   }
-  if (w.others > 0) texts.push_back(fmt::format("and {} more warning{}", w.others, w.others == 1 ? "" : "s"));
+  if (w.others > 0) texts.push_back("and " + counted(w.others, "more warning"));
   w.others = 0;
   return texts;
 }

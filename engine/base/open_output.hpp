@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "base/error.hpp"
 #include "base/output_place.hpp"
@@ -38,11 +39,19 @@ class WaitUntil {
 };
 
 /// A descriptor for `file`, on which writes may block. A missing file is created, an existing one is emptied, and
-/// stdout gives its own descriptor. `place` is output_place(file). Asks the register of files first. Throws failure()
-/// naming the file, also if nobody reads a pipe in time.
+/// stdout gives its own descriptor. `place` is output_place(file). Asks the register of files first. Locks a regular
+/// file as lock_output does, before it is emptied. Throws failure() naming the file, also if nobody reads a pipe in
+/// time.
 int open_output(const std::filesystem::path& file, const OutputPlace& place, ReaderPatience patience = std::nullopt);
 
-/// The same for a place that is known to be an existing file.
+/// Keeps other writers away from a regular file until its descriptor is closed, however that ends. They may be in this
+/// process or in another one, but must lock the file, too. Throws bad_usage if one has it. False, with errno, if the
+/// file system has no locks.
+bool lock_output(int descriptor, const std::string& name);
+/// For a file that is about to be removed: throws bad_usage if somebody writes it at the moment.
+void refuse_while_written(const std::filesystem::path& file);
+
+/// The same as open_output for a place that is known to be an existing file.
 int reopen_output(const OutputPlace& place);
 
 }  // namespace palpa

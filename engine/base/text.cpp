@@ -97,6 +97,24 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text.substr(0, head).append(gap).append(text, from);
 }
 
+std::string counted(std::uint64_t n, std::string_view one) {
+  return fmt::format("{} {}", n, plural(n, one));
+}
+
+std::string plural(std::uint64_t n, std::string_view one) {
+  std::string word(one);
+  if (n == 1) return word;
+  const auto replace = [&](std::size_t letters, const char* ending) {
+    word.resize(word.size() - letters);
+    return word + ending;
+  };
+  if (word.ends_with("focus")) return replace(2, "i");
+  if (word.ends_with("vertex")) return replace(2, "ices");
+  if (word.ends_with('y') && !word.ends_with("ay") && !word.ends_with("ey")) return replace(1, "ies");
+  const bool hisses = word.ends_with('s') || word.ends_with('x') || word.ends_with("ch") || word.ends_with("sh");
+  return replace(0, hisses ? "es" : "s");
+}
+
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";

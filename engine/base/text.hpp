@@ -1,8 +1,9 @@
-// Makes text from outside safe for messages. Names and messages may come from any file, so they must not break a line,
-// control a terminal or flood it.
+// Text for messages: counts of things, and text from outside made safe. Names and messages may come from any file, so
+// they must not break a line, control a terminal or flood it.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,11 @@ std::string one_line(std::string_view message, std::size_t most = std::string_vi
 /// `text` cut to at most `most` bytes: "..." replaces the middle of a longer one. A message begins with what is wrong
 /// and ends with what would be right, so both are kept.
 std::string shortened(const std::string& text, std::size_t most);
+
+/// "1 frame", "2 frames"; "0 foci", "3 vertices", "2 bodies". `one` is the word or words for one thing.
+std::string counted(std::uint64_t n, std::string_view one);
+/// The same word without the number: "frame" for 1, otherwise "frames".
+std::string plural(std::uint64_t n, std::string_view one);
 
 /// A text as a cell of a CSV file, quoted if it would otherwise be split.
 std::string csv_cell(const std::string& text);

@@ -160,7 +160,8 @@ std::optional<TomlValue> value_of(const toml::node& node, int levels) {
     for (const toml::key* key : in_order(*table)) {
       std::optional<TomlValue> inner = value_of(*table->get(key->str()), levels - 1);
       if (!inner) return std::nullopt;
-      value.members.emplace_back(key->str(), std::move(*inner));
+      value.keys.emplace_back(key->str());
+      value.items.push_back(std::move(*inner));
     }
     return value;
   }

@@ -36,9 +36,9 @@ void guard_toml(std::string_view text, const std::string& file, const TomlLimits
 struct TomlValue {
   enum class Kind { text, number, flag, list, table };
   Kind kind = Kind::text;
-  std::string text;              ///< of a number, its shortest exact form; of a flag, "true"
-  std::vector<TomlValue> items;  ///< of a list
-  std::vector<std::pair<std::string, TomlValue>> members{};  ///< of a table, in the file's order
+  std::string text;                 ///< of a number, its shortest exact form; of a flag, "true"
+  std::vector<TomlValue> items;     ///< of a list or a table, in the file's order
+  std::vector<std::string> keys{};  ///< of a table: those of its items
 };
 
 /// One table. Every getter throws bad_input; `done()` at the end refuses keys that were never read.

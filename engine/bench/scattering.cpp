@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -17,9 +18,11 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/bodies/far_force.hpp"
+#include "acoustics/bodies/finger_transfer.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
+#include "acoustics/bodies/tracked_finger.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/boundary/surface_sound.hpp"
 #include "acoustics/compressed/body_operator.hpp"
@@ -346,10 +349,53 @@ void measure_body(const Context& context, const std::string& asset, std::size_t 
                                  peak_resident_bytes() / 1'000'000);
 }
 
+/// The sound of the paper's transducers at ten foci on the finger's skin, as for each new place of a finger in a run.
+void measure_tracked(const Context& context, std::vector<Row>& rows) {
+  const acoustics::Air air = acoustics::without_absorption(acoustics::air_of({}));
+  const array::Layout layout = array::load_layout("paper");
+  const auto body = std::make_shared<const RigidBody>(
+      acoustics::body_mesh("finger.ply", geometry::load_triangles(setup::find_asset("finger.ply"))), air.wave_number());
+  const double begin = now_ms();
+  const acoustics::TrackedFinger tracked(body, air, array::Directivity::t4010a1);
+  rows.push_back(make_row("acoustics", "finger.ply, in a run", "few places", {now_ms() - begin}));
+  acoustics::FingerTransfer exact(*body, layout, air, array::Directivity::t4010a1);
+  std::vector<Vec3> foci;
+  for (int focus = 0; focus < 10; ++focus) {
+    const double angle = 0.2 * std::numbers::pi * focus;
+    foci.emplace_back(3e-3 * std::cos(angle), 1e-3, 3e-3 * std::sin(angle));
+  }
+  std::vector<acoustics::TrackedFinger::Heard> heard;
+  std::vector<double> samples;
+  for (std::uint32_t run = 0; run < std::clamp(context.runs, 1u, 20u); ++run) {
+    const double start = now_ms();
+    heard = tracked.hear(foci, layout);
+    samples.push_back(now_ms() - start);
+  }
+  for (std::size_t j = 0; j < foci.size(); ++j)
+    foci[j] = heard[j].place;
+  exact.aim(foci);
+  double worst = 0, loudest = 0;
+  array::Columns columns;
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    const array::FocusSource one{foci[j], 0, 1};
+    exact.fill({&one, 1}, array::Weighting::uniform, columns);
+    for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
+      const std::complex<double> right = layout.source_level_pa_m * columns.transfer(t);
+      worst = std::max(worst, std::abs(heard[j].sound[t] - right));
+      loudest = std::max(loudest, std::abs(right));
+    }
+  }
+  if (worst > 0.005 * loudest) wrong("the sound on a finger in a run is more than 0.5 % off");
+  rows.push_back(make_row("acoustics", "finger.ply, in a run", "ten foci", std::move(samples)));
+  rows.back().note = fmt::format("3984 transducers at a new place of the finger: at most {:.2f} % of the loudest off",
+                                 100 * worst / loudest);
+}
+
 }  // namespace
 
 void measure_scattering(const Context& context, std::vector<Row>& rows) {
   measure_body(context, "finger.ply", 0, rows);
+  measure_tracked(context, rows);
   measure_spheres(context, rows);
   measure_forces(context, rows);
   measure_body(context, "hand.glb", large, rows);

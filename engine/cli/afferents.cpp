@@ -108,13 +108,12 @@ void run_afferents(const AfferentsCommand& given) {
 void add_afferents(Program& program) {
   add_subcommand<AfferentsCommand>(
       program,
-      {"afferents", "what the nerves of a finger do that touches a model",
+      {"afferents", "how a finger's nerves respond when it touches a model",
        "  palpa afferents --scene assets/cube.glb --penetration 3mm --png spikes.png\n"
        "  palpa afferents --scene assets/prism.glb --method single-focus --json -",
        "--scene --penetration --method --foci --layout --crest --duration --csv --times --png",
        "The afferents are those of TouchSim, with the densities of a fingertip. Positions are the finger's own: its "
-       "tip "
-       "is the origin. docs/observer.md explains the model."},
+       "tip is the origin. docs/afferents.md explains the model."},
       add_options_of_afferents, run_afferents);
 }
 

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "geometry/gltf/write.hpp"
 #include "setup/options.hpp"
@@ -48,7 +49,7 @@ std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<se
   for (const setup::Decomposed& taken : all) {
     const geometry::PartsReport& r = taken.report;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{}: {} part{} in {:.1f} s", taken.solid.name, r.parts, r.parts == 1 ? "" : "s", taken.seconds);
+    fmt::format_to(out, "{}: {} in {:.1f} s", taken.solid.name, counted(r.parts, "part"), taken.seconds);
     if (const auto ratio = r.volume_ratio()) fmt::format_to(out, ", {:.3f} of its volume", *ratio);
     fmt::format_to(out,
                    "\n  surface error mean {:.3g}, p95 {:.3g}, max {:.3g} mm; {:.0f} % of the parts' faces are cuts\n",

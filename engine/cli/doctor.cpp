@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/doctor_rig.hpp"
 #include "gpu/device.hpp"
@@ -116,8 +117,8 @@ std::string doctor_json(const std::vector<DoctorSection>& sections, bool ok) {
 std::string write_found_rig(const DoctorOptions& options, const Extensions& extensions) {
   const CamerasThere there = cameras_there(extensions, options.source);
   write_file(options.write_rig, rig_of(there, options.write_rig));
-  return fmt::format("{}: {} camera{} of --source {}; palpa calibrate finds out where {}\n", options.write_rig,
-                     there.cameras.size(), there.cameras.size() == 1 ? "" : "s", there.source,
+  return fmt::format("{}: {} of --source {}; palpa calibrate finds out where {}\n", options.write_rig,
+                     counted(there.cameras.size(), "camera"), there.source,
                      there.cameras.size() == 1 ? "it is" : "they are");
 }
 

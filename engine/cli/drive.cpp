@@ -12,6 +12,7 @@
 
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/options.hpp"
@@ -32,7 +33,7 @@ std::string unresolved_line(const setup::DriveResult& result) {
   return fmt::format(
       "{} of foci closer than this array resolves there: the sound of focus {} has {:.2f} of its pressure {:.2f} mm "
       "away, at focus {}\n",
-      pairs.size() == 1 ? "1 pair" : fmt::format("{} pairs", pairs.size()), worst.first + 1, worst.part,
+      counted(pairs.size(), "pair"), worst.first + 1, worst.part,
       glm::distance(result.foci[worst.first].position, result.foci[worst.second].position) * 1e3, worst.second + 1);
 }
 

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
@@ -49,7 +50,7 @@ void run_export(const Extensions& extensions, const setup::ExportTask& o) {
         progress.set(++frames);
       }});
   if (result.stopped) {
-    throw failure(fmt::format("ended by a signal after {} frames{}", result.stats.frames,
+    throw failure(fmt::format("ended by a signal after {}{}", counted(result.stats.frames, "frame"),
                               o.foci.empty() ? "" : fmt::format(": {} is not written", o.foci)));
   }
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));

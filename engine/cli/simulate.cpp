@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
@@ -38,8 +39,8 @@ std::string summary_of_simulate(const setup::SimulateResult& result) {
   for (const auto& stage : result.times)
     ms += stage.second;
   const Vec3& force = result.load.force;
-  return fmt::format("{} faces, {}, {} foci ({:.2f} s)\n", result.body.triangles.size(),
-                     word_of(touch::method_words, result.method), result.foci.size(), ms / 1e3) +
+  return fmt::format("{}, {}, {} ({:.2f} s)\n", counted(result.body.triangles.size(), "face"),
+                     word_of(touch::method_words, result.method), counted(result.foci.size(), "focus"), ms / 1e3) +
          spot_line("radiation pressure", result.langevin) + spot_line("|p|^2 / (4 rho c^2)", result.squared) +
          fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", force.x, force.y, force.z) +
          felt_lines(result.fingers, result.spectra) + (result.beyond_linear() ? setup::linear_line() : "");

@@ -46,8 +46,10 @@ void add_options_of_sweep(CLI::App& app, SweepCommand& o) {
   add_allow_outside(group, o.common);
   const setup::Group instead(app, "Instead of computing");
   instead.flag("--list", o.list, "prints the cases as CSV; with --estimate, also how long they take");
-  instead.flag("--estimate", o.estimate,
-               "prints how long the cases take and how much memory they need; with --out, also from the results there");
+  instead.flag(
+      "--estimate", o.estimate,
+      "prints how long the cases take, with this --backend, and how much memory they need; with --out, also from "
+      "the results there");
   instead.text("--gather", o.gather, "FILE",
                "writes all results as one table (.csv, or .h5 with HDF5), and beside it where they come from");
   instead.flag("--partial", o.partial, "with --gather: also if cases have no result yet");
@@ -69,7 +71,8 @@ void check_sweep(const SweepCommand& o) {
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the cases: set seed in the plan");
   if (looks || gathers) {
     setup::refuse_gpu_options(o.common, "nothing is computed");
-    if (o.common.backend == setup::Backend::cpu) throw bad_usage("--backend: nothing is computed; leave it out");
+    if (o.common.backend == setup::Backend::cpu && !o.estimate)
+      throw bad_usage("--backend: nothing is computed; leave it out");
   }
 }
 
@@ -81,7 +84,8 @@ std::string minutes(double seconds) {
   return fmt::format("{:.3g} h", seconds / 3600);
 }
 
-std::string list_csv(const sweep::Plan& plan, const std::vector<sweep::Case>& cases, bool costs, double factor) {
+std::string list_csv(const sweep::Plan& plan, const std::vector<sweep::Case>& cases, bool costs, double factor,
+                     setup::Backend backend) {
   const std::vector<std::string> varied = plan.varied();
   std::string csv = "id";
   for (const std::string& option : varied)
@@ -94,23 +98,23 @@ std::string list_csv(const sweep::Plan& plan, const std::vector<sweep::Case>& ca
       if (at != varied.end()) values[static_cast<std::size_t>(at - varied.begin())] = csv_cell(setting.shown());
     }
     csv += fmt::format("{}{}{}", one.id, values.empty() ? "" : ",", fmt::join(values, ","));
-    if (costs) csv += fmt::format(",{:.3g},{:.3g}", one.cost.seconds * factor, one.cost.bytes / 1e6);
+    if (costs) csv += fmt::format(",{:.3g},{:.3g}", one.cost.all_s(backend) * factor, one.cost.bytes / 1e6);
     csv += '\n';
   }
   return csv;
 }
 
 std::string forecast_text(const sweep::Forecast& forecast) {
-  std::string text =
-      fmt::format("{} cases: {:.3g} to {:.3g} s each, half of them at most {:.3g} s; {} in all\n", forecast.cases,
-                  forecast.least_s, forecast.most_s, forecast.median_s, minutes(forecast.all_s));
-  fmt::format_to(std::back_inserter(text), "memory: at most {} for a case, beside what palpa itself needs\n",
+  std::string text = fmt::format("{}: {:.3g} to {:.3g} s each, half of them at most {:.3g} s; {} in all\n",
+                                 counted(forecast.cases, "case"), forecast.least_s, forecast.most_s, forecast.median_s,
+                                 minutes(forecast.all_s));
+  fmt::format_to(std::back_inserter(text), "memory: at most {} for a case, in addition to what palpa itself needs\n",
                  format_bytes(static_cast<std::uint64_t>(forecast.most_bytes)));
   if (forecast.measured != 0) {
-    fmt::format_to(std::back_inserter(text), "the times are {:.2f} times the models', as {} results there took\n",
-                   forecast.factor, forecast.measured);
+    fmt::format_to(std::back_inserter(text), "the times are {:.2f} times the models', as {} there took\n",
+                   forecast.factor, counted(forecast.measured, "result"));
   } else {
-    text += "the times are those of two cores of a Xeon without a GPU\n";
+    text += "the times are those of two idle cores of a Xeon without a GPU\n";
   }
   return text;
 }
@@ -135,16 +139,17 @@ void look(const SweepCommand& o, const sweep::Plan& plan) {
   if (o.list && !o.estimate && !o.common.json.empty())
     throw bad_usage("--json: --list prints CSV; leave it out, or give --estimate");
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
+  sweep::refuse_hopeless(plan);
   const sweep::Inputs inputs(plan);
   const std::vector<sweep::Case> all = sweep::list_cases(plan, inputs, o.estimate || !o.shard.empty());
   const std::vector<sweep::Case> mine = o.shard.empty() ? all : sweep::deal(all, sweep::parse_shard(o.shard));
-  const sweep::Forecast forecast = sweep::forecast_of(all, mine, o.out);
+  const sweep::Forecast forecast = sweep::forecast_of(all, mine, o.out, o.common.backend);
   preparing.reset();
   if (o.estimate && !o.common.json.empty()) write_file(o.common.json, forecast_json(forecast));
   if (outputs.on_stdout()) return;
   // --quiet leaves out summaries; the list is the result.
   if (o.list) {
-    write_file("-", list_csv(plan, mine, o.estimate, forecast.factor));
+    write_file("-", list_csv(plan, mine, o.estimate, forecast.factor, o.common.backend));
   } else if (!o.common.quiet) {
     write_file("-", forecast_text(forecast));
   }
@@ -176,14 +181,15 @@ void gather(const SweepCommand& o, const std::string& file) {
     write_file(o.common.json, json.take());
   }
   if (!setup::shows_summary(o.common, outputs)) return;
-  std::string text = fmt::format("{} rows", gathered.rows);
+  std::string text = counted(gathered.rows, "row");
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count != 0) text += fmt::format("; {} {}", count, what);
   };
   add(gathered.refused, "refused");
   add(gathered.failed, "failed");
   add(gathered.missing, "without a result");
-  add(gathered.others, "results in the folder are not of this plan");
+  add(gathered.others,
+      gathered.others == 1 ? "result in the folder is not of this plan" : "results in the folder are not of this plan");
   write_file("-", text + "\n");
 }
 
@@ -210,7 +216,7 @@ std::string report_json(const sweep::SweepReport& report) {
 
 std::string report_text(const sweep::SweepReport& report) {
   const std::uint64_t computed = report.done + report.refused + report.failed;
-  std::string text = fmt::format("{} cases", report.cases);
+  std::string text = counted(report.cases, "case");
   if (report.mine != report.cases) text += fmt::format(", {} in this shard", report.mine);
   text += fmt::format(": {} computed in {:.2f} s", computed, report.seconds);
   const auto add = [&](std::uint64_t count, const char* what) {
@@ -238,11 +244,18 @@ void compute(const SweepCommand& o, const sweep::Plan& plan) {
   if (!o.common.json.empty()) write_file(o.common.json, report_json(report));
   if (setup::shows_summary(o.common, outputs)) write_file("-", report_text(report));
   if (report.failed != 0) {
-    throw failure(fmt::format("{} of {} cases failed; the same command computes them again; {}", report.failed,
-                              report.done + report.refused + report.failed, report.first_fault));
+    throw failure(fmt::format("{} of {} failed; the same command computes what failed again; {}", report.failed,
+                              counted(report.done + report.refused + report.failed, "case"), report.first_fault));
   }
-  if (report.refused != 0)
-    log::warning(fmt::format("{} cases were refused; the first: {}", report.refused, report.first_fault));
+  if (report.all_in_vain) {
+    throw failure(
+        fmt::format("no case could be computed: all were refused; {}",
+                    report.first_fault.empty() ? "--gather writes why into provenance.csv" : report.first_fault));
+  }
+  if (report.refused == 0) return;
+  log::warning(report.refused == 1
+                   ? fmt::format("1 case was refused: {}", report.first_fault)
+                   : fmt::format("{} cases were refused; the first: {}", report.refused, report.first_fault));
 }
 
 void run_sweep(const SweepCommand& o) {

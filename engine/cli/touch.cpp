@@ -9,6 +9,7 @@
 #include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
@@ -26,10 +27,6 @@ namespace {
 
 using TouchCommand = setup::TouchLine;
 
-const char* plural(std::size_t count) {
-  return count == 1 ? "" : "s";
-}
-
 std::string order_line(const array::Voice& voice) {
   return fmt::format("order {}, {} ms each", fmt::join(voice.order, " "), voice.dwell_s * 1e3);
 }
@@ -44,9 +41,8 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
   const session::Session& session = result.session();
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{} skin point{}, {} contact{}, {} finger{} ({:.1f} ms)\n", result.points, plural(result.points),
-                 touch.contacts.size(), plural(touch.contacts.size()), touch.finger_count, plural(touch.finger_count),
-                 result.total_ms);
+  fmt::format_to(out, "{}, {}, {} ({:.1f} ms)\n", counted(result.points, "skin point"),
+                 counted(touch.contacts.size(), "contact"), counted(touch.finger_count, "finger"), result.total_ms);
   if (touch.contacts.empty()) {
     if (const auto nearest = setup::nearest_skin(session.solids(), skin))
       fmt::format_to(out, "the nearest skin is {}\n", setup::place_of(*nearest, session.solids()));
@@ -61,9 +57,9 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
     std::size_t sounding = 0;
     for (std::size_t i = 0; i < placement.foci.size(); ++i)
       sounding += placement.has(i);
-    fmt::format_to(out, "finger {} on {}: {} contacts around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {} foci{}\n", f,
-                   session.solids()[finger.solid].name, finger.contacts.size(), c.x, c.y, c.z, sounding,
-                   placement.foci.size(), manner(placement));
+    fmt::format_to(out, "finger {} on {}: {} around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {}{}\n", f,
+                   session.solids()[finger.solid].name, counted(finger.contacts.size(), "contact"), c.x, c.y, c.z,
+                   sounding, counted(placement.foci.size(), "focus"), manner(placement));
     if (!result.pressures.empty()) {
       const auto [least, most] = std::ranges::minmax(result.pressures[f]);
       fmt::format_to(out, "  pressure at its foci: {:.0f} to {:.0f} Pa\n", least, most);

@@ -1,4 +1,4 @@
-// Hashes that no file can be crafted against.
+// Hashes with a random seed, so that nobody can craft a file whose values all collide.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace palpa::geometry {
 
-/// Different in every run, so that no file can contain values that all collide. Results must not depend on it.
+/// The seed differs in every run. Results must not depend on it.
 inline std::uint64_t hash_seed() {
   static const std::uint64_t seed = [] {
     std::random_device device;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "sensing/lens.hpp"
 
 namespace palpa::sensing {
@@ -235,7 +236,8 @@ void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const 
 
 void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed) {
   if (frames.size() != tables.cameras.size()) {
-    throw bad_usage(fmt::format("{} depth frames for {} cameras", frames.size(), tables.cameras.size()));
+    throw bad_usage(
+        fmt::format("{} for {}", counted(frames.size(), "depth frame"), counted(tables.cameras.size(), "camera")));
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const CameraTable& table = tables.cameras[i];

@@ -11,6 +11,7 @@
 #include "base/input_file.hpp"
 #include "base/outputs.hpp"
 #include "base/reference.hpp"
+#include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -96,7 +97,8 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
       double time = 0;
       if ((comma == std::string_view::npos) != (column == cameras) ||
           !(column == 0 ? parse_cell(cell, sequence) : parse_cell(cell, time) && std::abs(time) <= most_seconds)) {
-        throw fault(fmt::format("expected a sequence number and {} times in seconds, none beyond 1e12", cameras));
+        throw fault(
+            fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time")));
       }
       if (column > 0) row.push_back(time);
       rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
@@ -140,8 +142,8 @@ void list_patterns(TomlTable& table, ReferenceFolder& folder, std::optional<std:
   std::vector<Pattern> patterns;
   const std::vector<std::string> texts = table.texts("files");
   if (texts.size() != recording.cameras.size()) {
-    throw table.fault("files",
-                      fmt::format("files has {} patterns for {} cameras", texts.size(), recording.cameras.size()));
+    throw table.fault("files", fmt::format("files has {} for {}", counted(texts.size(), "pattern"),
+                                           counted(recording.cameras.size(), "camera")));
   }
   for (const std::string& text : texts) {
     const auto pattern = parse_pattern(text);
@@ -178,8 +180,8 @@ void list_frames(std::vector<TomlTable>& tables, ReferenceFolder& folder, Record
     Recording::Entry& entry = recording.entries.emplace_back();
     const std::vector<std::string> names = table.texts("files");
     if (names.size() != recording.cameras.size()) {
-      throw table.fault("files",
-                        fmt::format("files names {} images for {} cameras", names.size(), recording.cameras.size()));
+      throw table.fault("files", fmt::format("files names {} for {}", counted(names.size(), "image"),
+                                             counted(recording.cameras.size(), "camera")));
     }
     for (const std::string& name : names)
       add_files(entry, folder, name);
@@ -230,8 +232,8 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
     list_patterns(*table, folder, times ? std::optional<std::uint64_t>(times->rows.size()) : std::nullopt, recording);
   }
   if (times && times->rows.size() != recording.entries.size()) {
-    throw table->fault("times",
-                       fmt::format("times has {} lines for {} frames", times->rows.size(), recording.entries.size()));
+    throw table->fault("times", fmt::format("times has {} for {}", counted(times->rows.size(), "line"),
+                                            counted(recording.entries.size(), "frame")));
   }
   const double rate_hz = table->number_or("rate_hz", recording.cameras.front().rate_hz, 1e-3, 1e6);
   table->done();

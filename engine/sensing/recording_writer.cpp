@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/file_register.hpp"
+#include "base/open_output.hpp"
 #include "base/output_file.hpp"
 #include "base/output_place.hpp"
 #include "base/text.hpp"
@@ -17,6 +18,8 @@
 namespace palpa::sensing {
 namespace {
 
+/// It is open, and so locked, while the recording grows.
+constexpr const char* times_name = "times.csv";
 /// The size of one line of times.csv.
 constexpr std::size_t most_waiting = 1 << 16;
 
@@ -87,10 +90,12 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   }
   if (existing == Existing::refused)
     throw bad_usage(fmt::format("{} is not empty; name a new folder", folder.string()));
+  refuse_while_written(folder / times_name);
   old_ = files_to_replace(folder);
 }
 
 void RecordingWriter::begin() {
+  if (!old_.empty()) refuse_while_written(folder_ / times_name);  // another recording may have begun meanwhile
   for (const std::filesystem::path& file : old_) {
     file_register::writes(output_place(file));  // refuses a file that was read, under whatever name
     std::error_code error;
@@ -108,13 +113,14 @@ void RecordingWriter::begin() {
     text += to_toml(kept) + "\n";
   }
   write_file(folder_ / "recording.toml", text);
-  times_.emplace((folder_ / "times.csv").string(), most_waiting);
+  times_.emplace((folder_ / times_name).string(), most_waiting);
   put(*times_, times_heading(cameras_.size()) + "\n");
 }
 
 bool RecordingWriter::write(const FrameSet& set) {
   if (set.frames.size() != cameras_.size()) {
-    throw bad_usage(fmt::format("{} depth frames for {} cameras", set.frames.size(), cameras_.size()));
+    throw bad_usage(
+        fmt::format("{} for {}", counted(set.frames.size(), "depth frame"), counted(cameras_.size(), "camera")));
   }
   std::string line = fmt::format("{}", set.sequence);
   double oldest = set.frames.front().time_s;
@@ -140,7 +146,7 @@ void RecordingWriter::discard() {
   if (frames_ > 0 || !times_) return;
   times_.reset();
   std::error_code ignored;
-  for (const char* file : {"recording.toml", "times.csv"})
+  for (const char* file : {"recording.toml", times_name})
     std::filesystem::remove(folder_ / file, ignored);
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     std::filesystem::remove(folder_ / mask_name(i), ignored);

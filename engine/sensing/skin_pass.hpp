@@ -1,5 +1,5 @@
-// Skin points on the device: the pixels of all depth frames that lie inside a box and on nothing that the rig knows, as
-// points in the world.
+// Skin points on the device: the pixels of all depth frames as points in the world, if they lie inside a box and not on
+// something that the rig knows, such as a board.
 #pragma once
 
 #include <array>

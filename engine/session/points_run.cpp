@@ -75,10 +75,20 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   });
   try {
     std::vector<glm::vec3> points;
-    double time_s = 0;
+    double time_s = 0, last_captured_s = 0;
+    bool alive = false;  // frames are coming
     while (!stop && !output_over && (options.frames == 0 || stats.captured < options.frames)) {
-      if (!source.take(points, time_s, between_looks_s)) continue;
+      if (!source.take(points, time_s, between_looks_s)) {
+        if (alive && clock.now() >= last_captured_s + setting.hold_s) {
+          alive = false;
+          if (options.expired) options.expired();
+          if (options.events) options.events(session.expire());
+        }
+        continue;
+      }
       const double captured_s = clock.now();
+      last_captured_s = captured_s;
+      alive = true;
       ++stats.captured;
       const touch::Touch& touch = session.touch(points, time_s);
       Plan& plan = plans.back();

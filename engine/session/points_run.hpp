@@ -35,9 +35,9 @@ class PushedPoints {
 /// Computes on the calling thread, and plays on another (loop/output.hpp), so that drives leave on time. A frame is
 /// captured when it is taken, and sounds at most for the setting's hold. Runs until `options.frames` are done, `stop`
 /// becomes true or something fails; the last drive that `link` gets is all-zero, whatever happens. An Error of either
-/// thread is thrown here, after silence. At the end, fingers that still touch are released. The observers are
-/// `planned`, `events` and `sent`; others are not called. Throws bad_usage for a session with cameras, without an
-/// array, or with Tune::all.
+/// thread is thrown here, after silence. Fingers that still touch are released at the end, and if no frame comes for
+/// the hold. The observers are `planned`, `expired`, `events` and `sent`; others are not called. Throws bad_usage for a
+/// session with cameras, without an array, or with Tune::all.
 LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::atomic<bool>& stop,
                      const RunOptions& options = {});
 

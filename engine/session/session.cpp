@@ -237,6 +237,10 @@ void Session::set_aim(const Vec3& offset) {
   state_->scheduler.aim(offset);
 }
 
+std::span<const Event> Session::expire() {
+  return state_->events = state_->tracker.expire();
+}
+
 std::span<const Event> Session::end() {
   return state_->events = state_->tracker.end();
 }

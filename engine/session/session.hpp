@@ -96,6 +96,9 @@ class Session {
   /// run(), call it only from RunOptions::planned.
   void set_aim(const Vec3& offset);
 
+  /// To be called if no frame has come for the setting's hold: returns the releases of fingers that do not come back in
+  /// time (EventTracker::expire).
+  std::span<const Event> expire();
   /// Ends the stream of frames: returns the releases of fingers that still touch.
   std::span<const Event> end();
 

@@ -46,8 +46,8 @@ double angle_of(const Transform& turn) {
 
 session::SourceKind rehearsal(const std::optional<Transform>& T_world_target) {
   return {"synthetic",
-          T_world_target ? "synthetic[:MESH]: the target on its mount, and the mesh's things in the world, at rest"
-                         : "synthetic[:MESH]: the array's boards, and the mesh's things in the world, at rest",
+          T_world_target ? "synthetic[:MESH]: the target on its mount, and the mesh's objects in the world, at rest"
+                         : "synthetic[:MESH]: the array's boards, and the mesh's objects in the world, at rest",
           [T_world_target](const std::string& file, const session::SourceSetting& setting) {
             return open_rehearsal(file, setting, T_world_target);
           }};

@@ -12,6 +12,7 @@
 #include "base/log.hpp"
 #include "base/memory.hpp"
 #include "base/open_output.hpp"
+#include "base/text.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/spec.hpp"
@@ -170,8 +171,8 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
                              options_.record, stats.unrecorded, stats.captured));
   }
   if (out_of_order > 0) {
-    log::warning(fmt::format("{}: {} of {} frames are missing, because the source's clock stepped back",
-                             options_.record, out_of_order, stats.captured));
+    log::warning(fmt::format("{}: {} of {} {} missing, because the source's clock stepped back", options_.record,
+                             out_of_order, counted(stats.captured, "frame"), out_of_order == 1 ? "is" : "are"));
     stats.unrecorded += out_of_order;
   }
   return stats;
@@ -180,17 +181,18 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
 std::string summary(const session::LoopStats& stats, const std::string& recording) {
   std::string text;
   if (!recording.empty() && stats.unrecorded == 0) {
-    text = fmt::format("{}: all {} frames are recorded\n", recording, stats.captured);
+    text = stats.captured == 1 ? fmt::format("{}: the frame is recorded\n", recording)
+                               : fmt::format("{}: all {} frames are recorded\n", recording, stats.captured);
   } else if (!recording.empty()) {
-    text = fmt::format("{}: {} of {} frames are missing; --every-frame waits until each is written\n", recording,
-                       stats.unrecorded, stats.captured);
+    text = fmt::format("{}: {} of {} {} missing; --every-frame waits until each is written\n", recording,
+                       stats.unrecorded, counted(stats.captured, "frame"), stats.unrecorded == 1 ? "is" : "are");
   }
   text += fmt::format(
-      "{} frames, {} with a touch, {} left out for newer ones\n"
-      "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {} drives, {} of them silent, {} slots overslept\n",
-      stats.captured, stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
-      stats.frame_to_plan_s.quantile(0.99) * 1e3, stats.output.drives, stats.output.silent_drives,
-      stats.output.skipped_slots);
+      "{}, {} with a touch, {} left out for newer ones\n"
+      "frame to drives: median {:.2f} ms, p99 {:.2f} ms; {}, {} of them silent, {} overslept\n",
+      counted(stats.captured, "frame"), stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
+      stats.frame_to_plan_s.quantile(0.99) * 1e3, counted(stats.output.drives, "drive"), stats.output.silent_drives,
+      counted(stats.output.skipped_slots, "slot"));
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";

@@ -258,7 +258,7 @@ void refuse_idle_air(const AirOptions& options) {
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
   const Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
-               "how much a focus asks of a transducer, by its distance or of all the same");
+               "amplitude that a focus asks of each transducer, by its distance or all the same");
   group.choice(
       "--solver", options.solver, solver_words,
       mesh == FingerMesh::known

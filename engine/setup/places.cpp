@@ -78,19 +78,19 @@ void set_pixels(const std::string& text, Grid& grid) {
   }
 }
 
-Places plane_of(const PlaceOptions& o) {
+Grid grid_of(const PlaceOptions& o) {
   Grid grid;
   grid.plane = *o.plane;
   grid.centre = o.centre.empty() ? Vec3(0) : parse_place("--centre", o.centre);
   grid.size_m = parse_size(o.size);
   if (!o.pixels.empty()) set_pixels(o.pixels, grid);
-  return plane_places(grid);
+  return grid;
 }
 
-Places line_of(const PlaceOptions& o) {
+std::pair<Vec3, Vec3> ends_of(const PlaceOptions& o) {
   const Vec3 from = parse_place("--line", o.line[0]), to = parse_place("--line", o.line[1]);
   if (from == to) throw bad_usage("--line: both ends are the same point; give two");
-  return line_places(from, to, o.samples.value_or(usual_samples));
+  return {from, to};
 }
 
 /// Not a number: not near.
@@ -123,14 +123,6 @@ void refuse_stray(const PlaceOptions& o) {
   if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
     throw bad_usage("--centre, --size and --pixels go with --plane");
   if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
-}
-
-void check(const PlaceOptions& o) {
-  const int kinds = int{o.plane.has_value()} + int{!o.line[0].empty()} + int{!o.points.empty()};
-  if (kinds == 0)
-    throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
-  if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
-  refuse_stray(o);
 }
 
 }  // namespace
@@ -207,11 +199,22 @@ void add_place_options(CLI::App& app, PlaceOptions& options) {
                Grid grid;
                set_pixels(text, grid);
              });
-  group.pair("--line", options.line, "X,Y,Z", "computes on a line between two points, both included");
+  group.pair("--line", options.line, "X,Y,Z", "computes on a line between two points, both included",
+             [](const std::string& text) { parse_place("--line", text); });
   group.integer("--samples", options.samples, 2, 100'000'000,
                 fmt::format("number of points on the line [{}]", usual_samples));
   group.text("--points", options.points, "FILE",
              "computes at the points of a PLY file, or at the vertices of its surface");
+}
+
+void check(const PlaceOptions& o) {
+  const int kinds = int{o.plane.has_value()} + int{!o.line[0].empty()} + int{!o.points.empty()};
+  if (kinds == 0)
+    throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
+  if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
+  refuse_stray(o);
+  if (o.plane) grid_of(o);
+  if (!o.line[0].empty()) ends_of(o);
 }
 
 void refuse_without_place(const PlaceOptions& options) {
@@ -220,7 +223,10 @@ void refuse_without_place(const PlaceOptions& options) {
 
 Places load_places(const PlaceOptions& options) {
   check(options);
-  return options.plane ? plane_of(options) : !options.line[0].empty() ? line_of(options) : file_of(options);
+  if (options.plane) return plane_places(grid_of(options));
+  if (options.line[0].empty()) return file_of(options);
+  const auto [from, to] = ends_of(options);
+  return line_places(from, to, options.samples.value_or(usual_samples));
 }
 
 }  // namespace palpa::setup

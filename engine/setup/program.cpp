@@ -67,7 +67,7 @@ int run_program(const std::function<void()>& body) {
   try {
     body();
     if (const std::uint64_t errors = gpu::validation_errors()) {
-      throw failure(fmt::format("Vulkan validation reported {} error{}", errors, errors == 1 ? "" : "s"));
+      throw failure("Vulkan validation reported " + counted(errors, "error"));
     }
     log::release_warnings();
     decide_ending(Exit::ok);

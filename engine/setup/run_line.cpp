@@ -25,10 +25,6 @@ std::size_t columns_of_terminal() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
 }
 
-std::string count_of(std::uint64_t count, const char* thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
-
 /// How much of it is written out.
 enum class Words { all, most, few, fewest };
 
@@ -42,7 +38,7 @@ std::string link_text(const RunState& state, Words words) {
 std::string fingers_text(const RunState& state, Words words) {
   if (state.fingers == 0) return "no touch";
   const char* deep = words <= Words::most ? " deep" : "";
-  return fmt::format("{}, {:.1f} mm{}", count_of(state.fingers, "finger"), state.depth_m * 1e3, deep);
+  return fmt::format("{}, {:.1f} mm{}", counted(state.fingers, "finger"), state.depth_m * 1e3, deep);
 }
 
 std::string frames_text(const RunState& state, Words words) {
@@ -60,7 +56,7 @@ std::string run_line(const RunState& state, std::size_t columns) {
   std::string line;
   if (state.to_be_recorded > 0) {
     line =
-        fmt::format("silent | writing the recording: {} left | Ctrl-C stops", count_of(state.to_be_recorded, "frame"));
+        fmt::format("silent | writing the recording: {} left | Ctrl-C stops", counted(state.to_be_recorded, "frame"));
   } else {
     for (const Words words : {Words::all, Words::most, Words::few, Words::fewest}) {
       line = fmt::format("{} | {} | {} | Ctrl-C stops", link_text(state, words), fingers_text(state, words),

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "geometry/files/ply.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
@@ -134,8 +135,8 @@ void check(const TouchInputOptions& o) {
   if (o.penetration_m) throw bad_usage("--penetration moves --points; depth images stay where their cameras are");
   if (!o.rig.empty() && !o.cameras.empty()) throw bad_usage("--rig and --camera exclude each other: give one of them");
   if (!o.cameras.empty() && o.cameras.size() != o.depths.size()) {
-    throw bad_usage(fmt::format("--camera: given {} times for {} depth images; give one per image", o.cameras.size(),
-                                o.depths.size()));
+    throw bad_usage(fmt::format("--camera: given {} for {}; give one per image", counted(o.cameras.size(), "time"),
+                                counted(o.depths.size(), "depth image")));
   }
 }
 

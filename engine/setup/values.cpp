@@ -284,12 +284,13 @@ void Group::words(const std::string& name, std::vector<std::string>& target, con
 }
 
 void Group::pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
-                 const std::string& help) const {
+                 const std::string& help, const Check& check) const {
   app_->add_option_function<std::vector<std::string>>(
           name,
-          [name, type, &target](const std::vector<std::string>& both) {
+          [name, type, &target, check](const std::vector<std::string>& both) {
             if (both.size() != 2 || both[0].empty() || both[1].empty())
               throw bad_usage(fmt::format("{}: give two values, {} {}", name, type, type));
+            if (check) std::ranges::for_each(both, check);
             target = {both[0], both[1]};
           },
           help)

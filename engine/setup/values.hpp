@@ -79,7 +79,7 @@ class Group {
              const std::string& help) const;
   /// Two texts after one another: "--line A B".
   void pair(const std::string& name, std::array<std::string, 2>& target, const std::string& type,
-            const std::string& help) const;
+            const std::string& help, const Check& check = {}) const;
   void flag(const std::string& name, bool& target, const std::string& help) const;
   /// One of several words, usually those of an enum's table. `given`: set to true if the option is on the line.
   template <typename T, std::size_t count>

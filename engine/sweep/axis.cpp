@@ -33,7 +33,9 @@ std::optional<std::pair<double, std::string>> split_unit(const TomlValue& value)
 /// Equal steps from one value to another. Steps are rounded to twelve digits, so that they read as people write them.
 std::vector<TomlValue> steps_of(const TomlValue& table) {
   const TomlValue *from = nullptr, *to = nullptr, *count = nullptr;
-  for (const auto& [key, value] : table.members) {
+  for (std::size_t i = 0; i < table.items.size(); ++i) {
+    const std::string& key = table.keys[i];
+    const TomlValue& value = table.items[i];
     if (key == "from") {
       from = &value;
     } else if (key == "to") {
@@ -110,8 +112,8 @@ Axis axis_of(const std::vector<setup::OptionInfo>& table, const std::string& key
   for (const TomlValue& one : values) {
     std::vector<Setting> choice;
     if (together) {
-      for (const auto& [option, inner] : one.members)
-        choice.push_back(setting_of(option_of(table, option), inner));
+      for (std::size_t i = 0; i < one.items.size(); ++i)
+        choice.push_back(setting_of(option_of(table, one.keys[i]), one.items[i]));
       if (choice.empty()) throw ValueFault{fmt::format("{} has an empty table", key)};
     } else {
       choice.push_back(setting_of(option_of(table, key), one));

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "base/activity.hpp"
+#include "base/error.hpp"
 #include "base/sha256.hpp"
 #include "base/version.hpp"
+#include "sweep/commands.hpp"
 
 namespace palpa::sweep {
 
@@ -30,6 +32,24 @@ std::vector<Case> list_cases(const Plan& plan, const Inputs& inputs, bool costs)
     activity.advance();
   }
   return cases;
+}
+
+void refuse_hopeless(const Plan& plan) {
+  constexpr std::uint64_t most_looks = 10'000;
+  const Command& command = command_of(plan.command);
+  std::string fault;
+  for (std::uint64_t i = 0; i < plan.count(); ++i) {
+    if (i == most_looks) return;
+    try {
+      check_line(*read_line(command, given_by(plan.settings(i))));
+      return;
+    } catch (const Error& error) {
+      if (fault.empty()) fault = error.what();
+    }
+  }
+  const std::uint64_t cases = plan.count();
+  throw bad_input(
+      plan.file, cases == 1 ? fault : fmt::format("none of the {} cases can be computed; the first: {}", cases, fault));
 }
 
 std::vector<Case> deal(std::vector<Case> cases, const Shard& shard) {

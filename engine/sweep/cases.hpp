@@ -1,4 +1,4 @@
-// The cases of a plan: their identifiers, and how they are dealt to processes.
+// The cases of a plan: their identifiers, and how they are divided among processes.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,10 @@ struct Case {
 
 /// All cases in the plan's order. With `costs`, also what they cost.
 std::vector<Case> list_cases(const Plan& plan, const Inputs& inputs, bool costs);
+
+/// Throws bad_input if the command would refuse the options of every case, such as those of a plan without skin: with
+/// the first case's message. Reads no file. Only the first ten thousand cases are looked at.
+void refuse_hopeless(const Plan& plan);
 
 /// The cases of a shard, the longest first; those that take equally long in the plan's order. Each case is in exactly
 /// one shard, and all shards take about the same time.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -49,28 +50,104 @@ std::vector<setup::OptionInfo> options_of(const std::string& command) {
   return options;
 }
 
+/// Adds what a finger has with --spectrum and --tune.
+std::vector<Structure> with_felt(std::vector<Structure> structures) {
+  const Structure felt[] = {{"fingers", "0"},
+                            {"fingers.#", "solid"},
+                            {"fingers.#.spectrum", "felt_share"},
+                            {"fingers.#.spectrum.skin_m", "0"},
+                            {"fingers.#.spectrum.lines", "0"},
+                            {"fingers.#.spectrum.lines.#", "frequency_hz"},
+                            {"fingers.#.tune", "stride"}};
+  std::ranges::copy(felt, std::back_inserter(structures));
+  return structures;
+}
+
+Command touch_command() {
+  return {"touch",
+          {},
+          {"points", "contacts.count", "contacts.depths_m.max", "fingers.count", "fingers.0.indices.count",
+           "fingers.0.centroid_m.0", "fingers.0.centroid_m.1", "fingers.0.centroid_m.2", "fingers.0.eigenvalues_m2.0",
+           "fingers.0.eigenvalues_m2.1", "fingers.0.foci_m.count", "fingers.0.pressures_pa.min",
+           "fingers.0.pressures_pa.max"},
+          with_felt({{"contacts", "count"},
+                     {"contacts.indices", "0"},
+                     {"contacts.depths_m", "0"},
+                     {"fingers.#.indices", "0"},
+                     {"fingers.#.centroid_m", "0"},
+                     {"fingers.#.axes", "0"},
+                     {"fingers.#.axes.#", "0"},
+                     {"fingers.#.eigenvalues_m2", "0"},
+                     {"fingers.#.foci_m", "0"},
+                     {"fingers.#.foci_m.#", "0"},
+                     {"fingers.#.focus_points", "0"},
+                     {"fingers.#.pressures_pa", "0"},
+                     {"fingers.#.schedule", "dwell_s"},
+                     {"fingers.#.schedule.order", "0"},
+                     {"fingers.#.schedule.order.#", "0"},
+                     {"schedule", "dwell_s"},
+                     {"schedule.order", "0"},
+                     {"schedule.order.#", "0"}})};
+}
+
+Command drive_command() {
+  return {"drive",
+          {},
+          {"transducers", "sound_speed_m_s", "frequency_hz", "pressures_pa.min", "pressures_pa.max",
+           "weakest_to_strongest", "amplitudes.min", "amplitudes.mean", "amplitudes.max"},
+          {{"foci_m", "0"},
+           {"foci_m.#", "0"},
+           {"aimed_m", "0"},
+           {"aimed_m.#", "0"},
+           {"solution", "iterations"},
+           {"gains", "0"},
+           {"pressures_pa", "0"},
+           {"over_free_field", "0"},
+           {"unresolved_pairs", "0"},
+           {"unresolved_pairs.#", "0"},
+           {"amplitudes", "0"},
+           {"phases_rad", "0"},
+           {"spread", "draws"},
+           {"spread.pressures_pa", "0"},
+           {"spread.pressures_pa.#", "0"},
+           {"spread.weakest_to_strongest", "0"}}};
+}
+
+Command field_command() {
+  return {
+      "field",
+      {},
+      {"points", "peak_pa", "peak_m.0", "peak_m.1", "peak_m.2", "sound_speed_m_s", "density_kg_m3", "absorption_np_m"},
+      {{"peak_m", "0"},
+       {"spread", "draws"},
+       {"spread.peak_pa", "0"},
+       {"spread.peak_m", "0"},
+       {"spread.peak_m.#", "0"}}};
+}
+
+Command simulate_command() {
+  return {"simulate",
+          {},
+          {"finger.faces", "langevin.peak_pa", "langevin.half_area_m2", "langevin.half_radius_m", "langevin.elongation",
+           "squared.peak_pa", "squared.half_area_m2", "squared.half_radius_m", "squared.elongation", "force_N.0",
+           "force_N.1", "force_N.2", "force_far_N.1", "torque_Nm.0", "torque_Nm.1", "torque_Nm.2"},
+          with_felt({{"finger", "faces"},
+                     {"foci_m", "0"},
+                     {"foci_m.#", "0"},
+                     {"aimed_m", "0"},
+                     {"aimed_m.#", "0"},
+                     {"langevin", "peak_pa"},
+                     {"langevin.peak_m", "0"},
+                     {"squared", "peak_pa"},
+                     {"squared.peak_m", "0"},
+                     {"force_N", "0"},
+                     {"force_far_N", "0"},
+                     {"torque_Nm", "0"},
+                     {"solution", "iterations"}})};
+}
+
 std::vector<Command> all_commands() {
-  std::vector<Command> commands{
-      {"touch",
-       {},
-       {"points", "contacts.count", "contacts.depths_m.max", "fingers.count", "fingers.0.indices.count",
-        "fingers.0.centroid_m.0", "fingers.0.centroid_m.1", "fingers.0.centroid_m.2", "fingers.0.eigenvalues_m2.0",
-        "fingers.0.eigenvalues_m2.1", "fingers.0.foci_m.count", "fingers.0.pressures_pa.min",
-        "fingers.0.pressures_pa.max"}},
-      {"drive",
-       {},
-       {"transducers", "sound_speed_m_s", "frequency_hz", "pressures_pa.min", "pressures_pa.max",
-        "weakest_to_strongest", "amplitudes.min", "amplitudes.mean", "amplitudes.max"}},
-      {"field",
-       {},
-       {"points", "peak_pa", "peak_m.0", "peak_m.1", "peak_m.2", "sound_speed_m_s", "density_kg_m3",
-        "absorption_np_m"}},
-      {"simulate",
-       {},
-       {"finger.faces", "langevin.peak_pa", "langevin.half_area_m2", "langevin.half_radius_m", "langevin.elongation",
-        "squared.peak_pa", "squared.half_area_m2", "squared.half_radius_m", "squared.elongation", "force_N.0",
-        "force_N.1", "force_N.2", "force_far_N.1", "torque_Nm.0", "torque_Nm.1", "torque_Nm.2"}},
-  };
+  std::vector<Command> commands{touch_command(), drive_command(), field_command(), simulate_command()};
   for (Command& command : commands)
     command.options = options_of(command.name);
   return commands;
@@ -123,6 +200,10 @@ std::unique_ptr<Line> read_line(const Command& command, const setup::Given& give
   std::unique_ptr<Line> line = new_line(command.name);
   setup::read_given(*options_of(*line), given);
   return line;
+}
+
+void check_line(Line& line) {
+  std::visit([](auto& of_command) { settle(of_command); }, line);
 }
 
 }  // namespace palpa::sweep

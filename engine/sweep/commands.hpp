@@ -10,6 +10,7 @@
 #include "setup/options.hpp"
 #include "setup/tasks/lines.hpp"
 #include "sweep/plan.hpp"
+#include "sweep/results.hpp"
 
 namespace palpa::sweep {
 
@@ -17,6 +18,7 @@ struct Command {
   std::string name;
   std::vector<setup::OptionInfo> options;  ///< that a plan may set, in the order of the help
   std::vector<std::string> results;        ///< paths (results.hpp) of a plan without `results`
+  std::vector<Structure> structures;       ///< all lists and objects of its output
 };
 
 std::vector<std::string> command_names();
@@ -31,7 +33,9 @@ bool names_file(const setup::OptionInfo& option, const std::string& value);
 
 /// The options of a case, as its command reads them.
 using Line = std::variant<setup::TouchLine, setup::DriveLine, setup::FieldLine, setup::SimulateLine>;
-/// Throws bad_usage for values that an option refuses. Whether they fit together is checked when the case is computed.
+/// Throws bad_usage for values that an option refuses.
 std::unique_ptr<Line> read_line(const Command& command, const setup::Given& given);
+/// Throws bad_usage for options that do not fit together. Reads no file.
+void check_line(Line& line);
 
 }  // namespace palpa::sweep

@@ -116,9 +116,9 @@ class Metadata {
          {"@type", "Dataset"},
          {"name", fmt::format("Results of palpa {} for {}", plan_.command, fs::path(plan_.file).filename().string())},
          {"description",
-          fmt::format("{} of {} cases of a sweep with palpa {}", rows, plan_.count(), version_and_commit())},
+          fmt::format("{} of {} of a sweep with palpa {}", rows, counted(plan_.count(), "case"), version_and_commit())},
          {"datePublished", iso_time(seconds_now())},
-         {"license", "The licence of the data is for its author to add."},
+         {"license", "The author of the data should add its licence."},
          {"hasPart", parts},
          {"mentions", actions}});
   }
@@ -155,8 +155,8 @@ class Metadata {
     graph_.push_back({{"@id", "#" + run.name},
                       {"@type", "CreateAction"},
                       {"name", fmt::format("palpa sweep, shard {}, on {}", run.shard, run.host)},
-                      {"description", fmt::format("{} cases in {:.3f} s, {} of them without a result", share.cases,
-                                                  share.seconds, share.faults)},
+                      {"description", fmt::format("{} in {:.3f} s, {} of them without a result",
+                                                  counted(share.cases, "case"), share.seconds, share.faults)},
                       {"instrument", Json::array({refer("#palpa"), refer(device)})},
                       {"object", objects},
                       {"result", refer(results_)},

@@ -16,14 +16,15 @@ double median_of(std::vector<double> values) {
 }
 
 /// The time of each result, divided by the model's.
-std::vector<double> ratios_of(const std::vector<Case>& all, const std::string& out) {
+std::vector<double> ratios_of(const std::vector<Case>& all, const std::string& out, setup::Backend backend) {
   std::unordered_map<std::string_view, double> models;
   for (const Case& one : all)
-    models.emplace(one.id, one.cost.seconds);
+    models.emplace(one.id, one.cost.all_s(backend));
   std::vector<double> ratios;
   const Store store(out);
-  store.each([&](std::size_t, std::string_view id, State state, std::string_view line) {
+  store.each([&](std::size_t run, std::string_view id, State state, std::string_view line) {
     const auto model = models.find(id);
+    if ((store.runs()[run].backend == "cpu") != (backend == setup::Backend::cpu)) return;
     if (state != State::done || model == models.end() || !(model->second > 0)) return;
     const auto json = nlohmann::json::parse(line, nullptr, false);
     const double took_s = json.is_object() ? json.value("took_s", 0.0) : 0.0;
@@ -34,17 +35,18 @@ std::vector<double> ratios_of(const std::vector<Case>& all, const std::string& o
 
 }  // namespace
 
-Forecast forecast_of(const std::vector<Case>& all, const std::vector<Case>& some, const std::string& out) {
+Forecast forecast_of(const std::vector<Case>& all, const std::vector<Case>& some, const std::string& out,
+                     setup::Backend backend) {
   Forecast forecast{.cases = some.size()};
   if (!out.empty()) {
-    const std::vector<double> ratios = ratios_of(all, out);
+    const std::vector<double> ratios = ratios_of(all, out, backend);
     forecast.measured = ratios.size();
     if (!ratios.empty()) forecast.factor = median_of(ratios);
   }
   if (some.empty()) return forecast;
   std::vector<double> seconds;
   for (const Case& one : some) {
-    seconds.push_back(one.cost.seconds * forecast.factor);
+    seconds.push_back(one.cost.all_s(backend) * forecast.factor);
     forecast.all_s += seconds.back();
     forecast.most_bytes = std::max(forecast.most_bytes, one.cost.bytes);
   }

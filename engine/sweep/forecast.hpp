@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "setup/options.hpp"
 #include "sweep/cases.hpp"
 
 namespace palpa::sweep {
@@ -18,7 +19,9 @@ struct Forecast {
   double factor = 1;           ///< of the measured times to the models': the median over these results
 };
 
-/// For `some` of all cases of the plan, with their costs. `out`: a folder of results, or empty. Throws as Store does.
-Forecast forecast_of(const std::vector<Case>& all, const std::vector<Case>& some, const std::string& out);
+/// For `some` of all cases of the plan, with their costs, on that backend. `out`: a folder of results, or empty; those
+/// of the same backend count. Throws as Store does.
+Forecast forecast_of(const std::vector<Case>& all, const std::vector<Case>& some, const std::string& out,
+                     setup::Backend backend);
 
 }  // namespace palpa::sweep

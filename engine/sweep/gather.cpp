@@ -149,8 +149,8 @@ Gathered gather(const Plan& plan, const std::string& out, const std::string& fil
   const auto cases = static_cast<std::uint64_t>(table.rows.size()) + table.missing;
   if (table.rows.empty()) throw failure(fmt::format("{}: has no result of this plan; compute it first", out));
   if (table.missing != 0 && !partial) {
-    throw failure(fmt::format("{}: {} of {} cases have no result yet; run the sweep again, or give --partial", out,
-                              table.missing, cases));
+    throw failure(fmt::format("{}: {} of {} {} no result yet; run the sweep again, or give --partial", out,
+                              table.missing, counted(cases, "case"), table.missing == 1 ? "has" : "have"));
   }
   LockedBytes lock(std::filesystem::path(out) / "gather-lock");
   if (!lock.try_lock(0))

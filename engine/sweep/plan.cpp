@@ -99,6 +99,8 @@ void read_results(TomlTable& root, const Command& command, Plan& plan) {
   if (plan.results.empty()) throw root.fault("results", "results is empty: name at least one");
   for (const std::string& path : plan.results) {
     if (const std::string fault = path_fault(path); !fault.empty()) throw root.fault("results", fault);
+    if (const std::string fault = structure_fault(path, command.structures); !fault.empty())
+      throw root.fault("results", fault);
     if (std::ranges::count(plan.results, path) > 1)
       throw root.fault("results", fmt::format("results has {} twice", path));
   }

@@ -66,6 +66,20 @@ std::string made_of(const Json& list, std::string_view function) {
   return number_text(function == "sum" ? sum : sum / static_cast<double>(numbers.size()));
 }
 
+std::string fault_of_structure(const std::string& path, const std::string& entry) {
+  return fmt::format("results: {} is {}; name one of its entries, such as {}.{}, or {}.count", shortened(path, 80),
+                     entry == "0" ? "a list" : "an object", shortened(path, 80), shortened(entry, 40),
+                     shortened(path, 80));
+}
+
+/// "fingers.#" for "fingers.3".
+std::string without_indices(const std::string& path) {
+  std::string text;
+  for (const std::string& part : parts_of(path))
+    text += (text.empty() ? "" : ".") + (index_of(part) ? "#" : part);
+  return text;
+}
+
 std::string find(const Json& document, const std::string& path) {
   const Json* at = &document;
   const std::vector<std::string> parts = parts_of(path);
@@ -87,10 +101,7 @@ std::string find(const Json& document, const std::string& path) {
     return made_of(*at, part);
   }
   if (!at->is_structured()) return text_of(*at);
-  throw bad_usage(fmt::format("results: {} is {}; name one of its entries, such as {}.{}, or {}.count",
-                              shortened(path, 80), at->is_array() ? "a list" : "an object", shortened(path, 80),
-                              at->is_array() || at->empty() ? "0" : shortened(at->begin().key(), 40),
-                              shortened(path, 80)));
+  throw bad_usage(fault_of_structure(path, at->is_array() || at->empty() ? "0" : at->begin().key()));
 }
 
 Json parsed(const std::string& json) {
@@ -109,6 +120,11 @@ std::string path_fault(const std::string& path) {
     if (part == "timing_ms") return fmt::format("results: {} is a time; times are in the provenance", path);
   }
   return {};
+}
+
+std::string structure_fault(const std::string& path, const std::vector<Structure>& structures) {
+  const auto known = std::ranges::find(structures, without_indices(path), &Structure::path);
+  return known == structures.end() ? std::string() : fault_of_structure(path, known->entry);
 }
 
 std::vector<std::string> results_of(const std::string& json, const std::vector<std::string>& paths) {

@@ -11,6 +11,14 @@ namespace palpa::sweep {
 /// What is wrong with a path; empty if it can be one.
 std::string path_fault(const std::string& path);
 
+/// A list or an object in the output of a command. No path may end there.
+struct Structure {
+  std::string path;   ///< with "#" for the index of a list: "fingers.#.foci_m"
+  std::string entry;  ///< "0" of a list, a key of an object
+};
+/// What is wrong with a path that leads to one of them; empty if it does not.
+std::string structure_fault(const std::string& path, const std::vector<Structure>& structures);
+
 /// A case's results as JSON text, one for each path: a number, a text, true, false, or null if the JSON has no such
 /// entry. Numbers keep their digits. `json` is the output of a command. Throws bad_usage naming the path that leads to
 /// a list or an object, and says what would be right.

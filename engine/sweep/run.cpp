@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -44,12 +45,14 @@ class Sweep {
     const Clock::time_point begin = Clock::now();
     std::optional<Cancellable> cancellable;
     if (task_.stop) cancellable.emplace(*task_.stop);
+    refuse_hopeless(plan_);
     const Store store(task_.out);
     store.check_version();
     const std::vector<Case> all = list_cases(plan_, inputs_, true);
     report_.cases = all.size();
     todo(deal(all, task_.claim ? Shard() : task_.shard), store);
     if (!todo_.empty()) compute(all);
+    report_.all_in_vain = is_all_in_vain(all);
     report_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return report_;
   }
@@ -57,7 +60,7 @@ class Sweep {
  private:
   void todo(std::vector<Case> mine, const Store& store) {
     report_.mine = mine.size();
-    states_ = store.states();
+    look_at(store, false);
     std::vector<Case> failed;
     for (Case& one : mine) {
       report_.ids.push_back(one.id);
@@ -94,7 +97,7 @@ class Sweep {
   /// Takes one case after the other that nobody has. What others hold is looked at once more at the end: if they were
   /// killed meanwhile, it is free and has no result.
   void claim_all(const std::vector<Case>& all) {
-    LockedBytes claims(claims_file(task_.out, all));
+    LockedBytes& claims = claims_.emplace(claims_file(task_.out, all));
     std::vector<Case> left;
     for (const Case& one : todo_) {
       if (!claims.try_lock(one.index)) {
@@ -104,29 +107,36 @@ class Sweep {
       // Its holder marks a case when its line is in the file.
       const bool marked = claims.is_marked(one.index);
       if (marked) left.push_back(one);
-      if (!marked && !compute_claimed(claims, one)) return;
+      if (!marked && !compute_one(one)) return;
       claims.unlock(one.index);
     }
     if (left.empty()) return;
     look_again();
     for (const Case& one : left) {
-      if (has_result(one)) continue;
+      if (has_result(one) || failed_elsewhere_.contains(one.id)) continue;
       if (!claims.try_lock(one.index)) {
         ++report_.elsewhere;
         continue;
       }
       look_again();
-      if (!has_result(one) && !compute_claimed(claims, one)) return;
+      const bool is_open = !has_result(one) && !failed_elsewhere_.contains(one.id);
+      if (is_open && !compute_one(one)) return;
       claims.unlock(one.index);
     }
   }
 
   /// At the results that others have written meanwhile.
-  void look_again() {
-    for (const auto& [id, state] : Store(task_.out, writer_->name()).states()) {
-      const auto [known, is_new] = states_.emplace(id, state);
+  void look_again() { look_at(Store(task_.out, writer_->name()), true); }
+
+  /// Reads only what has been added since the last look. What another process has tried in vain since this run began
+  /// is not tried by this one, too.
+  void look_at(const Store& store, bool since_begin) {
+    const auto take = [&](std::size_t, std::string_view id, State state, std::string_view) {
+      const auto [known, is_new] = states_.emplace(std::string(id), state);
       if (!is_new) known->second = std::min(known->second, state);
-    }
+      if (since_begin && state == State::failed) failed_elsewhere_.emplace(id);
+    };
+    store.each(take, &places_);
   }
 
   bool has_result(const Case& one) const {
@@ -134,10 +144,23 @@ class Sweep {
     return known != states_.end() && known->second != State::failed;
   }
 
-  bool compute_claimed(LockedBytes& claims, const Case& one) {
-    const bool goes_on = compute_one(one);
-    claims.mark(one.index);
-    return goes_on;
+  /// A shard may have only cases whose options do not fit together, while others compute the rest.
+  bool is_all_in_vain(const std::vector<Case>& all) {
+    if (report_.done + report_.failed + report_.elsewhere != 0 || stopped()) return false;
+    if (writer_) look_again();
+    std::uint64_t refused = 0;
+    for (const Case& one : all) {
+      const auto known = states_.find(one.id);
+      if (known == states_.end()) continue;
+      if (known->second != State::refused) return false;
+      ++refused;
+    }
+    return refused == all.size() || (fitted_ && refused != 0);
+  }
+
+  /// For other processes: the case has a line in a file.
+  void mark(const Case& one) {
+    if (claims_) claims_->mark(one.index);
   }
 
   bool stopped() const { return task_.stop && *task_.stop; }
@@ -147,6 +170,7 @@ class Sweep {
     // Two values of a plan may mean the same case.
     if (has_result(one)) {
       ++report_.before;
+      mark(one);
       return true;
     }
     const std::vector<Setting> settings = plan_.settings(one.index);
@@ -157,6 +181,8 @@ class Sweep {
     std::string json;
     try {
       const std::unique_ptr<Line> options = read_line(command_of(plan_.command), given_by(inputs_.resolved(settings)));
+      check_line(*options);
+      fitted_ = true;
       json = bench_->compute(*options);
     } catch (const Error& error) {
       if (stopped()) return false;
@@ -170,6 +196,7 @@ class Sweep {
     line.took_s = std::chrono::duration<double>(Clock::now() - begin).count();
     line.ended_s = seconds_now();
     writer_->add(line);
+    mark(one);
     states_[one.id] = line.state;
     count(line, settings);
     if (stopped()) return false;
@@ -214,8 +241,12 @@ class Sweep {
   const AfterCase& after_;
   Inputs inputs_;
   SweepReport report_;
+  bool fitted_ = false;  ///< the options of a case that was computed now fit together
   std::vector<Case> todo_;
   std::unordered_map<std::string, State> states_;
+  std::unordered_set<std::string> failed_elsewhere_;  ///< since this run began
+  Places places_;
+  std::optional<LockedBytes> claims_;
   std::optional<Workbench> bench_;
   std::unique_ptr<StoreWriter> writer_;
 };

@@ -36,8 +36,10 @@ struct SweepReport {
   std::uint64_t before = 0;                         ///< of the shard, that had results before
   std::uint64_t done = 0, refused = 0, failed = 0;  ///< computed now, by their ends
   std::uint64_t elsewhere = 0;                      ///< that another process computes at the moment
-  std::string first_fault;                          ///< a case that was refused or failed, and why
-  std::vector<std::string> ids;                     ///< of the shard's cases
+  /// Every case of the plan that the folder knows was refused: all of the plan, or some whose options fit together.
+  bool all_in_vain = false;
+  std::string first_fault;       ///< a case that was refused or failed, and why
+  std::vector<std::string> ids;  ///< of the shard's cases
   double seconds = 0;
 };
 
@@ -46,8 +48,9 @@ using AfterCase = std::function<bool(const CaseLine& line, std::uint64_t number,
 
 /// Computes the cases that have no result yet, the longest first; failed ones of earlier runs last. Continues where an
 /// earlier run ended, however it ended. A case that is refused or fails does not end the sweep. Throws bad_input for
-/// missing files before anything is computed; bad_usage for a folder with results of another version; failure() if a
-/// result cannot be written; as gpu::Device does if there is no device, or if it is lost.
+/// missing files, or options that are refused in every case, before anything is computed; bad_usage for a folder with
+/// results of another version; failure() if a result cannot be written; as gpu::Device does if there is no device, or
+/// if it is lost.
 SweepReport run_sweep(const Plan& plan, const SweepTask& task, const AfterCase& after = {});
 
 }  // namespace palpa::sweep

@@ -20,7 +20,7 @@ using Environment = std::function<std::optional<std::string>(const std::string& 
 std::optional<std::string> environment(const std::string& name);
 
 /// "2/8" is the third of eight shards. "env" takes the shard from the variables of a scheduler, the first of:
-///   SLURM_ARRAY_TASK_ID, less SLURM_ARRAY_TASK_MIN, of SLURM_ARRAY_TASK_COUNT     a job array, with the step 1
+///   SLURM_ARRAY_TASK_ID minus SLURM_ARRAY_TASK_MIN, of SLURM_ARRAY_TASK_COUNT    a job array, with the step 1
 ///   OMPI_COMM_WORLD_RANK of OMPI_COMM_WORLD_SIZE                                   OpenMPI's mpirun
 ///   PMI_RANK of PMI_SIZE                                                           mpirun of MPICH and others
 ///   SLURM_PROCID of SLURM_STEP_NUM_TASKS                                           srun

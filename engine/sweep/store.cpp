@@ -177,24 +177,31 @@ std::unordered_map<std::string, State> Store::states() const {
 }
 
 void Store::each(
-    const std::function<void(std::size_t run, std::string_view id, State state, std::string_view line)>& take) const {
+    const std::function<void(std::size_t run, std::string_view id, State state, std::string_view line)>& take,
+    Places* places) const {
   for (std::size_t r = 0; r < runs_.size(); ++r) {
     const fs::path file = fs::path(folder_) / "runs" / runs_[r].name / "cases.jsonl";
     std::error_code fault;
-    if (const auto size = fs::file_size(file, fault); fault || size == 0) continue;  // killed before its first case
-    const std::string text = read_file(file, most_file_bytes);
-    std::size_t number = 0;
+    ReadSoFar beginning;
+    ReadSoFar& place = places ? (*places)[runs_[r].name] : beginning;
+    // Killed before its first case, or nothing is new.
+    if (const auto size = fs::file_size(file, fault); fault || size <= place.bytes) continue;
+    const InputFile input(file, most_file_bytes);
+    if (input.size() <= place.bytes) continue;
+    std::string text(input.size() - place.bytes, ' ');
+    input.read_at(place.bytes, {reinterpret_cast<unsigned char*>(text.data()), text.size()});
     for (std::string_view rest = text; !rest.empty();) {
       const std::size_t end = rest.find('\n');
       if (end == std::string_view::npos) break;  // killed while it wrote this line
       const std::string_view line = rest.substr(0, end);
       rest.remove_prefix(end + 1);
-      ++number;
+      place.bytes += end + 1;
+      ++place.lines;
       if (const auto head = head_of(line)) {
         take(r, head->first, head->second, line);
       } else {
-        log::warning(
-            fmt::format("{}: line {}: is not a case's result, so its case is computed again", file.string(), number));
+        log::warning(fmt::format("{}: line {}: is not a case's result, so its case is computed again", file.string(),
+                                 place.lines));
       }
     }
   }

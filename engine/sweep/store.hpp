@@ -1,5 +1,5 @@
 // The folder of a sweep's results. Each process that computes cases has a folder of its own in it, runs/NAME:
-//   run.json      what computed: palpa's version, the device, the shard of the plan
+//   run.json      palpa's version, the device, the shard of the plan
 //   cases.jsonl   a line for each case, complete or absent: the file grows by whole lines, and a last line without its
 //                 end counts as absent
 // Nothing is ever changed or removed, so a process that is killed loses only the case that it computes.
@@ -51,6 +51,12 @@ struct CaseLine {
 };
 std::string to_json_line(const CaseLine& line);
 
+/// How far each run's lines have been read, by the run's name.
+struct ReadSoFar {
+  std::uint64_t bytes = 0, lines = 0;
+};
+using Places = std::unordered_map<std::string, ReadSoFar>;
+
 /// What the folder has so far. A folder that does not exist has nothing.
 class Store {
  public:
@@ -64,9 +70,9 @@ class Store {
   /// The state of each case that has a line. If a case has several, done counts most, then refused.
   std::unordered_map<std::string, State> states() const;
   /// All complete lines: the run, an index of runs(), the case and its line. Lines that are not a case's are left out
-  /// with a warning.
-  void each(
-      const std::function<void(std::size_t run, std::string_view id, State state, std::string_view line)>& take) const;
+  /// with a warning. With `places`, only those that are not yet read according to it; it is then brought up to date.
+  void each(const std::function<void(std::size_t run, std::string_view id, State state, std::string_view line)>& take,
+            Places* places = nullptr) const;
 
  private:
   std::string folder_;

@@ -104,7 +104,7 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
   }
 }
 
-// Sources at vertices instead of three samples a face: nearly the same sound, and the same phases.
+// From few vertices instead of three samples a face: nearly the same sound, and the same phases.
 TEST(TrackedFinger, HearsNearlyTheSame) {
   const array::Layout layout = shell(60);
   const Air air = without_absorption(air_of({}));
@@ -133,8 +133,8 @@ TEST(TrackedFinger, HearsNearlyTheSame) {
       in_phase += right[t] * std::conj(heard[j].sound[t]) / std::abs(heard[j].sound[t]);
       best += std::abs(right[t]);
     }
-    EXPECT_LE(std::sqrt(wrong / all), 0.04) << j;
-    EXPECT_GE(std::abs(in_phase), 0.999 * best) << j;
+    EXPECT_LE(std::sqrt(wrong / all), 0.003) << j;
+    EXPECT_GE(std::abs(in_phase), 0.99999 * best) << j;
   }
 }
 

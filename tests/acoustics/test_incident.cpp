@@ -160,21 +160,19 @@ TEST(Incident, ReceivesWhatItSends) {
   const Incident incident(scene.layout, air_of({}), Directivity::piston);
   Waves sent;
   incident.at(scene.points, scene.normals, scene.strengths, sent);
-  Strengths loud, sloped;
-  for (std::size_t i = 0; i < 2 * scene.points.size(); ++i) {
+  Strengths loud;
+  for (std::size_t i = 0; i < 2 * scene.points.size(); ++i)
     loud.push_back(std::polar(1.0 + 0.01 * static_cast<double>(i), 0.3 * static_cast<double>(i)));
-    sloped.push_back(std::polar(1e-3, -0.2 * static_cast<double>(i)));
-  }
+  const Complex slope(0.4e-3, -1.1e-3);
   std::vector<Complex> received;
-  ASSERT_TRUE(incident.received(scene.points, scene.normals, loud, sloped, received));
+  ASSERT_TRUE(incident.received(scene.points, scene.normals, loud, slope, received));
   const std::size_t transducers = scene.layout.transducers.size(), points = scene.points.size();
   ASSERT_EQ(received.size(), 2 * transducers);
   for (std::size_t row = 0; row < 2; ++row) {
     for (std::size_t d = 0; d < 3; ++d) {
       Complex here = 0, there = 0;
       for (std::size_t i = 0; i < points; ++i)
-        here += loud[row * points + i] * sent.pressures[d * points + i] +
-                sloped[row * points + i] * sent.slopes[d * points + i];
+        here += loud[row * points + i] * (sent.pressures[d * points + i] + slope * sent.slopes[d * points + i]);
       for (std::size_t t = 0; t < transducers; ++t)
         there += scene.strengths[d * transducers + t] * received[row * transducers + t];
       EXPECT_LT(std::abs(here - there), 1e-5 * std::abs(here));

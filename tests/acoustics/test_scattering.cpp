@@ -252,10 +252,10 @@ TEST(Scattering, ManySourcesAreTheirSum) {
   }
   // Reciprocity: the effect of each transducer at a face of this body, from one backward solution.
   const std::vector<std::uint32_t> faces{17, 1234};
-  const RigidBody::Sources sources = body.sources_at_faces(faces);
+  const std::vector<Complex> sources = body.sources_at_faces(faces);
   std::vector<Complex> received;
   Incident(layout, air, array::Directivity::omni)
-      .received(body.points(), body.normals(), sources.strengths, sources.slopes, received);
+      .received(body.points(), body.normals(), sources, body.slope_part(), received);
   for (std::size_t drive = 0; drive < 2; ++drive) {
     const auto sound = body.at_faces(std::span(unknowns).subspan(drive * vertices, vertices));
     for (std::size_t i = 0; i < faces.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "base/version.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa {
 namespace {
@@ -28,7 +29,7 @@ TEST(Sha256, OfAFileInPieces) {
   const FileDigest digest = sha256_of_file(file);
   EXPECT_EQ(digest.sha256, sha256(text));
   EXPECT_EQ(digest.bytes, text.size());
-  EXPECT_THROW(sha256_of_file(file.string() + "-none"), Error);
+  EXPECT_REFUSED(sha256_of_file(file.string() + "-none"), "file-none");
 }
 
 TEST(LockedBytes, ALockExcludesOthersAndAMarkStays) {
@@ -49,7 +50,7 @@ TEST(LockedBytes, ALockExcludesOthersAndAMarkStays) {
   LockedBytes third(file);
   EXPECT_TRUE(third.try_lock(7)) << "a lock ends with its holder";
   EXPECT_TRUE(third.is_marked(7));
-  EXPECT_THROW(LockedBytes(file / "none"), Error);
+  EXPECT_ERROR(LockedBytes(file / "none"), Exit::failed, "locks/none");
 }
 
 TEST(Version, SaysWhatWasBuilt) {

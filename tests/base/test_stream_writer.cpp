@@ -1,13 +1,21 @@
 #include "base/stream_writer.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <string>
 #include <thread>
+
+#include "base/error.hpp"
+#include "base/open_output.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa {
 namespace {
@@ -73,6 +81,40 @@ TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
   close(ends[0]);
   EXPECT_GT(size, 50'000u);
   EXPECT_EQ(size % line.size(), 0u);
+}
+
+/// The message for a second writer of the file; empty if it may write.
+std::string second_writer(const std::string& file) {
+  try {
+    StreamWriter second(file, 1 << 16);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Exit::usage);
+    return error.what();
+  }
+  return {};
+}
+
+TEST(StreamWriter, AFileHasOneWriterAtATime) {
+  const std::string file = test::scratch_folder("one-writer") / "stream.txt";
+  {
+    StreamWriter first(file, 1 << 16);
+    ASSERT_TRUE(first.add("kept\n"));
+    ASSERT_TRUE(first.flush(10));
+    EXPECT_EQ(second_writer(file), file + ": another palpa is writing this file; wait until it has ended");
+    // The same file under another name, and in another process.
+    std::filesystem::create_hard_link(file, file + ".link");
+    EXPECT_NE(second_writer(file + ".link"), "");
+    const pid_t child = fork();
+    if (child == 0) _exit(second_writer(file).empty() ? 1 : 0);
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
+    EXPECT_NE(test::error_of([&] { refuse_while_written(file); }, Exit::usage), "");
+    EXPECT_EQ(test::read_text(file), "kept\n") << "a refused writer has emptied it";
+  }
+  EXPECT_NO_THROW(refuse_while_written(file));
+  EXPECT_EQ(second_writer(file), "");
+  EXPECT_EQ(test::read_text(file), "");
 }
 
 }  // namespace

@@ -49,6 +49,17 @@ TEST(Text, MessagesLoseWhatEndsThem) {
   EXPECT_EQ(one_line("version 1.2.", 9), "version 1...");
 }
 
+TEST(Text, ThingsAreCounted) {
+  EXPECT_EQ(counted(0, "frame"), "0 frames");
+  EXPECT_EQ(counted(1, "frame"), "1 frame");
+  EXPECT_EQ(counted(2, "skin point"), "2 skin points");
+  EXPECT_EQ(counted(1, "focus") + counted(3, "focus"), "1 focus3 foci");
+  EXPECT_EQ(counted(4, "vertex") + counted(1, "body") + counted(5, "body"), "4 vertices1 body5 bodies");
+  EXPECT_EQ(counted(2, "touch") + counted(2, "process") + counted(2, "day") + counted(2, "survey"),
+            "2 touches2 processes2 days2 surveys");
+  EXPECT_EQ(plural(1, "case") + plural(12, "case"), "casecases");
+}
+
 TEST(Text, CellsAreQuotedIfTheyWouldBeSplit) {
   EXPECT_EQ(csv_cell("plain text"), "plain text");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");

@@ -153,9 +153,9 @@ TEST(TomlTable, ValuesOfAnyKindKeepTheirOrderAndDigits) {
   std::optional<TomlTable> middle = table.table("middle");
   ASSERT_TRUE(middle.has_value());
   const TomlValue inner = middle->value("b");
-  ASSERT_EQ(inner.members.size(), 2u);
-  EXPECT_EQ(inner.members[0].first, "y");
-  EXPECT_EQ(inner.members[1].second.items[0].text, "2");
+  ASSERT_EQ(inner.items.size(), 2u);
+  EXPECT_EQ(inner.keys[0], "y");
+  EXPECT_EQ(inner.items[1].items[0].text, "2");
   EXPECT_REFUSED(middle->value("late"), "x: line 5: late must be a text of one line, a finite number, true or false");
   EXPECT_REFUSED(table_of("a = inf").value("a"), "a must be");
   EXPECT_REFUSED(table_of("a = \"\"\"b\nc\"\"\"").value("a"), "a must be");

@@ -204,7 +204,7 @@ TEST_F(CliStudy, SaysWhatIsWrong) {
   refused({"study", "analyse", folder_}, 4, "has no participants");
   refused({"study", "compare"}, 2, "at least two tables");
   write_text(folder_ / "single.csv", single);
-  refused({"study", "compare", path("single.csv")}, 2, "one table has nothing beside it");
+  refused({"study", "compare", path("single.csv")}, 2, "one table alone cannot be compared");
   refused({"study", "compare", "paper", path("none.json")}, 4, "none.json: no such file");
   refused({"study", "analyse", path("single.csv"), folder_}, 4, "single.csv: is not a folder");
   refused({"study", "power", "--studies", "20000", "--trials", "1000"}, 2, "is more than 400 million");

@@ -25,7 +25,7 @@ BEGIN {
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads links watch predict plan loop previews .")
-  order("study", "statistics tables plan files afferents sitting . report")
+  order("study", "statistics tables plan files afferents observer sitting . report predicted")
   order("setup", ". experiment tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live study options desk panels app window run .")

@@ -134,6 +134,15 @@ scratch() {
   return 1
 }
 
+# A test of a refusal looks at its exit code and its words: EXPECT_ERROR and EXPECT_REFUSED of support/thrown.hpp.
+refusals() {
+  local hits
+  hits=$(files 'tests/*.cpp' | xargs -r grep -nE '_(ANY_)?THROW\(.*(\bError\)|ANY_THROW)')
+  [[ -z $hits ]] && return
+  printf '%s\n' "$hits"
+  return 1
+}
+
 # No pass without its shared header, no shader without a user.
 shaders() {
   local shader name found=0
@@ -233,6 +242,7 @@ step "register of files" registered
 step "file sizes" sizes
 step "machine paths" paths
 step "scratch folders" scratch
+step "refusals in tests" refusals
 step "shaders in use" shaders
 step "shellcheck" shell
 if [[ ${1-} != quick ]]; then

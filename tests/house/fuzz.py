@@ -37,7 +37,8 @@ MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
 STILL_S = 20                      # without using processor time: counts as a hang
 SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
-            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2}
+            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, "study plan": 3, "study level": 2,
+            "study rehearse": 2, "study withdraw": 1}
 # Options that rightly make a run endless or long, that look for devices, or that a case sets itself.
 LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
               "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
@@ -78,6 +79,10 @@ class Pool:
                  folder / f"{method}.json")
         make("drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--csv", folder / "drive.csv", "--backend", "cpu")
         make("calibrate", "--target", folder / "target.stl", "--layout", "openmpd")
+        plans = [re.sub(r'"\.\./(\w[\w-]*\.glb)"', rf'"{assets}/\1"', path.read_text()).encode() for path in sorted((assets / "studies").glob("*.toml"))]
+        (folder / "plan.toml").write_bytes(plans[0])
+        make("study", "rehearse", folder / "plan.toml", "--participant", 1, "--out", folder / "study")
+        self.study = folder / "study"
         self.take = {path.name: path.read_bytes() for path in sorted((folder / "take").iterdir())}
         camera = rig[:rig.index("[[camera]]", rig.index("[[camera]]") + 1)]
         units = "\n".join("[[transducer]]\nposition_m = [%g, %g, 0.0]\naxis = [0.0, 0.0, 1.0]" % (0.01 * x, 0.01 * y)
@@ -97,6 +102,7 @@ class Pool:
             "foreign": [("f.stl", (folder / "target.stl").read_bytes()), ("f.txt", f"{SECRET}: {SECRET}\n".encode() * 40),
                         ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
             "bag": [("b.bag", small_bag())],
+            "plan": [("plan.toml", plan) for plan in plans],
         }
 
 
@@ -175,6 +181,17 @@ class Case:
             if not name.endswith(".png") or victim not in ("recording.toml", "times.csv"):
                 self.inputs[folder / name] = digest(folder / name)
             self.size += len(data)
+        return str(folder)
+
+    def study(self):
+        """The folder of a study, which the command may change: one with a participant, some file of it broken; or none."""
+        draw, folder = self.random, self.folder / "study"
+        if draw.random() < 0.2:
+            return draw.choice([str(self.folder / "none"), str(self.folder / "in"), "/nonexistent/x", "/dev/null", ""])
+        shutil.copytree(self.pool.study, folder)
+        files = sorted(path for path in folder.rglob("*") if path.is_file())
+        for path in draw.sample(files, draw.choice([0, 0, 1, 2])):
+            path.write_bytes(mutated(draw, path.name, path.read_bytes()))
         return str(folder)
 
     def out(self, kind):
@@ -295,6 +312,16 @@ class Case:
                     "--first", draw.choice(["0", "0", "1", "-1"]), "--last", draw.choice(["1", "1", "2", "-1"])]
             for name in ("--each", "--rest"):  # so that the run ends soon
                 base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
+        elif command == "afferents":
+            base = ["afferents", "--scene", self.file("scene"), "--duration", draw.choice(["20ms", "60ms", "0", "nan"])]
+        elif command == "study plan":
+            base = ["study", "plan", self.file("plan"), "--participant", draw.choice(["1", "4", "4", *NUMBERS])]
+        elif command == "study level":
+            base = ["study", "level", self.file("plan")]
+        elif command == "study rehearse":
+            base = ["study", "rehearse", self.file("plan"), "--participant", draw.choice(["1", "1", "1", *NUMBERS]), "--out", self.study()]
+        elif command == "study withdraw":
+            base = ["study", "withdraw", draw.choice(["1", "1", "2", *NUMBERS]), "--out", self.study()]
         elif command == "doctor":
             base = ["doctor", "--json", self.out(".json")]
         else:
@@ -302,7 +329,7 @@ class Case:
                     self.file("points"), "--penetration", "1mm"]
         # The same option twice is an error, which need not be tested each time.
         more = self.some_options({argument for argument in base if argument.startswith("--") and draw.random() < 0.98})
-        if command not in ("doctor", "viewer"):
+        if command not in ("doctor", "viewer") and not command.startswith("study"):
             more += ["--backend", "cpu"]
         together = " ".join(base + more)
         # These have other costs (docs/limits.md), or a driver's.
@@ -416,7 +443,7 @@ def main():
     programs = {command: chosen.bin.resolve() / "palpa" for command in COMMANDS if command != "viewer"}
     viewer = chosen.bin.resolve() / "palpa-viewer"
     os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
-    options = {command: options_of(program, command) for command, program in programs.items()}
+    options = {command: options_of(program, *command.split()) for command, program in programs.items()}
     if viewer.exists():
         options["viewer"], programs["viewer"] = options_of(viewer), viewer
     begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="palpa-fuzz-"))

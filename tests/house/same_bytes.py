@@ -10,6 +10,8 @@ import argparse
 import cmath
 import json
 import os
+import pathlib
+import re
 import socket
 import struct
 import subprocess
@@ -99,6 +101,17 @@ def cases():
     yield "picture", "viewer", [
         *scene("cube"), *PRESS, "--skin", "assets/finger.ply", "--layout", "paper", "--inset", "--spectrum", "--headless",
         "--screenshot", "OUT"]
+    yield "afferents json", "json", ["afferents", *scene("cube"), "--json", "OUT"]
+    yield "afferents csv", "bytes", ["afferents", *scene("prism"), "--method", "single-focus", "--csv", "OUT"]
+    yield "afferents times", "bytes", ["afferents", *scene("prism"), "--duration", "60ms", "--times", "OUT"]
+    yield "afferents png", "bytes", ["afferents", *scene("cube"), "--duration", "60ms", "--png", "OUT"]
+    for plan in ["paper", "five-minutes"]:
+        file = f"assets/studies/{plan}.toml"
+        yield f"study plan {plan}", "json", ["study", "plan", file, "--participant", "4", "--json", "OUT"]
+        yield f"study plan csv {plan}", "bytes", ["study", "plan", file, "--participant", "4", "--csv", "OUT"]
+        yield f"study level {plan}", "json", ["study", "level", file, "--json", "OUT"]
+        yield f"study rehearse {plan}", "study", ["study", "rehearse", file, "--participant", "4", "--out", "OUT"]
+    yield "study withdraw", "withdrawn", ["study", "withdraw", "4", "--out", "OUT.study", "--json", "OUT"]
     yield "decompose", "gltf", ["decompose", *scene("cube"), "--parts", "4", "--out", "OUT.glb"]
 
 
@@ -110,7 +123,11 @@ def run(binaries, kind, arguments, out):
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8 << 20)
         receiver.bind(("127.0.0.1", 0))
     link = f"foci:udp:127.0.0.1:{receiver.getsockname()[1]}" if receiver else ""
-    words = [out if a.startswith("OUT") else a.replace("UDP", link) for a in arguments] + ["--quiet"]
+    if kind == "withdrawn":  # there must be somebody
+        subprocess.run([program, "study", "rehearse", "assets/studies/five-minutes.toml", "--participant", "4", "--out", f"{out}.study",
+                        "--quiet"], cwd=ROOT, capture_output=True, check=False)
+    words = [f"{out}.study" if a == "OUT.study" else out if a.startswith("OUT") else a.replace("UDP", link)
+             for a in arguments] + ["--quiet"]
     done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, check=False)
     if receiver:
         receiver.settimeout(0.2)
@@ -128,6 +145,16 @@ def without_times(document):
     if isinstance(document, dict):
         return {key: without_times(value) for key, value in document.items() if key != "timing_ms"}
     return [without_times(value) for value in document] if isinstance(document, list) else document
+
+
+def read_study(folder):
+    """The logs of a study, by name. When it began and by which build belongs to the run, and a journal has both in every line's checksum."""
+    files = {}
+    for path in sorted(pathlib.Path(folder).rglob("*")):
+        if path.is_file() and not path.name.endswith("_journal.jsonl"):
+            text = path.read_text(encoding="utf-8")
+            files[path.relative_to(folder).as_posix()] = re.sub(r'"(StartTimeUtc|PalpaVersion)": "[^"]*"', "", text)
+    return files
 
 
 def read_json(path):
@@ -185,7 +212,9 @@ def compare_csv(before, after):
 
 
 def compare(kind, before, after, tolerance):
-    if kind == "json":
+    if kind == "study":
+        return "same" if read_study(before) == read_study(after) else "DIFFERENT"
+    if kind in ("json", "withdrawn"):
         return "same" if read_json(before) == read_json(after) else "DIFFERENT"
     if kind == "gltf":
         return "same" if read_gltf(before) == read_gltf(after) else "DIFFERENT"
@@ -229,7 +258,7 @@ def main():
         for number, (name, kind, arguments) in enumerate(cases()):
             if options.words and not any(word in name for word in options.words):
                 continue
-            ending = next((word[3:] for word in arguments if word.startswith("OUT")), "")
+            ending = next((word[3:] for word in arguments if word.startswith("OUT") and word != "OUT.study"), "")
             outs = [os.path.join(folder, f"{side}{number}{ending}") for side in "ba"]
             codes = [run(os.path.abspath(side), kind, arguments, out)
                      for side, out in zip((options.before, options.after), outs)]

@@ -67,7 +67,7 @@ def test_drives(openmpd, drive, says):
 
 
 @pytest.mark.parametrize("call, says", [
-    (lambda a: a.solve([0, 0, 0.15], gains=[1, 1]), "2 for 1 foci"),
+    (lambda a: a.solve([0, 0, 0.15], gains=[1, 1]), "2 for 1 focus"),
     (lambda a: a.solve([0, 0, 0.15], gains=[0]), "gain of 0"),
     (lambda a: a.solve(np.zeros((0, 3)), backend="cpu"), "no focus"),
     (lambda a: a.solve([0, 0, 1e3]), "farther than 100 m"),

@@ -156,6 +156,22 @@ TEST(Recording, WriterRefusesWhatItCannotKeep) {
   EXPECT_NE(test::error_of([&] { RecordingWriter(fresh("refuse4"), {}); }, Exit::usage), "");
 }
 
+TEST(Recording, ARecordingThatGrowsIsNotReplaced) {
+  const fs::path folder = fresh("growing");
+  const Take take = random_take(7, 2);
+  {
+    RecordingWriter writer(folder, take.cameras);
+    ASSERT_TRUE(writer.write(take.sets[0]));
+    EXPECT_NE(test::error_of([&] { RecordingWriter(folder, take.cameras, Existing::replaced); }, Exit::usage)
+                  .find("another palpa is writing this file"),
+              std::string::npos);
+    ASSERT_TRUE(writer.write(take.sets[1]));
+  }
+  EXPECT_EQ(load_recording(folder).entries.size(), 2u);
+  RecordingWriter second(folder, take.cameras, Existing::replaced);
+  EXPECT_TRUE(second.write(take.sets[0]));
+}
+
 TEST(Recording, WriterReplacesARecordingButNothingElse) {
   const Take first = random_take(5, 4), second = random_take(6, 2);
   const fs::path folder = fresh("replace");
@@ -340,7 +356,7 @@ TEST(Recording, FaultsAreNamed) {
   EXPECT_REFUSED(load_text(folder, camera_text), "[recording] is missing");
   EXPECT_REFUSED(load_text(folder, "[recording]\n" + camera_text), "files is missing");
   EXPECT_REFUSED(load_text(folder, text + "speed = 3\n" + camera_text), "line 3: unknown key speed in [recording]");
-  EXPECT_REFUSED(load_text(folder, text + camera_text + camera_text), "files has 1 patterns for 2 cameras");
+  EXPECT_REFUSED(load_text(folder, text + camera_text + camera_text), "files has 1 pattern for 2 cameras");
   EXPECT_REFUSED(load_text(folder, text + "times = \"t.csv\"\n" + camera_text), "t.csv: no such file");
   const auto with_times = [&](const std::string& csv) {
     test::write_text(folder / "t.csv", csv);
@@ -355,7 +371,8 @@ TEST(Recording, FaultsAreNamed) {
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n4,1.1e12\n"), "t.csv: line 3: expected");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,0.5\n3,0.6\n"),
                  "t.csv: line 3: the sequence number does not increase");
-  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,nan\n"), "t.csv: line 2: expected a sequence number and 1 times");
+  EXPECT_REFUSED(with_times("sequence,time_0_s\n3,nan\n"),
+                 "t.csv: line 2: expected a sequence number and 1 time in seconds");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3,1,2\n"), "line 2: expected");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n3\n"), "line 2: expected");
   EXPECT_REFUSED(with_times("sequence,time_0_s\n-1,3\n"), "line 2: expected");

@@ -314,7 +314,7 @@ TEST(Skin, FramesThatDoNotFitAreRefused) {
                "depth frame 1 has " + std::to_string(scene.frames[1].depth.size()) + " pixels");
   EXPECT_ERROR(find_skin(scene.cameras, scene.frames, Box{}), Exit::usage, "2 cameras");
   scene.frames.pop_back();
-  EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage, "1 depth frames for 2 cameras");
+  EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage, "1 depth frame for 2 cameras");
   Camera huge = test::d415(Transform(1.0));
   huge.width = huge.height = 16384;
   EXPECT_ERROR(make_rays(std::span(&huge, 1)), Exit::usage, "268435456 pixels");

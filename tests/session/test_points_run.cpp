@@ -15,6 +15,7 @@
 #include "session/links/gain_link.hpp"
 #include "session/points_run.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::session {
 namespace {
@@ -76,8 +77,28 @@ TEST(PointsRun, PlaysWhatIsPushedAndEndsInSilence) {
 TEST(PointsRun, EndsWithTheErrorOfItsLink) {
   PointsPlay run;
   run.link.fail_at = 0;
-  EXPECT_THROW(run.play(3), Error);
+  EXPECT_ERROR(run.play(3), Exit::failed, "spy: the link broke");
   EXPECT_TRUE(run.stop);
+}
+
+TEST(PointsRun, ReleasesAFingerWhenNoFrameComes) {
+  PointsPlay run;
+  run.source.push(pushed_finger(-0.001), 0);
+  std::vector<EventKind> kinds;
+  int expired = 0;
+  run_points(run.session, run.source, run.link, run.stop,
+             {.events =
+                  [&](std::span<const Event> events) {
+                    for (const Event& event : events)
+                      kinds.push_back(event.kind);
+                    if (!kinds.empty() && kinds.back() == EventKind::release) run.stop = true;
+                  },
+              .expired = [&] { ++expired; }});
+  ASSERT_GE(kinds.size(), 2U);
+  EXPECT_EQ(kinds.front(), EventKind::touch);
+  EXPECT_EQ(kinds.back(), EventKind::release);
+  EXPECT_EQ(expired, 1);
+  EXPECT_TRUE(run.link.ended_silent());
 }
 
 TEST(PointsRun, TheNewestFrameWins) {
@@ -97,7 +118,7 @@ TEST(PointsRun, NeedsAnArray) {
   PushedPoints source;
   test::SpyLink link;
   std::atomic<bool> stop{false};
-  EXPECT_THROW(run_points(session, source, link, stop), Error);
+  EXPECT_ERROR(run_points(session, source, link, stop), Exit::usage, "without an array cannot run from points");
 }
 
 TEST(GainLink, MultipliesPlansAndDrives) {

@@ -34,7 +34,7 @@ TEST(CountsFile, AFaultIsOneLineWithItsPlace) {
       {"x,a,b\na,1,2\nb,nan,1\n", "line 3: 'nan' is not a count"},
       {"x,a,b\na,0.5,0.5\nb,0,1\n", "line 2: '0.5' is not a count"},
       {"x,a,b\na,1,99999999999999999999\nb,0,1\n", "is not a count"},
-      {"x,a,b\na,1\nb,0,1\n", "line 2: 1 counts where line 1 has 2 answers"},
+      {"x,a,b\na,1\nb,0,1\n", "line 2: 1 count where line 1 has 2 answers"},
       {"x,a,b\na,1,2,3\nb,0,1\n", "line 2: 3 counts where line 1 has 2 answers"},
       {"x,a,b\na,1,2\ncone,0,1\n", "line 3: the shape 'cone' is not among the answers a, b"},
       {"x,a,b\na,1,2\na,0,1\n", "line 3: shape 'a' already has a line"},

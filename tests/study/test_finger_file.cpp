@@ -89,7 +89,7 @@ TEST_F(FingerRecording, OfAnotherKindIsRefused) {
   refused(packed(rows()), R"({"SamplingFrequency": 0, "StartTime": 5, "Columns": ["depth"]})", "SamplingFrequency");
   refused(packed(rows()), R"({"StartTime": 5, "Columns": ["x", "depth"]})", "\"SamplingFrequency\" is missing");
   refused(packed(rows()), R"({"SamplingFrequency": 50, "StartTime": 5, "Columns": ["depth"]})",
-          "2 cells where 1 columns are named");
+          "2 cells where 1 column is named");
   std::string odd;
   for (int i = 0; i < 200; ++i)
     odd += "0\t12\n";

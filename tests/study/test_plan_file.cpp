@@ -8,6 +8,7 @@
 #include "study/plan/plan_file.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -202,7 +203,7 @@ TEST(PlanFile, OneLineForEachFault) {
 
 TEST(PlanFile, NeedsAFitOnlyForTheSimulation) {
   StudyPlan plan = parse_plan(changed("[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 50\n", ""), "p.toml");
-  EXPECT_THROW(refuse_without_fit(plan), Error);
+  EXPECT_REFUSED(refuse_without_fit(plan), "[fit] is missing");
 }
 
 TEST(PlanFile, NamesAMissingFile) {

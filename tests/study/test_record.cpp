@@ -16,6 +16,7 @@
 #include "study/sitting_plan.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -127,9 +128,9 @@ TEST_F(RecordTest, RefusesWhatIsNotThisParticipantsJournal) {
   sit(1, 10);
   StudyPlan other = test::small_plan();
   other.sha256 = "0";
-  EXPECT_THROW(Record(other, 1, folder_, true), Error);
+  EXPECT_ERROR(Record(other, 1, folder_, true), Exit::usage, "was begun with another plan");
   // A person's sitting is not continued by a rehearsal, and the reverse.
-  EXPECT_THROW(Record(plan_, 1, folder_, false), Error);
+  EXPECT_ERROR(Record(plan_, 1, folder_, false), Exit::usage, "is of a rehearsal");
   // Copied from another participant.
   sit(2, 10);
   fs::copy_file(file("sub-01_journal.jsonl"), folder_ / "sub-02/sub-02_journal.jsonl",
@@ -183,7 +184,7 @@ TEST_F(RecordTest, AWithdrawalLeavesATombstoneOnly) {
   EXPECT_EQ(read.participants.size(), 1u);
   EXPECT_NE(read.left_out[0].find("the participant withdrew"), std::string::npos);
   EXPECT_TRUE(withdraw(folder_, 1).before);
-  EXPECT_THROW(withdraw(folder_, 3), Error);
+  EXPECT_REFUSED(withdraw(folder_, 3), "has no participant 3");
 }
 
 TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
@@ -191,7 +192,7 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
   test::write_text(elsewhere / "kept.txt", "kept");
   {
     const Record record(plan_, 1, folder_, true);
-    EXPECT_THROW(withdraw(folder_, 1), Error);
+    EXPECT_ERROR(withdraw(folder_, 1), Exit::usage, "another palpa is writing this file");
   }
   fs::create_directory_symlink(elsewhere, file("link"));
   withdraw(folder_, 1);
@@ -202,15 +203,15 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
 TEST_F(RecordTest, AppendsAndCuts) {
   AppendFile file(folder_ / "appended");
   file.add("one\n");
-  EXPECT_THROW(AppendFile(folder_ / "appended"), Error) << "it is locked";
+  EXPECT_ERROR(AppendFile(folder_ / "appended"), Exit::usage, "another palpa is writing this file");
   file.add("two\n");
   EXPECT_EQ(file.content(100), "one\ntwo\n");
-  EXPECT_THROW(file.content(7), Error);
+  EXPECT_REFUSED(file.content(7), "has more than 7 bytes");
   file.cut(4);
   file.add("three\n");
   EXPECT_EQ(read_text(folder_ / "appended"), "one\nthree\n");
-  EXPECT_THROW(AppendFile("/dev/full"), Error);
-  EXPECT_THROW(AppendFile(folder_ / "no such folder" / "file"), Error);
+  EXPECT_ERROR(AppendFile("/dev/full"), Exit::failed, "is not a regular file");
+  EXPECT_ERROR(AppendFile(folder_ / "no such folder" / "file"), Exit::failed, "no such folder");
 }
 
 TEST_F(RecordTest, AFileThatCannotGrowKeepsItsRecords) {
@@ -222,7 +223,7 @@ TEST_F(RecordTest, AFileThatCannotGrowKeepsItsRecords) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const struct rlimit little { 6, before.rlim_max };
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
-  EXPECT_THROW(file.add("three\n"), Error);
+  EXPECT_ERROR(file.add("three\n"), Exit::failed, "appended");
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(read_text(folder_ / "appended"), "one\n");

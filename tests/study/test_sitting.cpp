@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "study/sitting/sitting.hpp"
 #include "study/sitting_plan.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -191,9 +192,9 @@ TEST_F(SittingTest, ADiskThatIsFullIsSilence) {
     if (while_touching) one.act(Act::go_on, now_);
     disk_is_full_ = true;
     if (while_touching) {
-      EXPECT_THROW(one.advance(now_ += 50 * ms), Error);
+      EXPECT_ERROR(one.advance(now_ += 50 * ms), Exit::failed, "the disk is full");
     } else {
-      EXPECT_THROW(one.act(Act::go_on, now_), Error);
+      EXPECT_ERROR(one.act(Act::go_on, now_), Exit::failed, "the disk is full");
     }
     EXPECT_FALSE(one.presented().sounds);
     EXPECT_EQ(one.screen(), Screen::stopped);

@@ -72,4 +72,17 @@ inline void write_ten(const std::filesystem::path& study) {
   }
 }
 
+/// A plan whose simulation takes a fraction of a second with a small finger. The models are files.
+inline void write_small_plan(const std::filesystem::path& file, const std::string& one, const std::string& other) {
+  write_text(file, "[[shape]]\nname = \"one\"\nmodel = \"" + one + "\"\n[[shape]]\nname = \"other\"\nmodel = \"" +
+                       other +
+                       "\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
+                       "[[method]]\nname = \"cross-section\"\nlayout = \"openmpd\"\nfoci = 4\n"
+                       "[[candidate]]\nname = \"slow\"\nmethod = \"cross-section\"\nlayout = \"openmpd\"\nfoci = 4\n"
+                       "dwell_ms = 2\n"
+                       "[study]\nparticipants = 3\ntrials_per_shape = 5\ntouch_s = 2\n"
+                       "[observer]\ndepths_mm = [1]\nplacements = 3\nlateral_mm = 0.05\nyaw_deg = 0.5\n"
+                       "[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 30\n");
+}
+
 }  // namespace palpa::test

@@ -23,8 +23,8 @@ class SweepCases : public testing::Test {
   fs::path folder_ = test::scratch_folder("sweep-cases");
 
   void SetUp() override {
-    fs::copy_file(test::source_file("assets/cube.glb"), folder_ / "cube.glb", fs::copy_options::overwrite_existing);
-    fs::copy_file(test::source_file("assets/finger.ply"), folder_ / "finger.ply", fs::copy_options::overwrite_existing);
+    for (const std::string name : {"cube.glb", "hand.glb", "finger.ply"})
+      fs::copy_file(test::source_file("assets/" + name), folder_ / name, fs::copy_options::overwrite_existing);
   }
   std::vector<std::string> ids(const std::string& text, const std::string& name = "plan.toml") const {
     const Plan plan = parse_plan(text, folder_ / name);
@@ -122,6 +122,52 @@ TEST_F(SweepCases, PartsAreDisjointCompleteAndEqual) {
   ASSERT_EQ(first.size(), 4u);
   for (std::uint64_t i = 0; i < 4; ++i)
     EXPECT_EQ(first[i].index, i);
+}
+
+TEST_F(SweepCases, APlanWhoseOptionsAreRefusedInEveryCaseIsRefused) {
+  const auto fault = [](const std::string& text) -> std::string {
+    try {
+      refuse_hopeless(parse_plan(text, "plan.toml"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Exit::bad_input);
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(fault("command = \"touch\"\n[options]\nscene = \"cube.glb\"\n[vary]\ndelta = [\"1mm\", \"2mm\"]\n"),
+            "plan.toml: none of the 2 cases can be computed; the first: " +
+                fault("command = \"touch\"\n[options]\nscene = \"cube.glb\"\n").substr(11));
+  EXPECT_NE(fault("command = \"touch\"\n[options]\nscene = \"cube.glb\"\n").find("no skin"), std::string::npos);
+  EXPECT_NE(fault("command = \"drive\"\n[options]\nlayout = \"openmpd\"\n").find("--focus is missing"),
+            std::string::npos);
+  EXPECT_NE(fault("command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,1cm\"\n").find("no place"),
+            std::string::npos);
+  EXPECT_NE(fault("command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,1cm\"\nplane = \"xz\"\n")
+                .find("no extent"),
+            std::string::npos);
+  EXPECT_NE(fault("command = \"simulate\"\n[options]\nscene = \"cube.glb\"\n").find("--finger is missing"),
+            std::string::npos);
+  // One case that fits is enough.
+  EXPECT_EQ(fault("command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,1cm\"\n"
+                  "[vary]\nsolver = [\"adjoint\", \"naive\"]\n"),
+            "");
+}
+
+TEST_F(SweepCases, TheFirstCaseWithAModelAndADeltaCostsMore) {
+  const Plan plan = parse_plan(
+      "command = \"touch\"\n[options]\npoints = \"finger.ply\"\n"
+      "[vary]\nscene = [\"cube.glb\", \"hand.glb\"]\ndelta = [\"1mm\", \"2mm\"]\nspacing = [\"angle\", \"arc\"]\n",
+      folder_ / "plan.toml");
+  const Inputs inputs(plan);
+  const std::vector<Case> cases = list_cases(plan, inputs, true);
+  ASSERT_EQ(cases.size(), 8u);
+  for (const Case& one : cases) {
+    EXPECT_EQ(one.cost.first_s > 0, one.index % 2 == 0) << one.index;
+    EXPECT_LT(one.cost.cpu_seconds, one.cost.seconds) << "the device takes longer for so few points";
+    EXPECT_EQ(one.cost.seconds, cases[one.index / 4 * 4].cost.seconds) << "cases are dealt by what each of them takes";
+  }
+  EXPECT_GT(cases[4].cost.first_s, 0.05) << "a large concave solid is sorted into a grid that is kept";
+  EXPECT_LT(cases[0].cost.first_s, 0.001);
 }
 
 TEST_F(SweepCases, LargerCasesCostMore) {

@@ -93,7 +93,7 @@ TEST_F(SweepGather, TheProvenanceSaysWhereResultsComeFrom) {
   // Every reference leads to an entity of the crate, or away from it.
   for (const auto& [id, entity] : entities) {
     for (const auto& [key, value] : entity.items()) {
-      const auto check = [&](const nlohmann::json& one) {
+      const auto check = [&, id = id, key = key](const nlohmann::json& one) {
         if (!one.is_object() || !one.contains("@id")) return;
         const std::string to = one["@id"];
         EXPECT_TRUE(to.starts_with("https://") || entities.contains(to)) << id << " " << key << " " << to;

@@ -110,6 +110,15 @@ TEST(SweepPlan, FaultsAreToldWithTheirLine) {
       {"command = \"drive\"\nresults = []\n", "line 2: results is empty"},
       {"command = \"drive\"\nresults = [\"a..b\"]\n", "line 2: results: a..b has an empty part"},
       {"command = \"field\"\nresults = [\"timing_ms.total\"]\n", "is a time; times are in the provenance"},
+      {"command = \"touch\"\nresults = [\"fingers\"]\n",
+       "line 2: results: fingers is a list; name one of its entries, such as fingers.0, or fingers.count"},
+      {"command = \"touch\"\nresults = [\"points\", \"fingers.12.schedule\"]\n",
+       "line 2: results: fingers.12.schedule is an object; name one of its entries, such as "
+       "fingers.12.schedule.dwell_s"},
+      {"command = \"drive\"\n[options]\nfocus = \"0,0\"\n", "line 3: --focus: '0,0' is not a point x,y,z"},
+      {"command = \"drive\"\n[vary]\nfocus = [\"0,0,1cm\", \"0,0,1cm,2\"]\n",
+       "line 3: --focus: '0,0,1cm,2' is not x,y,z,a"},
+      {"command = \"field\"\n[options]\nline = [\"0,0,0\", \"0,0\"]\n", "line 3: --line: '0,0' is not a point x,y,z"},
       {"command = \"drive\"\nkeep = \"all\"\n", "line 2: keep must be \"results\" or \"everything\""},
   };
   for (const auto& [text, told] : cases)

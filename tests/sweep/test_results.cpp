@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 #include "sweep/results.hpp"
 
 namespace palpa::sweep {
@@ -42,7 +43,7 @@ TEST(SweepResults, APathToAListIsRefused) {
                  "results: fingers.0.foci is a list; name one of its entries, such as fingers.0.foci.0, or "
                  "fingers.0.foci.count");
   }
-  EXPECT_THROW(one("fingers.0"), Error);
+  EXPECT_ERROR(one("fingers.0"), Exit::usage, "fingers.0 is an object; name one of its entries");
 }
 
 TEST(SweepResults, EverythingIsOneLineWithoutTimes) {

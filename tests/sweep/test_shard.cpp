@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "support/thrown.hpp"
 #include "sweep/shard.hpp"
 
 namespace palpa::sweep {
@@ -41,7 +42,7 @@ TEST(SweepShard, APartIsCountedFromZero) {
   EXPECT_EQ(parse_shard("6/7"), (Shard{6, 7}));
   for (const char* wrong :
        {"7/7", "1/0", "1", "/2", "1/", "-1/2", "1/2/3", "a/b", "0x1/2", "1.0/2", "0/9999999", " 0/1"})
-    EXPECT_THROW(parse_shard(wrong), Error) << wrong;
+    EXPECT_ERROR(parse_shard(wrong), Exit::usage, std::string("'") + wrong + "' is not a shard i/n");
 }
 
 TEST(SweepShard, SchedulersSayWhichPart) {

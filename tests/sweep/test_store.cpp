@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -8,6 +9,7 @@
 #include "base/version.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "sweep/store.hpp"
 
 namespace palpa::sweep {
@@ -45,6 +47,34 @@ class SweepStore : public testing::Test {
     return {};
   }
 };
+
+TEST_F(SweepStore, ALaterLookReadsOnlyWhatIsNew) {
+  const auto add = [&](const std::string& id, State state = State::done) {
+    StoreWriter writer(folder_, this_run());
+    writer.add(line_of(id, state));
+    return fs::path(folder_) / "runs" / writer.name() / "cases.jsonl";
+  };
+  Places places;
+  const auto look = [&] {
+    std::multiset<std::string> ids;
+    const auto take = [&](std::size_t, std::string_view id, State, std::string_view) { ids.emplace(id); };
+    Store(folder_).each(take, &places);
+    return ids;
+  };
+  EXPECT_TRUE(look().empty());
+  const fs::path file = add("00000000000000000001");
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000001"}));
+  EXPECT_TRUE(look().empty());
+  add("00000000000000000002", State::failed);
+  // The first process writes on, and is seen in the middle of a line.
+  const std::string before = test::read_text(file), line = to_json_line(line_of("00000000000000000003"));
+  test::write_text(file, before + line.substr(0, 20));
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000002"}));
+  test::write_text(file, before + line);
+  EXPECT_EQ(look(), (std::multiset<std::string>{"00000000000000000003"}));
+  EXPECT_TRUE(look().empty());
+  EXPECT_EQ(Store(folder_).states().size(), 3u);
+}
 
 TEST_F(SweepStore, LinesAreThereOrNot) {
   EXPECT_TRUE(Store(folder_).states().empty()) << "a folder that does not exist yet";
@@ -97,8 +127,8 @@ TEST_F(SweepStore, AFolderOfSomethingElseIsRefused) {
   fs::create_directory(folder_);
   EXPECT_NO_THROW(Store{folder_}) << "an empty one";
   test::write_text(folder_ / "thesis.tex", "x");
-  EXPECT_THROW(Store{folder_}, Error);
-  EXPECT_THROW(Store(folder_ / "thesis.tex"), Error);
+  EXPECT_ERROR(Store{folder_}, Exit::usage, "has files, but is no folder of a sweep");
+  EXPECT_ERROR(Store(folder_ / "thesis.tex"), Exit::usage, "thesis.tex is not a folder");
 }
 
 }  // namespace

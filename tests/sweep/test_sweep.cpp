@@ -6,21 +6,32 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/locked_bytes.hpp"
 #include "base/version.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "sweep/cases.hpp"
+#include "sweep/commands.hpp"
 #include "sweep/gather.hpp"
+#include "sweep/results.hpp"
 #include "sweep/run.hpp"
+#include "sweep/workbench.hpp"
 
 namespace palpa::test {
 namespace {
@@ -172,6 +183,57 @@ TEST_F(SweepRuns, ProcessesWithClaimShareTheCases) {
   EXPECT_EQ(table("claim"), table("one"));
 }
 
+/// The file of the claims in a folder of results.
+fs::path claims_in(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().starts_with("claims-")) return entry.path();
+  }
+  return {};
+}
+
+TEST_F(SweepRuns, WhatFailedElsewhereIsNotTriedInTheSameSweep) {
+  const sweep::Plan plan = sweep::load_plan(plan_);
+  const sweep::Inputs inputs(plan);
+  const sweep::Case last = sweep::deal(sweep::list_cases(plan, inputs, true), sweep::Shard()).back();
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  const auto other_process = [&](const sweep::CaseLine&, std::uint64_t number, std::uint64_t) {
+    if (number != 1) return true;
+    sweep::RunInfo info{{}, version(), commit()};
+    info.shard = "other";
+    sweep::StoreWriter(out("one"), info).add({.id = last.id, .state = sweep::State::failed, .error = "no memory"});
+    LockedBytes(claims_in(out("one"))).mark(last.index);
+    return true;
+  };
+  const sweep::SweepTask task{.out = out("one"), .claim = true, .compute = cpu};
+  const sweep::SweepReport first = run_sweep(plan, task, other_process);
+  EXPECT_EQ(first.done + first.refused + first.failed, 11u);
+  // The next sweep tries it.
+  const sweep::SweepReport next = run_sweep(plan, task);
+  EXPECT_EQ(next.before, 11u);
+  EXPECT_EQ(next.done + next.refused, 1u);
+}
+
+TEST_F(SweepRuns, AStoppedCaseIsNotMarkedAsWritten) {
+  write_text(plan_,
+             "command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\n"
+             "size = \"20mm,20mm\"\npixels = \"20,20\"\n[vary]\ntemperature = [20, 25]\n");
+  std::atomic<bool> stop = false;
+  std::string first;
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  const sweep::SweepTask task{.out = out("one"), .claim = true, .compute = cpu, .stop = &stop};
+  run_sweep(sweep::load_plan(plan_), task, [&](const sweep::CaseLine& line, std::uint64_t, std::uint64_t) {
+    first = line.settings.back().second;
+    stop = true;  // so the second case has begun, and ends without a result
+    return true;
+  });
+  const LockedBytes claims(claims_in(out("one")));
+  EXPECT_EQ(sweep::Store(out("one")).states().size(), 1u);
+  EXPECT_EQ(claims.is_marked(0), first == "20");
+  EXPECT_EQ(claims.is_marked(1), first == "25");
+}
+
 TEST_F(SweepRuns, TheDeviceIsKeptAndResultsDoNotDependOnWhatCameBefore) {
   const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
   const auto plan_with = [&](const std::string& penetrations) {
@@ -222,7 +284,7 @@ TEST_F(SweepRuns, FaultsAreToldBeforeAnythingIsComputed) {
   write_text(plan_, drives + "results = 3\n");
   expect_failure(compute("out"), 4, "line 8: results must be a list of values");
   write_text(plan_, "results = [\"foci_m\"]\n" + drives);
-  expect_failure(compute("out"), 4, "plan.toml: results: foci_m is a list; name one of its entries");
+  expect_failure(compute("out"), 4, "plan.toml: line 1: results: foci_m is a list; name one of its entries");
   write_text(plan_, drives);
   expect_failure(sweep({}), 2, "--out is missing");
   expect_failure(palpa_here({"sweep"}), 2, "give palpa sweep a plan");
@@ -244,7 +306,134 @@ TEST_F(SweepRuns, ListsAndEstimates) {
   EXPECT_TRUE(sweep({"--list", "--estimate"}).out.starts_with("id,layout,solver,temperature,seconds,megabytes\n"));
   EXPECT_NE(sweep({"--estimate"}).out.find("12 cases: "), std::string::npos);
   compute("one");
-  EXPECT_NE(sweep({"--estimate", "--out", out("one")}).out.find("as 8 results there took"), std::string::npos);
+  const Result with_results = sweep({"--estimate", "--out", out("one"), "--backend", "cpu"});
+  EXPECT_NE(with_results.out.find("as 8 results there took"), std::string::npos) << with_results.err;
+  // Those of the other backend say nothing.
+  EXPECT_EQ(sweep({"--estimate", "--out", out("one")}).out.find("results there"), std::string::npos);
+}
+
+TEST_F(SweepRuns, OneThingIsNotPlural) {
+  write_text(plan_, "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
+  EXPECT_TRUE(compute("out").out.starts_with("1 case: 1 computed in "));
+  EXPECT_TRUE(sweep({"--estimate"}).out.starts_with("1 case: "));
+  EXPECT_NE(sweep({"--estimate", "--out", out("out"), "--backend", "cpu"}).out.find("as 1 result there"),
+            std::string::npos);
+  EXPECT_EQ(sweep({"--out", out("out"), "--gather", out("out") + "/t.csv"}).out, "1 row\n");
+}
+
+TEST_F(SweepRuns, ExitsWithAFailureIfNothingCouldBeComputed) {
+  // Each case's options fit together, but a focus is on a transducer.
+  write_text(plan_,
+             "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"-78.75mm,-78.75mm,0\"\n"
+             "[vary]\ntemperature = [20, 25]\n");
+  expect_failure(compute("out", {"--quiet"}), 1,
+                 "no case could be computed: all were refused; the case temperature 20: --focus:");
+  expect_failure(compute("out", {"--quiet"}), 1, "no case could be computed: all were refused; --gather writes why");
+  // One that can be is enough, and so is one of another shard.
+  write_text(plan_,
+             "command = \"drive\"\n[options]\nlayout = \"openmpd\"\n"
+             "[vary]\nfocus = [\"-78.75mm,-78.75mm,0\", \"0,0,10cm\"]\n");
+  EXPECT_EQ(compute("two").exit_code, 0);
+  // Options that fit in no case are refused before anything is computed.
+  write_text(plan_, "command = \"touch\"\n[options]\nscene = \"" + source_file("assets/cube.glb").string() + "\"\n");
+  for (const std::vector<std::string>& how : {std::vector<std::string>{"--list"}, {"--estimate"}, {"--out", out("no")}})
+    expect_failure(sweep(how), 4, "plan.toml: no skin");
+  EXPECT_FALSE(fs::exists(out("no")));
+}
+
+/// Every list and object in a JSON text, as commands.cpp knows them.
+void collect_structures(const nlohmann::ordered_json& json, const std::string& path, std::set<std::string>& found) {
+  if (!json.is_structured()) return;
+  if (!path.empty() && path != "timing_ms") found.insert(path);
+  for (const auto& [key, value] : json.items())
+    collect_structures(value, path + (path.empty() ? "" : ".") + (json.is_array() ? "#" : key), found);
+}
+
+TEST_F(SweepRuns, PathsToListsAndObjectsAreKnownBeforeACaseIsComputed) {
+  const std::string cube = source_file("assets/cube.glb"), skin = source_file("assets/finger.ply");
+  const std::string touched = "scene = \"" + cube + "\"\npoints = \"" + skin + "\"\npenetration = \"3mm\"\n";
+  const std::pair<const char*, std::string> plans[] = {
+      {"touch", touched + "layout = \"openmpd\"\nspectrum = true\ntune = true\n"},
+      {"touch", touched + "method = \"multi-focus\"\n"},
+      {"drive", "layout = \"openmpd\"\nfocus = [\"0,0,100mm\", \"1mm,0,100mm\"]\nspread = \"phase=0.1\"\ndraws = 20\n"},
+      {"field",
+       "layout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\nsize = \"2cm,2cm\"\npixels = \"3,3\"\n"
+       "spread = \"phase=0.1\"\ndraws = 20\n"}};
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  for (const auto& [command, options] : plans) {
+    std::unique_ptr<sweep::Line> line;
+    const sweep::Plan plan =
+        sweep::parse_plan(fmt::format("command = \"{}\"\n[options]\n{}", command, options), plan_.string());
+    line = sweep::read_line(sweep::command_of(command), sweep::given_by(plan.settings(0)));
+    std::set<std::string> found;
+    collect_structures(nlohmann::ordered_json::parse(sweep::Workbench(cpu).compute(*line)), "", found);
+    EXPECT_GT(found.size(), 3u) << command;
+    for (const std::string& path : found)
+      EXPECT_NE(sweep::structure_fault(path, sweep::command_of(command).structures), "") << command << " " << path;
+  }
+}
+
+/// A model's touches, with a time for each of them that is far from this machine's noise.
+TEST_F(SweepRuns, EstimatesAreOfTheRightSize) {
+  write_text(plan_,
+             fmt::format("command = \"touch\"\n[options]\npoints = \"{}\"\npenetration = \"3mm\"\nscene = "
+                         "\"{}\"\n[vary]\ndelta = {{ from = \"2mm\", to = \"3mm\", count = 10 }}\n",
+                         source_file("assets/finger.ply").string(), source_file("assets/semi-sphere.glb").string()));
+  const sweep::Plan plan = sweep::load_plan(plan_);
+  const sweep::Inputs inputs(plan);
+  double model_s = 0, took_s = 1e9;
+  for (const sweep::Case& one : sweep::list_cases(plan, inputs, true))
+    model_s += one.cost.cpu_seconds;
+  setup::ComputeOptions cpu;
+  cpu.backend = setup::Backend::cpu;
+  for (const char* name : {"one", "two", "three"}) {
+    double all_s = 0;
+    run_sweep(plan, {.out = out(name), .compute = cpu}, [&](const sweep::CaseLine& line, std::uint64_t, std::uint64_t) {
+      all_s += line.took_s;
+      return true;
+    });
+    took_s = std::min(took_s, all_s);
+  }
+  // A build without optimisation, or a busy machine, takes longer; a machine of tomorrow less.
+  EXPECT_GT(took_s, model_s / 4);
+  EXPECT_LT(took_s, model_s * (instrumented() ? 1000 : 8));
+}
+
+TEST_F(SweepRuns, ClaimersThatAreKilledAtAnyTimeLoseNothing) {
+  write_text(plan_,
+             "command = \"field\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\n"
+             "size = \"20mm,20mm\"\npixels = \"30,30\"\n[vary]\ntemperature = { from = 15, to = 25, count = 120 }\n");
+  std::minstd_rand random(7);
+  const auto start = [&] {
+    const pid_t child = fork();
+    if (child == 0)
+      become(palpa_binary(), {"sweep", plan_, "--out", out("claim"), "--backend", "cpu", "--claim", "--quiet"}, {}, 1,
+             2);
+    return child;
+  };
+  std::array<pid_t, 2> claimers{start(), start()};
+  std::uint64_t kills = 0;
+  for (; kills < 12 && sweep::Store(out("claim")).states().size() < 100; ++kills) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 60));
+    pid_t& victim = claimers[random() % 2];
+    kill(victim, SIGKILL);
+    waitpid(victim, nullptr, 0);
+    victim = start();
+  }
+  for (const pid_t claimer : claimers)
+    waitpid(claimer, nullptr, 0);
+  // What the last of them left to a claimer that was killed afterwards.
+  EXPECT_EQ(compute("claim", {"--claim"}).exit_code, 0);
+  std::multiset<std::string> ids;
+  sweep::Store(out("claim")).each([&](std::size_t, std::string_view id, sweep::State state, std::string_view) {
+    EXPECT_EQ(state, sweep::State::done);
+    ids.emplace(id);
+  });
+  EXPECT_EQ(std::set<std::string>(ids.begin(), ids.end()).size(), 120u);
+  EXPECT_LE(ids.size(), 120u + kills) << "a kill between line and mark lets one case be computed again";
+  EXPECT_EQ(compute("one").exit_code, 0);
+  EXPECT_EQ(table("claim"), table("one"));
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "setup/interrupt.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/options/touch_edit.hpp"
-#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -76,7 +76,7 @@ class LiveSession {
   /// slot. Neither a full disk nor a GPU that hangs delays it.
   void all_off() { *stop_ = true; }
 
-  /// The most that a transducer's amplitude may be from the next drive on, 0..1, instead of what the options say.
+  /// The largest amplitude that a transducer may have from the next drive on, 0..1, instead of what the options say.
   void set_ceiling(double ceiling) { ceiling_ = ceiling; }
 
   /// The number of sessions whose run's thread has not finished yet.

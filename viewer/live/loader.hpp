@@ -1,4 +1,4 @@
-// Loads in the background, so that a file that is broken or no longer wanted ends nothing.
+// Loads in the background. A file that is broken or no longer wanted leaves the picture and the run as they are.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// What keys and mouse do, and when: the sheet lists what has an effect now, and a key without one says why.
+// What keys and mouse do, and when: the sheet lists what has an effect now. A key that has no effect says why.
 #pragma once
 
 #include <string>

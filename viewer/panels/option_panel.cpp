@@ -219,7 +219,7 @@ std::string heading_of(const Desk& desk, std::span<const setup::OptionInfo> opti
 
 void draw_options_panel(Desk& desk) {
   if (!desk.live && !desk.empty) {
-    ImGui::TextWrapped("What a touch has is used at once, the rest when Start begins a run.");
+    ImGui::TextWrapped("Options of the touch take effect at once, the others when Start begins a run.");
   }
   const std::vector<setup::OptionInfo>& table = live_table();
   for (auto first = table.begin(); first != table.end();) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/text.hpp"
 #include "viewer/panels/widgets.hpp"
-#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -106,9 +106,8 @@ void draw_ceiling(Desk& desk, float width) {
         {"--ceiling", ceiling < 1 ? std::optional(fmt::format("{:g}", ceiling)) : std::nullopt});
   }
   ImGui::PopStyleColor(5);
-  tip("The most that a transducer's amplitude may be. The pressure that skin feels follows its square, so 50 % leaves "
-      "a "
-      "quarter. The array follows at once, while you drag");
+  tip("The largest amplitude that a transducer may have. The pressure that skin feels follows its square, so 50 % "
+      "leaves a quarter. The array follows at once, while you drag");
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
-#include "viewer/picture/counted.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -124,7 +124,7 @@ void draw_view_panel(Desk& desk) {
     float percent = layer.opacity * 100;
     if (ImGui::SliderFloat("##opacity", &percent, 0, 100, "%.0f %%", ImGuiSliderFlags_NoInput))
       layer.opacity = std::clamp(percent / 100, 0.0f, 1.0f);
-    tip("How opaque it is drawn, next to its usual look");
+    tip("How opaque the layer is, relative to its usual look");
     ImGui::PopID();
   }
   ImGui::EndTable();

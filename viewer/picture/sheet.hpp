@@ -1,5 +1,5 @@
-// What lies flat on a whole picture, over all of its views: coloured triangles, and glyphs from an atlas. Plain values
-// without their meaning.
+// What lies flat on a whole picture, over all of its views: coloured triangles, and glyphs from an atlas. These are
+// plain values; the sheet does not know what they mean.
 #pragma once
 
 #include <cstdint>

@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "drawing/ink.hpp"
 #include "viewer/hands/slice_hand.hpp"
 #include "viewer/picture/backing.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/colour_bars.hpp"
-#include "viewer/picture/counted.hpp"
 #include "viewer/picture/palette.hpp"
 
 namespace palpa::viewer {

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "setup/live_run.hpp"
 
 namespace palpa::viewer {
@@ -27,7 +28,7 @@ std::string to_json(const PicturesDrawn& drawn, std::optional<double> difference
 std::string told(const PicturesDrawn& drawn) {
   const std::uint64_t frames = drawn.ms.count();
   const std::string most = frames > 1 ? fmt::format(", 95 % of them in {:.1f} ms", drawn.ms.quantile(0.95)) : "";
-  return fmt::format("{} frame{} of {}x{} pixels, {:.1f} ms each{}", frames, frames == 1 ? "" : "s", drawn.size.width,
+  return fmt::format("{} of {}x{} pixels, {:.1f} ms each{}", counted(frames, "frame"), drawn.size.width,
                      drawn.size.height, drawn.ms.quantile(0.5), most);
 }
 

@@ -1,8 +1,9 @@
 // Locates points relative to a body: in the air around it, on its skin, or inside, where there is no sound.
 //
-// Between a body's curved patches (patches.hpp) and its mesh's flat faces there is a thin gap that belongs to both or
-// neither. Points in the gap, or within a thousandth of a side of it, count as on the skin. The gap is narrow, because
-// its width grows with the square of a side. Over such a distance, the pressure does not change along the normal.
+// Between a body's curved patches (patches.hpp) and its mesh's flat faces there is a thin gap. It lies inside the body
+// by one of these two surfaces and outside by the other. Points in the gap, or within a thousandth of a side of it,
+// count as on the skin. The gap is narrow, because its width grows with the square of a side. Over such a distance, the
+// pressure does not change along the normal.
 #pragma once
 
 #include <cstdint>

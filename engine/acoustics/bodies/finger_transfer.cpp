@@ -62,11 +62,11 @@ void FingerTransfer::hear(std::span<Aim* const> aims) const {
     // In the air, the direct sound of the transducers is added.
     constexpr Complex whole[]{1};
     rows.push_back(body_.row_in_air(aim->place));
-    incident_.received(std::span(&aim->place, 1), {}, whole, {}, aim->sound);
+    incident_.received(std::span(&aim->place, 1), {}, whole, 0, aim->sound);
   }
-  const RigidBody::Sources sources = body_.sources_of(rows);
+  const std::vector<Complex> sources = body_.sources_of(rows);
   std::vector<Complex> received;
-  incident_.received(body_.points(), body_.normals(), sources.strengths, sources.slopes, received);
+  incident_.received(body_.points(), body_.normals(), sources, body_.slope_part(), received);
   const std::size_t transducers = layout_.transducers.size();
   for (std::size_t i = 0; i < aims.size(); ++i) {
     std::vector<Complex>& sound = aims[i]->sound;

@@ -27,11 +27,6 @@ bool all_finite(std::span<const std::complex<float>> numbers) {
   });
 }
 
-/// The hat function of a corner at one of the samples.
-double hat(std::size_t corner, std::size_t sample) {
-  return corner == sample ? 2.0 / 3 : 1.0 / 6;
-}
-
 }  // namespace
 
 RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up)
@@ -49,13 +44,11 @@ RigidBody::RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<
     }
   }
   vertex_normals_.assign(this->mesh().positions.size(), Vec3(0));
-  vertex_areas_.assign(vertex_normals_.size(), 0);
   for (std::size_t point = 0; point < points_.size(); ++point) {
     const glm::uvec3& corners = this->mesh().triangles[point / samples];
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t vertex = corners[static_cast<int>(c)];
-      vertex_areas_[vertex] += hat(c, point % samples) * areas_[point];
-      vertex_normals_[vertex] += hat(c, point % samples) * areas_[point] * normals_[point];
+      vertex_normals_[vertex] += hat_at_sample(c, point % samples) * areas_[point] * normals_[point];
     }
   }
   for (Vec3& normal : vertex_normals_)
@@ -78,15 +71,14 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident, const s
   assert(incident.slopes.size() == incident.pressures.size());
   const std::size_t size = mesh().positions.size(), count = incident.pressures.size() / points_.size();
   std::vector<std::complex<float>> columns(count * size);
-  const Complex slope_part(0, 1 / wave_number_);
   parallel_chunks(count, 1, [&](std::size_t wave, std::size_t, std::size_t) {
     std::vector<Complex> sums(size);
     for (std::size_t point = 0; point < points_.size(); ++point) {
       const std::size_t at = wave * points_.size() + point;
-      const Complex value = areas_[point] * (incident.pressures[at] + slope_part * incident.slopes[at]);
+      const Complex value = areas_[point] * (incident.pressures[at] + slope_part() * incident.slopes[at]);
       const glm::uvec3& corners = mesh().triangles[point / samples];
       for (std::size_t c = 0; c < 3; ++c)
-        sums[corners[static_cast<int>(c)]] += hat(c, point % samples) * value;
+        sums[corners[static_cast<int>(c)]] += hat_at_sample(c, point % samples) * value;
     }
     for (std::size_t v = 0; v < size; ++v)
       columns[wave * size + v] = std::complex<float>(sums[v]);
@@ -96,6 +88,10 @@ std::vector<std::complex<float>> RigidBody::solve(const Waves& incident, const s
   if (!all_finite(columns))
     throw failure("The pressure on the surface is not a number; a mesh with more even faces may help");
   return columns;
+}
+
+void RigidBody::respond(std::span<std::complex<float>> right_sides, const std::atomic<bool>* give_up) const {
+  find_unknowns(Way::forth, right_sides, give_up);
 }
 
 std::vector<FaceSound> RigidBody::at_faces(std::span<const std::complex<float>> unknowns) const {
@@ -122,50 +118,33 @@ RigidBody::Row RigidBody::row_on_skin(std::uint32_t face, double u, double v) co
   return row;
 }
 
-RigidBody::Sources RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {
+std::vector<Complex> RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {
   std::vector<Row> rows(faces.size(), Row(mesh().positions.size()));
   for (std::size_t i = 0; i < faces.size(); ++i)
     fit_.add_pressure_row(faces[i], rows[i]);
   return sources_of(rows);
 }
 
-std::vector<std::complex<float>> RigidBody::backward(std::span<const Row> rows,
-                                                     const std::atomic<bool>* give_up) const {
+std::vector<std::complex<float>> RigidBody::backward(std::span<const Row> rows) const {
   std::vector<std::complex<float>> columns;
   columns.reserve(rows.size() * mesh().positions.size());
   for (const Row& row : rows)
     columns.insert(columns.end(), row.begin(), row.end());
-  find_unknowns(Way::back, columns, give_up);
+  find_unknowns(Way::back, columns, nullptr);
   return columns;
 }
 
-RigidBody::Sources RigidBody::vertex_sources_of(std::span<const Row> rows, const std::atomic<bool>* give_up) const {
-  const std::size_t size = mesh().positions.size();
-  const std::vector<std::complex<float>> columns = backward(rows, give_up);
-  Sources sources;
-  sources.strengths.resize(columns.size());
-  sources.slopes.resize(columns.size());
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    sources.strengths[i] = vertex_areas_[i % size] * Complex(columns[i]);
-    sources.slopes[i] = Complex(0, 1 / wave_number_) * sources.strengths[i];
-  }
-  return sources;
-}
-
-RigidBody::Sources RigidBody::sources_of(std::span<const Row> rows) const {
+std::vector<Complex> RigidBody::sources_of(std::span<const Row> rows) const {
   const std::size_t size = mesh().positions.size(), count = points_.size();
-  const std::vector<std::complex<float>> columns = backward(rows, nullptr);
-  Sources sources;
-  sources.strengths.resize(rows.size() * count);
-  sources.slopes.resize(rows.size() * count);
+  const std::vector<std::complex<float>> columns = backward(rows);
+  std::vector<Complex> sources(rows.size() * count);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t point = 0; point < count; ++point) {
       const glm::uvec3& corners = mesh().triangles[point / samples];
       Complex sum = 0;
       for (std::size_t c = 0; c < 3; ++c)
-        sum += hat(c, point % samples) * Complex(columns[i * size + corners[static_cast<int>(c)]]);
-      sources.strengths[i * count + point] = areas_[point] * sum;
-      sources.slopes[i * count + point] = Complex(0, 1 / wave_number_) * areas_[point] * sum;
+        sum += hat_at_sample(c, point % samples) * Complex(columns[i * size + corners[static_cast<int>(c)]]);
+      sources[i * count + point] = areas_[point] * sum;
     }
   }
   return sources;

@@ -34,11 +34,17 @@ class RigidBody {
   std::span<const Vec3> normals() const { return normals_; }
   /// The area of the curved surface that each of these points represents, m2.
   std::span<const double> areas() const { return areas_; }
+  /// The normals at the vertices: means of the normals around them.
+  std::span<const Vec3> vertex_normals() const { return vertex_normals_; }
 
   /// The unknowns of every wave in `incident` at points(), one wave after the other: one complex number per vertex,
   /// only meaningful as input of the functions below. Throws failure() if they are not finite, or if the iterations of
   /// a large body do not converge; GivenUp soon after `give_up` becomes true.
   std::vector<std::complex<float>> solve(const Waves& incident, const std::atomic<bool>* give_up = nullptr) const;
+
+  /// Replaces right-hand sides by their unknowns, one column after the other, with one number per vertex each: the
+  /// integrals of the incident p + slope_part() dp/dn times the vertex' hat function. Throws like solve().
+  void respond(std::span<std::complex<float>> right_sides, const std::atomic<bool>* give_up = nullptr) const;
 
   /// How the unknowns are found, and the worst report of all solutions so far, including backward ones.
   struct Effort {
@@ -68,19 +74,14 @@ class RigidBody {
   Row row_on_skin(std::uint32_t face, double u, double v) const;
   Row row_in_air(const Vec3& at) const;
 
-  /// Weights of an incident wave's pressures at points() (`strengths`) and of its slopes along normals() (`slopes`).
-  /// The weighted sum is the pressure at each place: entry [place * points + point]. With Incident::received they give
-  /// the effect of each transducer there.
-  struct Sources {
-    std::vector<std::complex<double>> strengths, slopes;
-  };
-  Sources sources_of(std::span<const Row> rows) const;
-  /// The same with each vertex's sources moved to the vertex, where the normal is vertex_normals(): a sixth as many,
-  /// for places and transducers that are far from each other. With six sides per wavelength, 3 % off.
-  Sources vertex_sources_of(std::span<const Row> rows, const std::atomic<bool>* give_up = nullptr) const;
-  std::span<const Vec3> vertex_normals() const { return vertex_normals_; }
+  /// Weights of what arrives at points(): of the incident pressure there, plus slope_part() times its slope along
+  /// normals(). The weighted sum is the pressure at each place: entry [place * points + point]. With Incident::received
+  /// they give the effect of each transducer there.
+  std::vector<std::complex<double>> sources_of(std::span<const Row> rows) const;
   /// For the total pressure at the faces' centroids.
-  Sources sources_at_faces(std::span<const std::uint32_t> faces) const;
+  std::vector<std::complex<double>> sources_at_faces(std::span<const std::uint32_t> faces) const;
+  /// i/k.
+  std::complex<double> slope_part() const { return {0, 1 / wave_number_}; }
 
  private:
   struct SharedEffort {
@@ -88,14 +89,13 @@ class RigidBody {
     SolveReport worst;
   };
   void find_unknowns(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>* give_up) const;
-  std::vector<std::complex<float>> backward(std::span<const Row> rows, const std::atomic<bool>* give_up) const;
+  std::vector<std::complex<float>> backward(std::span<const Row> rows) const;
 
   Patches patches_;
   double wave_number_;
   std::vector<Vec3> points_, normals_;
   std::vector<double> areas_;  // by point: the area that it represents
   std::vector<Vec3> vertex_normals_;
-  std::vector<double> vertex_areas_;  // integrals of the hat functions
   SurfaceFit fit_;
   std::unique_ptr<SurfaceOperator> operator_;
   std::unique_ptr<SharedEffort> effort_ = std::make_unique<SharedEffort>();

@@ -1,4 +1,5 @@
-// The patches of a body as distant patches see them: the samples that matrix entries of far pairs are made of.
+// The patches of a body as distant patches see them: the samples from which the matrix entries of far pairs are
+// computed.
 #pragma once
 
 #include <cstddef>

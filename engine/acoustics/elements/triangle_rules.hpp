@@ -14,6 +14,10 @@ struct TriangleSample {
 
 /// Exact for polynomials of degree 2: three samples, sample i near corner i.
 std::span<const TriangleSample> three_point_rule();
+/// The hat function of a corner at a sample of this rule.
+inline double hat_at_sample(std::size_t corner, std::size_t sample) {
+  return corner == sample ? 2.0 / 3 : 1.0 / 6;
+}
 /// Exact for polynomials of degree 4: six points (Dunavant 1985).
 std::span<const TriangleSample> six_point_rule();
 

@@ -99,16 +99,15 @@ bool Incident::at(std::span<const Vec3> points, std::span<const Vec3> normals, s
 
 namespace {
 
+/// Blocks that are summed in single precision before the result is added to the double sum.
+constexpr std::size_t blocks_at_once = 32;
+
 /// The sources of a row at the points from `first` on.
-SourceBlock sources_at(std::span<const Complex> strengths, std::span<const Complex> slopes, std::size_t first,
-                       std::size_t count) {
+SourceBlock sources_at(std::span<const Complex> strengths, std::size_t first, std::size_t count) {
   SourceBlock block;
   for (std::size_t i = 0; i < count; ++i) {
     block.re[i] = static_cast<float>(strengths[first + i].real());
     block.im[i] = static_cast<float>(strengths[first + i].imag());
-    if (slopes.empty()) continue;
-    block.slope_re[i] = static_cast<float>(slopes[first + i].real());
-    block.slope_im[i] = static_cast<float>(slopes[first + i].imag());
   }
   return block;
 }
@@ -116,12 +115,11 @@ SourceBlock sources_at(std::span<const Complex> strengths, std::span<const Compl
 }  // namespace
 
 bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const Complex> strengths,
-                        std::span<const Complex> slopes, std::vector<Complex>& received,
-                        const std::atomic<bool>* give_up) const {
+                        Complex slope, std::vector<Complex>& received, const std::atomic<bool>* give_up) const {
   const std::size_t transducers = layout_.transducers.size(), count = points.size();
   const std::size_t rows = count == 0 ? 0 : strengths.size() / count;
-  const bool sloped = !slopes.empty();
-  assert(strengths.size() == rows * count && (!sloped || (slopes.size() == rows * count && normals.size() == count)));
+  const bool sloped = !normals.empty();
+  assert(strengths.size() == rows * count && (!sloped || normals.size() == count));
   received.assign(rows * transducers, 0);
 
   std::vector<PointBlock> blocks;
@@ -129,21 +127,28 @@ bool Incident::received(std::span<const Vec3> points, std::span<const Vec3> norm
   for (std::size_t first = 0; first < count; first += block_points) {
     blocks.emplace_back(points, normals, first);
     for (std::size_t row = 0; row < rows; ++row)
-      sources.push_back(sources_at(strengths, slopes, row * count + first, blocks.back().count));
+      sources.push_back(sources_at(strengths, row * count + first, blocks.back().count));
   }
   // Each thread has its own transducers and sums over the points in order, so results do not depend on the threads.
+  constexpr std::size_t at_once = 16;
   Activity activity("summing the sound at transducers", transducers);
-  parallel_chunks(transducers, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+  parallel_chunks(transducers, at_once, [&](std::size_t, std::size_t begin, std::size_t end) {
     if (give_up && *give_up) return;
     TransferBlock sound;
+    std::vector<LaneSums> sums(rows * (end - begin));
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       for (std::size_t t = begin; t < end; ++t) {
         transfer(setting_, layout_.transducers[t], blocks[b], sloped, sound);
-        for (std::size_t row = 0; row < rows; ++row) {
-          received[row * transducers + t] +=
-              layout_.source_level_pa_m * sum_of_products(sources[b * rows + row], sound, sloped);
-        }
+        if (sloped) add_slopes(std::complex<float>(slope), sound);
+        add_received(std::span(sources).subspan(b * rows, rows), sound,
+                     std::span(sums).subspan((t - begin) * rows, rows));
       }
+      if ((b + 1) % blocks_at_once != 0 && b + 1 < blocks.size()) continue;
+      for (std::size_t t = begin; t < end; ++t) {
+        for (std::size_t row = 0; row < rows; ++row)
+          received[row * transducers + t] += layout_.source_level_pa_m * sums[(t - begin) * rows + row].total();
+      }
+      std::ranges::fill(sums, LaneSums());
     }
     activity.advance(end - begin);
   });

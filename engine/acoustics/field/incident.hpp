@@ -48,11 +48,11 @@ class Incident {
           Waves& waves, const std::atomic<bool>* give_up = nullptr) const;
 
   /// The reverse, by reciprocity: the sound that sources at the points send to each transducer, with its level. A row
-  /// of `strengths` has a monopole per point; `slopes`, if not empty, adds one along each normal:
+  /// of `strengths` has one a per point. Each source is a monopole and, if normals are given, `slope` times a dipole:
   ///
-  ///   received[row * transducers + t] = level * sum over points of a_i G_t(x_i) + b_i n_i . grad G_t(x_i)
+  ///   received[row * transducers + t] = level * sum over points of a_i (G_t(x_i) + slope n_i . grad G_t(x_i))
   bool received(std::span<const Vec3> points, std::span<const Vec3> normals,
-                std::span<const std::complex<double>> strengths, std::span<const std::complex<double>> slopes,
+                std::span<const std::complex<double>> strengths, std::complex<double> slope,
                 std::vector<std::complex<double>>& received, const std::atomic<bool>* give_up = nullptr) const;
 
   const array::Layout& layout() const { return layout_; }

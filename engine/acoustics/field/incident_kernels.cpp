@@ -175,29 +175,33 @@ template <class L>
     add_lanes<L>(strengths, sounds, &TransferBlock::slope_re, &TransferBlock::slope_im, sum.slope_re, sum.slope_im);
 }
 
-[[gnu::always_inline]] inline std::complex<double> sum_all(const SourceBlock& sources, const TransferBlock& sound,
-                                                           bool slopes) {
-  constexpr std::size_t beside = 16;
-  static_assert(block_points % beside == 0);
-  std::array<float, beside> re{}, im{};
-  for (std::size_t i = 0; i < block_points; i += beside) {
-    for (std::size_t l = 0; l < beside; ++l) {
-      re[l] += sources.re[i + l] * sound.re[i + l] - sources.im[i + l] * sound.im[i + l];
-      im[l] += sources.re[i + l] * sound.im[i + l] + sources.im[i + l] * sound.re[i + l];
+/// A row's sums stay in registers from point to point.
+template <class L>
+[[gnu::always_inline]] inline void receive_all(std::span<const SourceBlock> rows, const TransferBlock& sound,
+                                               std::span<LaneSums> sums) {
+  constexpr std::size_t width = L::width, parts = sum_lanes / width;
+  static_assert(block_points % sum_lanes == 0 && sum_lanes % width == 0);
+  using Float = typename L::Float;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    Float re[parts], im[parts];
+    for (std::size_t part = 0; part < parts; ++part) {
+      re[part] = load_lanes<L>(&sums[row].re[part * width]);
+      im[part] = load_lanes<L>(&sums[row].im[part * width]);
+    }
+    for (std::size_t i = 0; i < block_points; i += sum_lanes) {
+      for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t at = i + part * width;
+        const Float a = load_lanes<L>(&rows[row].re[at]), b = load_lanes<L>(&rows[row].im[at]);
+        const Float g = load_lanes<L>(&sound.re[at]), h = load_lanes<L>(&sound.im[at]);
+        re[part] += a * g - b * h;
+        im[part] += a * h + b * g;
+      }
+    }
+    for (std::size_t part = 0; part < parts; ++part) {
+      store_lanes<L>(re[part], &sums[row].re[part * width]);
+      store_lanes<L>(im[part], &sums[row].im[part * width]);
     }
   }
-  for (std::size_t i = 0; slopes && i < block_points; i += beside) {
-    for (std::size_t l = 0; l < beside; ++l) {
-      re[l] += sources.slope_re[i + l] * sound.slope_re[i + l] - sources.slope_im[i + l] * sound.slope_im[i + l];
-      im[l] += sources.slope_re[i + l] * sound.slope_im[i + l] + sources.slope_im[i + l] * sound.slope_re[i + l];
-    }
-  }
-  double real = 0, imaginary = 0;
-  for (std::size_t l = 0; l < beside; ++l) {
-    real += static_cast<double>(re[l]);
-    imaginary += static_cast<double>(im[l]);
-  }
-  return {real, imaginary};
 }
 
 void transfer_plain(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
@@ -208,13 +212,13 @@ void add_plain(std::span<const std::complex<float>> strengths, std::span<const T
                SumBlock& sum) {
   add_all<Lanes4>(strengths, sounds, slopes, sum);
 }
-std::complex<double> sum_plain(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
-  return sum_all(sources, sound, slopes);
+void receive_plain(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
+  receive_all<Lanes4>(rows, sound, sums);
 }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] std::complex<double> sum_avx2(const SourceBlock& sources, const TransferBlock& sound,
-                                                      bool slopes) {
-  return sum_all(sources, sound, slopes);
+[[gnu::target("avx2")]] void receive_avx2(std::span<const SourceBlock> rows, const TransferBlock& sound,
+                                          std::span<LaneSums> sums) {
+  receive_all<Lanes8>(rows, sound, sums);
 }
 [[gnu::target("avx2")]] void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to,
                                            bool slopes, TransferBlock& out) {
@@ -229,14 +233,14 @@ std::complex<double> sum_plain(const SourceBlock& sources, const TransferBlock& 
 struct Kernels {
   decltype(&transfer_plain) transfer = transfer_plain;
   decltype(&add_plain) add = add_plain;
-  decltype(&sum_plain) sum = sum_plain;
+  decltype(&receive_plain) receive = receive_plain;
 };
 
 const Kernels& kernels() {
   static const Kernels chosen = [] {
     Kernels best;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, sum_avx2};
+    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, receive_avx2};
 #endif
     return best;
   }();
@@ -255,8 +259,25 @@ void add_products(std::span<const std::complex<float>> strengths, std::span<cons
   kernels().add(strengths, sounds, slopes, sum);
 }
 
-std::complex<double> sum_of_products(const SourceBlock& sources, const TransferBlock& sound, bool slopes) {
-  return kernels().sum(sources, sound, slopes);
+void add_slopes(std::complex<float> factor, TransferBlock& sound) {
+  const float a = factor.real(), b = factor.imag();
+  for (std::size_t i = 0; i < block_points; ++i) {
+    sound.re[i] += a * sound.slope_re[i] - b * sound.slope_im[i];
+    sound.im[i] += a * sound.slope_im[i] + b * sound.slope_re[i];
+  }
+}
+
+void add_received(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
+  kernels().receive(rows, sound, sums);
+}
+
+std::complex<double> LaneSums::total() const {
+  double real = 0, imaginary = 0;
+  for (std::size_t lane = 0; lane < sum_lanes; ++lane) {
+    real += static_cast<double>(re[lane]);
+    imaginary += static_cast<double>(im[lane]);
+  }
+  return {real, imaginary};
 }
 
 }  // namespace palpa::acoustics

@@ -64,13 +64,22 @@ struct SumBlock {
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum);
 
+/// Adds the slopes of G, times this factor, to G.
+void add_slopes(std::complex<float> factor, TransferBlock& sound);
+
 /// The reverse: sources at a block's points, padded with zeros.
 struct SourceBlock {
-  BlockOf<float> re{}, im{}, slope_re{}, slope_im{};
+  BlockOf<float> re{}, im{};
 };
 
-/// The sum over the block of each source times G, and if `slopes`, of its second part times the slope of G. Sums of
-/// every sixteenth point run side by side in single precision.
-std::complex<double> sum_of_products(const SourceBlock& sources, const TransferBlock& sound, bool slopes);
+/// Sums of every sixteenth point, side by side.
+inline constexpr std::size_t sum_lanes = 16;
+struct LaneSums {
+  std::array<float, sum_lanes> re{}, im{};
+  std::complex<double> total() const;
+};
+
+/// Adds the sum over the block of each source times G, for each row of sources.
+void add_received(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums);
 
 }  // namespace palpa::acoustics

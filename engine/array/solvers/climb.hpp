@@ -9,10 +9,10 @@
 //
 // One step turns each transducer by -Im(h_n) / (stiffness D_n) with the shares that raise the common level most. With
 // D_n = |h_n| and stiffness 1 this is Newton's step for fixed phases of the foci, and nearly that of Gerchberg and
-// Saxton. But a transducer whose h_n is almost 0 turns no farther than the others help. K comes from transducers spread
-// over the array, which suffices, because its error is the same part of K in every direction. The passes over the
-// transducers are in single precision. A step is kept if its goal became louder; otherwise the step is made stiffer and
-// tried again.
+// Saxton. But a transducer whose h_n is almost 0 turns only a little, because D_n stays away from 0. K comes from
+// transducers spread over the array, which suffices, because its error is the same part of K in every direction. The
+// passes over the transducers are in single precision. A step is kept if its goal became louder; otherwise the step is
+// made stiffer and tried again.
 //
 // The goal is the weakest focus. But from far away, it leads into small local optima. Two stages therefore come first,
 // whose goal is a soft minimum, and then a harder one, with B = climb_sharpness and m the mean of r at the beginning:

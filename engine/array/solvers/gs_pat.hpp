@@ -16,17 +16,18 @@
 // there with t_j = the relative gains and the same L: a finger that becomes quiet leaves the others as loud as they
 // are.
 //
-// A focus that alone, even four times as loud, is quieter than the loudest one alone can hardly be reached. Its target
-// is limited accordingly, so that it does not take the array away from the others.
+// Compare the loudness that each focus has alone. A focus that would be quieter than the loudest one even if it were
+// four times as loud can hardly be reached. Its target is limited accordingly, so that it does not take the array away
+// from the others.
 //
 // Foci near each other. r_jk = |R_jk| / sqrt(R_jj R_kk) is the share of focus k's sound that is heard at focus j. From
 // gs_pat_crowded on, the array does not resolve the two, and from gs_pat_same on they become one: each focus' target is
-// at least what its nearest neighbours' gains give there, so that at one place the largest gain wins. If no pair hears
-// gs_pat_hears of each other, a single start suffices, with phases as if the sound came from the first transducer.
-// Otherwise the phases have many local optima, and gs_pat_starts starts are tried; the one with the loudest weakest
-// focus for its power is taken. Each of the other starts takes the phases of the joint sound of gs_pat_sounds other
-// transducers. The sound of only one would change little within a ring, and phases that run once around it, often the
-// best, would never be found.
+// at least what its nearest neighbours' gains give there, so that at one place the largest gain wins. If no two foci
+// hear each other, which means that r_jk is below gs_pat_hears for all pairs, a single start suffices, with phases as
+// if the sound came from the first transducer. Otherwise the phases have many local optima, and gs_pat_starts starts
+// are tried; the one with the loudest weakest focus for its power is taken. Each of the other starts takes the phases
+// of the joint sound of gs_pat_sounds other transducers. The sound of only one would change little within a ring, and
+// phases that run once around it, often the best, would never be found.
 //
 // The steps end when the foci are nearly even; even_out.hpp then finishes the work on R. Under `uniform` and `clamp`, a
 // transducer does not play its sum of B c but the result of the constraint. Few tries on R suffice there, because more
@@ -38,8 +39,8 @@
 // and under `uniform` and `clamp` the same step is repeated gs_pat_refinings times over the whole array, p = G P(B c)
 // with P the constraint.
 //
-// Loudness first. Foci near each other cannot always be both loud and even. Under `uniform` and `clamp`, the phases of
-// up to most_searched_foci foci that hear gs_pat_near of each other are therefore sought in which the weakest is as
+// Loudness first. Foci near each other cannot always be both loud and even. Under `uniform` and `clamp`, up to
+// most_searched_foci foci with an r_jk of gs_pat_near or more therefore get the phases with which the weakest is as
 // loud as possible (search.hpp, climb.hpp). Only then the louder foci are lowered towards it, at little cost for the
 // weakest. The solver `loudest` (Care::most) does the same with more effort for foci at any distance, from the factors
 // above as one of many starts. Under these constraints, the steps above then only serve foci that do not hear each

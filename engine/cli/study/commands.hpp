@@ -12,6 +12,7 @@ void add_study_plan(Program& program);
 void add_study_power(Program& program);
 void add_study_rehearse(Program& program);
 void add_study_run(Program& program);
+void add_study_simulate(Program& program);
 void add_study_withdraw(Program& program);
 
 }  // namespace palpa::cli

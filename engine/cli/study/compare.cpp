@@ -41,7 +41,8 @@ void run_compare(const CompareCommand& o) {
     if (tables.size() > most_tables) throw bad_usage("these are more than 100 tables: give fewer");
   }
   if (tables.size() < 2)
-    throw bad_usage("one table has nothing beside it: give palpa study compare at least two, such as the word paper");
+    throw bad_usage(
+        "one table alone cannot be compared: give palpa study compare at least two, such as the word paper");
   const study::Comparison comparison = study::compare_tables(std::move(tables));
   left_out.insert(left_out.end(), comparison.not_compared.begin(), comparison.not_compared.end());
   warn_of(left_out);
@@ -56,7 +57,7 @@ void run_compare(const CompareCommand& o) {
 
 void add_study_compare(Program& program) {
   add_subcommand<CompareCommand>(program,
-                                 {"study compare", "any results beside any others, and beside the paper's",
+                                 {"study compare", "compares results with each other, and with the paper's",
                                   "  palpa study compare paper my-study --html beside.html\n"
                                   "  palpa study compare first.csv second.csv --json -",
                                   "",

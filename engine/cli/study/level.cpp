@@ -82,8 +82,8 @@ void add_study_level(Program& program) {
                                 "  palpa study level assets/studies/paper.toml\n"
                                 "  palpa study level loud.toml --override 'ethics 12/2026'",
                                 "--override",
-                                "It fails if the level is above the limit of the plan. A prediction replaces no "
-                                "measurement: measure the level before the first participant comes."},
+                                "It fails if the level is above the limit of the plan. A prediction does not "
+                                "replace a measurement: measure the level before the first participant comes."},
                                add_options_of_level, run_level);
 }
 

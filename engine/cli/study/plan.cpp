@@ -7,6 +7,7 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "setup/options.hpp"
 #include "setup/values.hpp"
@@ -36,10 +37,10 @@ std::string time_text(double seconds) {
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps) {
   std::string text =
-      fmt::format("{}: {} shapes, {} methods, {} participants\n", plan.title.empty() ? plan.file : plan.title,
-                  plan.shapes.size(), plan.methods.size(), plan.counts.participants);
-  fmt::format_to(std::back_inserter(text), "participant {}: {} steps, {} of touch\n", participant, steps.size(),
-                 time_text(study::sounding_s(plan)));
+      fmt::format("{}: {} shapes, {}, {}\n", plan.title.empty() ? plan.file : plan.title, plan.shapes.size(),
+                  counted(plan.methods.size(), "method"), counted(plan.counts.participants, "participant"));
+  fmt::format_to(std::back_inserter(text), "participant {}: {}, {} of touch\n", participant,
+                 counted(steps.size(), "step"), time_text(study::sounding_s(plan)));
   for (std::size_t i = 0; i < steps.size();) {
     const study::PlanBlock& block = plan.blocks[steps[i].block];
     std::size_t end = i;

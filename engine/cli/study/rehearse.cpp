@@ -7,6 +7,7 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/study/commands.hpp"
 #include "setup/interrupt.hpp"
@@ -69,8 +70,9 @@ void run_rehearse(const RehearseCommand& o) {
                               agenda.steps().size()));
   }
   if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", fmt::format("participant {}: {} steps complete, {} void, {} starts; see {}\n", *o.participant,
-                                agenda.complete(), agenda.voided(), agenda.starts(), record.folder().beh().string()));
+    write_file("-", fmt::format("participant {}: {} complete, {} void, {}; see {}\n", *o.participant,
+                                counted(agenda.complete(), "step"), agenda.voided(), counted(agenda.starts(), "start"),
+                                record.folder().beh().string()));
   }
 }
 

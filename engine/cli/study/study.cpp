@@ -12,6 +12,7 @@ void add_study(Program& program) {
   add_study_power(program);
   add_study_rehearse(program);
   add_study_run(program);
+  add_study_simulate(program);
   add_study_withdraw(program);
 }
 

@@ -70,7 +70,7 @@ void run_withdraw(const WithdrawCommand& o) {
 void add_study_withdraw(Program& program) {
   add_subcommand<WithdrawCommand>(
       program,
-      {"study withdraw", "erases everything of a participant, and keeps the number taken",
+      {"study withdraw", "erases all files of a participant, and reserves the number",
        "  palpa study withdraw 7 --out my-study\n"
        "  palpa study withdraw 7 --out my-study --json withdrawn.json",
        "--out", "Files are removed from the folder. Copies elsewhere, such as backups, are yours to erase.", "N"},

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/text.hpp"
 
 namespace palpa::session {
 namespace {
@@ -21,7 +22,7 @@ std::uint64_t HandOver::lost() const {
 }
 
 std::string to_text(const HandOver& counts) {
-  const std::string all = fmt::format("{} drives sounded", counts.loop.drives);
+  const std::string all = counted(counts.loop.drives, "drive") + " sounded";
   if (!counts.behind) return all + "; the link does not report how many it played";
   const Carried& behind = *counts.behind;
   if (!behind.guard) return all + fmt::format(", {} were played", behind.completed.drives);

@@ -106,6 +106,20 @@ PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from,
           .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
 }
 
+void scale(std::span<array::TransducerDrive> drives, double factor) {
+  for (array::TransducerDrive& transducer : drives)
+    transducer.amplitude *= static_cast<float>(factor);
+}
+
+void scale(array::Schedule& schedule, double factor) {
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    array::Voice& voice = schedule.voices[v];
+    voice.gain *= factor;
+    voice.target_pa *= factor;
+    if (voice.reached_pa) *voice.reached_pa *= factor;
+  }
+}
+
 void list_nothing(Plan& plan) {
   plan.cycle.length = 0;
   plan.cycle.too_long = false;

@@ -25,11 +25,6 @@ void keep_error(std::exception_ptr& first, Work work) {
   }
 }
 
-void scale(std::span<array::TransducerDrive> drives, double factor) {
-  for (array::TransducerDrive& transducer : drives)
-    transducer.amplitude *= static_cast<float>(factor);
-}
-
 }  // namespace
 
 void check_safety(const Safety& safety) {
@@ -123,12 +118,7 @@ void SafeLink::finish() {
 
 void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   scaled_ = kept_;
-  for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v) {
-    array::Voice& voice = scaled_.schedule.voices[v];
-    voice.gain *= factor;
-    voice.target_pa *= factor;
-    if (voice.reached_pa) *voice.reached_pa *= factor;
-  }
+  scale(scaled_.schedule, factor);
   scale(scaled_.drives, factor);
   passed_factor_ = factor;
   passed_slot_ = from_slot;

@@ -1,5 +1,5 @@
 // The sound of the transducers on the fingers of a live loop: a transfer for those foci of a frame whose fingers are
-// known, and the free field for all others. Where it comes from is not the planner's matter.
+// known, and the free field for all others. The planner does not know how this sound is found.
 #pragma once
 
 #include <optional>

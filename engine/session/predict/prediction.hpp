@@ -35,7 +35,7 @@ struct FirstSlot {
   std::optional<double> ahead_s;  ///< measured: from the frame's capture to the middle of that slot
 };
 
-/// What a frame's prediction came to.
+/// The result of a frame's prediction.
 struct Prediction {
   double latency_s = 0;   ///< from the frame's capture to the middle of the first slot that may play it
   double distance_m = 0;  ///< the farthest way of a finger until the time for which its foci were sought

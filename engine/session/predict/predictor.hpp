@@ -55,7 +55,7 @@ class Predictor {
   const touch::Touch& see(const touch::Touch& seen, double time_s, const std::optional<FirstSlot>& first,
                           KeptFrames& kept);
   /// Gives the voices of that touch, in the order of its fingers, the velocity that takes each slot's foci from there
-  /// to the slot's own time. Returns what the prediction came to; nothing without a finger that was seen or a latency.
+  /// to the slot's own time. Returns the result of the prediction; nothing without a finger that was seen or a latency.
   std::optional<Prediction> advance(array::Schedule& schedule) const;
 
  private:

@@ -4,7 +4,8 @@
 // surface. So the depth images themselves are compared. Each pixel of the finger says how far the skin has moved along
 // its normal n there: n . way = n . (p - p'), with the point p' of the frame before at the place from which p has come.
 // The least squares of all of them give the way (Chen and Medioni, "Object modelling by registration of multiple range
-// images", 1992, for translations only). Directions in which the skin gives no hold follow the contacts' centroid.
+// images", 1992, for translations only). In directions that the skin does not determine, the way is that of the
+// contacts' centroid.
 #pragma once
 
 #include <cstddef>

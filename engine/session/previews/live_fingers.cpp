@@ -216,11 +216,11 @@ void LiveFingers::hear(const Tracked& tracked, Known& known, const std::atomic<b
       const Complex free = layout.source_level_pa_m * columns.transfer(t);
       // Behind a transducer there is no sound to compare with, and none to use.
       const Complex factor = std::norm(free) > 0 ? heard[j].sound[t] / free : 1;
-      const double phase = std::arg(factor);
-      h.cosine.push_back(static_cast<float>(std::cos(phase)));
-      h.sine.push_back(static_cast<float>(std::sin(phase)));
-      h.phase.push_back(static_cast<float>(phase));
-      h.size.push_back(static_cast<float>(std::abs(factor)));
+      const double size = std::abs(factor);
+      h.cosine.push_back(static_cast<float>(size > 0 ? factor.real() / size : 1));
+      h.sine.push_back(static_cast<float>(size > 0 ? factor.imag() / size : 0));
+      h.phase.push_back(static_cast<float>(std::arg(factor)));
+      h.size.push_back(static_cast<float>(size));
     }
     known.gains.push_back(gain_of(heard[j].sound, layout, foci[j], setting_.drive));
   }
@@ -230,7 +230,7 @@ LiveFingers::Answer LiveFingers::work(const Question& question, const std::atomi
   const auto begin = std::chrono::steady_clock::now();
   if (!finger_) {
     auto body = std::make_shared<const acoustics::RigidBody>(setting_.finger->body, air_.wave_number(), &give_up);
-    finger_.emplace(std::move(body), air_, setting_.drive.directivity);
+    finger_.emplace(std::move(body), air_, setting_.drive.directivity, &give_up);
     fit_.emplace(finger_->body().mesh());
     rays_.emplace(sensing::make_rays(setting_.cameras));
   }

@@ -14,7 +14,7 @@
 
 namespace palpa::setup {
 
-/// What is touched, and how deep the finger's lowest point is below its top.
+/// The object that is touched, and how deep the finger's lowest point is below the object's top.
 struct TouchedScene {
   std::string file;
   const std::vector<geometry::Solid>& solids;

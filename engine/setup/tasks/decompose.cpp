@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::setup {
@@ -41,8 +42,8 @@ std::vector<geometry::Solid> load_solids_to_decompose(const DecomposeTask& task)
     if (const std::string fault = geometry::unfit_for_parts(solid.mesh); !fault.empty())
       throw bad_input(scene.file, fmt::format("mesh {} {}", in_quotes(solid.name), fault));
     if (const std::uint64_t open = geometry::find_defects(solid.mesh).open; open > 0) {
-      log::warning(fmt::format("{}: mesh {} has {} open edge{}; its holes are closed before it is cut", scene.file,
-                               in_quotes(solid.name), open, open == 1 ? "" : "s"));
+      log::warning(fmt::format("{}: mesh {} has {}; its holes are closed before it is cut", scene.file,
+                               in_quotes(solid.name), counted(open, "open edge")));
     }
   }
   return solids;

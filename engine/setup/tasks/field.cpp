@@ -81,6 +81,7 @@ void check(const FieldTask& task, bool picture) {
   }
   if (picture && task.place.given() && !task.place.plane && task.place.line[0].empty())
     throw bad_usage("--png draws a plane or a line: give --plane or --line, or use --csv or --vtu");
+  check(task.place);
   check(task.spread, task.drive.medium);
   refuse_idle_air(task.air);
   check_pressure(task.drive.pressure_pa);

@@ -55,6 +55,10 @@ void add_voice(const AskedFocus& focus, const array::Layout& layout, const std::
 
 }  // namespace
 
+void check_focus_text(const std::string& text) {
+  parse_focus(text);
+}
+
 void check_pressure(std::optional<double> pressure_pa) {
   if (pressure_pa && !(*pressure_pa > 0 && *pressure_pa <= array::most_pressure_pa)) {
     throw bad_usage(fmt::format("a pressure of {} Pa at each focus is not above 0 and at most {} Pa", *pressure_pa,

@@ -34,6 +34,8 @@ array::Schedule schedule_of(std::span<const AskedFocus> foci, const array::Layou
 /// and the text.
 array::Schedule schedule_of(std::span<const std::string> foci, const array::Layout& layout);
 
+/// Throws bad_usage for a text that is no value of --focus.
+void check_focus_text(const std::string& text);
 /// The same check of one focus; `what` names it.
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what);
 

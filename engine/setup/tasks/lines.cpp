@@ -40,7 +40,7 @@ void settle(TouchLine& o) {
 void add_options(CLI::App& app, DriveLine& o) {
   const Group group(app, "What to drive");
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
-  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", focus_help);
+  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", focus_help, check_focus_text);
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
   group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
@@ -55,11 +55,15 @@ void add_options(CLI::App& app, DriveLine& o) {
   add_drive_options(app, o.task.drive, FingerMesh::known);
 }
 
+void settle(DriveLine& o) {
+  check(o.task);
+}
+
 void add_options(CLI::App& app, FieldLine& o) {
   const Group group(app, "What sounds");
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
-  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", focus_help));
+  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", focus_help), check_focus_text);
   add_place_options(app, o.task.place);
   const Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
@@ -70,6 +74,10 @@ void add_options(CLI::App& app, FieldLine& o) {
   add_drive_options(app, o.task.drive);
   add_air_options(app, o.task.air);
   add_spread_options(app, o.task.spread);
+}
+
+void settle(FieldLine& o) {
+  check(o.task, !o.png.empty());
 }
 
 void add_options(CLI::App& app, SimulateLine& o) {

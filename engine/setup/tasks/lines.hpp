@@ -36,6 +36,7 @@ struct DriveLine {
   std::string csv;
 };
 void add_options(CLI::App& app, DriveLine& line);
+void settle(DriveLine& line);
 
 struct FieldLine {
   CommonOptions common;
@@ -43,6 +44,7 @@ struct FieldLine {
   std::string csv, vtu, png;
 };
 void add_options(CLI::App& app, FieldLine& line);
+void settle(FieldLine& line);
 
 struct SimulateLine {
   CommonOptions common;

@@ -1,4 +1,4 @@
-// Skin as an elastic half-space (E = 0.05 N/mm2, nu = 0.4): stress below loads, and how far its surface gives way.
+// Skin as an elastic half-space (E = 0.05 N/mm2, nu = 0.4): stress below loads, and the deflection of its surface.
 // Lengths are in mm, forces in N, stresses in N/mm2.
 #pragma once
 

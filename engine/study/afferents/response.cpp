@@ -19,6 +19,10 @@ using Bits4 [[gnu::vector_size(32)]] = long long;
   return reinterpret_cast<Lane4>(reinterpret_cast<Bits4>(x) & reinterpret_cast<Bits4>(x > zero));
 }
 
+[[gnu::always_inline]] inline bool any(const Bits4& bits) {
+  return (bits[0] | bits[1] | bits[2] | bits[3]) != 0;
+}
+
 /// A third-order low-pass filter, transposed direct form II.
 struct Coefficients {
   double b[4], a[4];
@@ -78,6 +82,7 @@ struct Block {
   const Lane4 limit{m.saturation, m.saturation, m.saturation, m.saturation};
   Filter of_stress, of_rate;
   std::uint32_t since[lanes] = {after_samples, after_samples, after_samples, after_samples};
+  bool resting = true;
   Lane4 v{}, rate = of_rate.step(filter, load(in.velocity) * dynamic);
   for (std::size_t n = 0; n < in.samples; ++n) {
     const Lane4 next = n + 1 < in.samples ? of_rate.step(filter, load(in.velocity + (n + 1) * lanes) * dynamic) : rate;
@@ -90,14 +95,24 @@ struct Block {
     }
     if (saturates) current = limit * current / (limit + positive(current) + positive(-current));
     rate = next;
-    const Lane4 h{after[since[0]], after[since[1]], after[since[2]], after[since[3]]};
-    v = v * leak + current + h;
-    for (std::uint32_t& s : since)
-      s = std::min(s + 1, after_samples);
+    // Most of the time nothing fires, and the last spikes are too long ago to matter.
+    if (resting) {
+      v = v * leak + current;
+      if (!any(v > 1)) continue;
+    } else {
+      const Lane4 h{after[since[0]], after[since[1]], after[since[2]], after[since[3]]};
+      v = v * leak + current + h;
+      resting = true;
+      for (std::uint32_t& s : since) {
+        s = std::min(s + 1, after_samples);
+        resting = resting && s == after_samples;
+      }
+    }
     for (std::size_t i = 0; i < lanes; ++i) {
       if (!(v[i] > 1) || since[i] <= least_gap) continue;
       v[i] = 0;
       since[i] = 0;
+      resting = false;
       if (i >= in.sites) continue;
       if (n >= in.from) ++out.counts[in.first + i];
       if (!out.times.empty()) out.times[in.first + i].push_back(static_cast<double>(n + 1) / afferent_rate_hz);

@@ -174,7 +174,12 @@ SkinUnderPattern::Lines SkinUnderPattern::lines() const {
   Lines lines;
   for (int m = 1; m / period_s_ <= highest_hz; ++m)
     lines.hz.push_back(m / period_s_);
-  const std::size_t samples = whole_cycles(), from = samples_ - samples;
+  // One cycle is sufficient if it is a whole number of samples. The last one is in the steady state.
+  const double period = period_s_ * afferent_rate_hz;
+  const bool repeats = std::abs(period - std::round(period)) < 1e-9;
+  const std::size_t whole = whole_cycles();
+  const std::size_t samples = repeats ? std::min(whole, static_cast<std::size_t>(std::lround(period))) : whole;
+  const std::size_t from = samples_ - samples;
   std::vector<std::complex<double>> turns;
   for (const double hz : lines.hz) {
     for (std::size_t n = 0; n < samples; ++n)

@@ -1,9 +1,10 @@
 // From pressures on the faces of a fingertip to what reaches the sites of its afferents.
 //
-// The skin is a half-space in which distances are measured straight from the site to a face (the skin's curvature is
-// left out otherwise). A face's pressure acts as on a disc of the face's area (half_space.hpp) for the deflection, and
-// as on small triangles, each a point force, for the stress at 0.3 mm. The deflection from a face arrives later by the
-// time of a surface wave from the rim of that disc, in whole samples.
+// The skin is a half-space. Distances are measured in a straight line from the site to a face; apart from this, the
+// skin's curvature is left out. For the deflection, a face's pressure acts on a disc of the face's area
+// (half_space.hpp). For the stress at 0.3 mm, it acts on small triangles, each of which is a point force. The
+// deflection from a face is delayed by the time that a surface wave takes from the rim of the disc to the site, in
+// whole samples.
 #pragma once
 
 #include <cstddef>

@@ -81,8 +81,8 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
     if (line->empty()) continue;
     const std::vector<std::string_view> cells = cells_of(*line, separator);
     if (cells.size() != table.size() + 1) {
-      throw bad_input(name, fmt::format("line {}: {} counts where line 1 has {} answers", lines.number(),
-                                        cells.size() - 1, table.size()));
+      throw bad_input(name, fmt::format("line {}: {} where line 1 has {}", lines.number(),
+                                        counted(cells.size() - 1, "count"), counted(table.size(), "answer")));
     }
     const std::string_view shape = plain(cells[0]);
     const auto found = std::ranges::find(table.shapes, shape);

@@ -110,7 +110,7 @@ EventsFile parse_events(std::string_view text, const std::string& name) {
     if (lines.cut()) {
       leave_out("the line has no end: the file is cut off here");
     } else if (cells.size() != header.size()) {
-      leave_out(fmt::format("{} cells where the first line has {}", cells.size(), header.size()));
+      leave_out(fmt::format("{} where the first line has {}", counted(cells.size(), "cell"), header.size()));
     } else {
       EventRow row{.line = lines.number()};
       if (const std::string fault = read_row(cells, places, row); !fault.empty()) {

@@ -73,8 +73,8 @@ FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialT
       const std::vector<std::string_view> cells =
           cells_of(line->ends_with('\r') ? line->substr(0, line->size() - 1) : *line, '\t');
       if (cells.size() != sidecar.columns) {
-        throw bad_input(name, fmt::format("line {}: {} cells where {} columns are named", index + 1, cells.size(),
-                                          sidecar.columns));
+        throw bad_input(name, fmt::format("line {}: {} where {} {} named", index + 1, counted(cells.size(), "cell"),
+                                          counted(sidecar.columns, "column"), sidecar.columns == 1 ? "is" : "are"));
       }
       const std::string_view cell = cells[sidecar.depth_column];
       if (cell == not_available) continue;

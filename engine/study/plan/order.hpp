@@ -1,5 +1,5 @@
-// The order of a participant's session, as a function of the plan and of the participant's number only. Nothing is
-// drawn that cannot be drawn again: the same plan and number give the same order, on every machine.
+// The order of a participant's session, as a function of the plan and of the participant's number only. Every random
+// draw can be repeated: the same plan and number give the same order, on every machine.
 #pragma once
 
 #include <cstddef>

@@ -85,8 +85,8 @@ struct PlanBlock {
 
 /// Which method a participant begins with.
 enum class OrderRule {
-  halves,  ///< the first half of the participants as in the plan, the second half the other way, further ones in turn
-  alternate,  ///< odd numbers as in the plan, even numbers the other way
+  halves,     ///< the first half of the participants as in the plan, the second half in reverse, further ones in turn
+  alternate,  ///< odd numbers as in the plan, even numbers in reverse
   williams,   ///< the rows of a Williams square in turn: every method follows every other equally often
   fixed,      ///< as in the plan
 };

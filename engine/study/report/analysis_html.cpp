@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
 #include "study/report/analysis_reports.hpp"
 #include "study/report/figures.hpp"
 #include "study/report/html.hpp"
@@ -32,7 +33,7 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
 
 void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) {
   const std::string &a = analysis.study.methods[pair.a], &b = analysis.study.methods[pair.b];
-  page.heading(fmt::format("{} less {}", b, a));
+  page.heading(fmt::format("{} minus {}", b, a));
   std::vector<HtmlRow> rows{
       {"measure", "value"},
       {"participants with both methods", std::to_string(pair.people.size())},
@@ -98,8 +99,8 @@ void add_people(HtmlPage& page, const Analysis& analysis) {
 
 std::string analysis_html(const Analysis& analysis) {
   HtmlPage page("Which shape was it? Results of a study");
-  page.paragraph(fmt::format("{} participants answered which of {} shapes they touched.",
-                             analysis.study.participants.size(), analysis.study.shapes.size()));
+  page.paragraph(fmt::format("{} answered which of {} shapes they touched.",
+                             counted(analysis.study.participants.size(), "participant"), analysis.study.shapes.size()));
   if (!analysis.study.left_out.empty()) {
     page.paragraph("Not everything could be analysed:");
     page.list(analysis.study.left_out);
@@ -107,9 +108,9 @@ std::string analysis_html(const Analysis& analysis) {
   page.heading("Accuracy");
   add_overview(page, analysis);
   if (const auto& friedman = analysis.between.friedman) {
-    page.paragraph(fmt::format(
-        "Friedman's test of all methods over {} participants: chi-square {} with {} degrees of freedom, {}.",
-        friedman->people, shown(friedman->chi_square), friedman->degrees, shown_p(friedman->p)));
+    page.paragraph(fmt::format("Friedman's test of all methods over {}: chi-square {} with {} of freedom, {}.",
+                               counted(friedman->people, "participant"), shown(friedman->chi_square),
+                               counted(friedman->degrees, "degree"), shown_p(friedman->p)));
   }
   for (const MethodPair& pair : analysis.between.pairs)
     add_pair(page, analysis, pair);

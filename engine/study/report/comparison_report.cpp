@@ -27,9 +27,9 @@ std::string comparison_text(const Comparison& comparison) {
   }
   for (const ComparedPair& pair : comparison.pairs) {
     fmt::format_to(
-        out, "\n{} beside {}:\n  rms difference {}, correlation of the errors {}, G2 {} with {} degrees of freedom\n",
+        out, "\n{} beside {}:\n  rms difference {}, correlation of the errors {}, G2 {} with {} of freedom\n",
         printable(comparison.tables[pair.b].name), printable(comparison.tables[pair.a].name), shown(pair.tables.rms),
-        shown(pair.tables.errors), shown(pair.tables.all.likelihood_ratio), pair.tables.all.degrees);
+        shown(pair.tables.errors), shown(pair.tables.all.likelihood_ratio), counted(pair.tables.all.degrees, "degree"));
   }
   return text;
 }

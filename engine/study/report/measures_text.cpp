@@ -39,10 +39,10 @@ std::string measures_text(const Measures& measures) {
 
 void add_measures(HtmlPage& page, const Measures& measures) {
   const Confusion& table = measures.table;
-  page.figure(
-      confusion_figure(measures),
-      fmt::format("{}: shares of the answers (columns) for each actual shape (rows). {} of {} trials are correct.",
-                  measures.name, table.correct(), table.total()));
+  page.figure(confusion_figure(measures),
+              fmt::format("{}: shares of the answers (columns) for each actual shape (rows). {} of {} {} correct.",
+                          measures.name, table.correct(), counted(table.total(), "trial"),
+                          table.correct() == 1 ? "is" : "are"));
   std::vector<HtmlRow> rows{{"shape", "trials", "recall", "precision", "bias", "bias (fit)"}};
   for (std::size_t i = 0; i < table.size(); ++i) {
     rows.push_back({table.shapes[i], std::to_string(table.row(i)), shown(recall(table, i)), shown(precision(table, i)),
@@ -76,8 +76,8 @@ void add_measures(HtmlPage& page, const Measures& measures) {
           {"corrected for the number of trials", fmt::format("{} bit", shown(measures.information.corrected_bits))},
           {"Cramer's V", shown(measures.information.cramers_v)}};
   if (const auto& fit = measures.luce_fit) {
-    rows.push_back({"fit of Luce's model", fmt::format("G2 = {} with {} degrees of freedom, {}", shown(fit->deviance),
-                                                       fit->degrees, shown_p(fit->p))});
+    rows.push_back({"fit of Luce's model", fmt::format("G2 = {} with {} of freedom, {}", shown(fit->deviance),
+                                                       counted(fit->degrees, "degree"), shown_p(fit->p))});
   }
   page.table(
       "The interval and the tests of a table assume that all trials are independent. Trials of one participant are "

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/json_writer.hpp"
+#include "base/text.hpp"
 #include "study/report/csv.hpp"
 #include "study/report/figures.hpp"
 #include "study/report/html.hpp"
@@ -18,16 +19,17 @@ namespace {
 
 std::string setting_line(const PowerSetting& s) {
   return fmt::format(
-      "accuracies {} and {}, {} trials each, spread {} between participants, correlation {}; test at {}; "
-      "{} studies, seed {}",
-      s.a, s.b, s.trials, s.spread, s.correlation, s.alpha, s.studies, s.seed);
+      "accuracies {} and {}, {} each, spread {} between participants, correlation {}; test at {}; {}, seed {}", s.a,
+      s.b, counted(s.trials, "trial"), s.spread, s.correlation, s.alpha, counted(s.studies, "study"), s.seed);
 }
 
 std::string answer_line(const PowerSetting& setting, const PowerResult& result) {
   if (!result.people) {
-    return fmt::format("{} participants do not reach a power of {}", setting.most_people, setting.power);
+    return fmt::format("{} {} not reach a power of {}", counted(setting.most_people, "participant"),
+                       setting.most_people == 1 ? "does" : "do", setting.power);
   }
-  return fmt::format("{} participants reach a power of {}", *result.people, setting.power);
+  return fmt::format("{} {} a power of {}", counted(*result.people, "participant"),
+                     *result.people == 1 ? "reaches" : "reach", setting.power);
 }
 
 }  // namespace

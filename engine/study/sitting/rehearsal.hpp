@@ -1,5 +1,5 @@
-// A sitting without a person, an array and waiting: a scripted participant goes through a whole plan. An experimenter
-// sees with it whether a plan is as it should be, and what its data will look like.
+// A sitting without a person, an array or waiting: a scripted participant goes through a whole plan. It shows an
+// experimenter whether the plan is right, and what its data will look like.
 #pragma once
 
 #include <atomic>

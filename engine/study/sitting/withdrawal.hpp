@@ -1,5 +1,5 @@
-// A participant takes back their consent: everything of theirs is erased. A tombstone stays, so that nobody gets their
-// number, and analyses can say how many people withdrew.
+// A participant takes back their consent: all of their files are erased. A tombstone, a small file, stays, so that
+// nobody gets their number, and analyses can say how many people withdrew.
 #pragma once
 
 #include <cstddef>

@@ -261,7 +261,7 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
 
 void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest) {
   if (solid >= solids.records.size()) {
-    throw bad_usage(fmt::format("pose of solid {}: the scene has {} solids", solid, solids.records.size()));
+    throw bad_usage(fmt::format("pose of solid {}: the scene has {}", solid, counted(solids.records.size(), "solid")));
   }
   const Transform T_world_made = T_world_rest * solids.T_rest_made[solid];
   const glm::dmat3 R(T_world_made);

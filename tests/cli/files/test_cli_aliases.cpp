@@ -73,7 +73,8 @@ class CliAliases : public testing::Test {
                "layout = \"layout.toml\"\n");
     write_text(folder_ / "study.toml",
                "[[shape]]\nname = \"a\"\nmodel = \"scene.gltf\"\n[[shape]]\nname = \"b\"\nmodel = \"scene.gltf\"\n"
-               "[[method]]\nname = \"single-focus\"\nlayout = \"layout.toml\"\n");
+               "[[method]]\nname = \"single-focus\"\nlayout = \"layout.toml\"\n"
+               "[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 30\n");
     write_text(folder_ / "old", "what was");
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
       if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
@@ -265,6 +266,9 @@ class CliAliases : public testing::Test {
         {{"study", "rehearse", path("study.toml"), "--participant", "1", "--out", path("new")},
          {"study.toml", "scene.gltf"},
          {json_}},
+        {{"study", "simulate", path("study.toml"), "--finger", points, "--beside", path("counts.csv")},
+         {"study.toml", "scene.gltf", "layout.toml", "counts.csv", "finger.ply"},
+         {json_, csv_, html_, {"--prediction", "", ""}}},
         {{"study", "withdraw", "7", "--out", path("study")}, {}, {json_}},
         {{"sweep", path("plan.toml"), "--out", path("new")},
          and_also(scene_files, {"finger.ply", "layout.toml", "plan.toml"}),

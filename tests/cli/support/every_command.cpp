@@ -81,6 +81,10 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
   const geometry::Mesh rounded_tip =
       transformed(geometry::icosphere(2e-3, 4), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
   geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
+  // The observer's finger, with which the shapes of its plan can be told apart.
+  const std::string fingertip = folder_ / "fingertip.ply";
+  const geometry::Mesh round = transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
+  geometry::write_ply(fingertip, round.positions, round.triangles);
   const Result recorded = palpa(with(
       {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
       small_frames()));
@@ -92,6 +96,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
              "model = \"plan.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
              "[level]\nceiling = 0.05\n");
   write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
+  write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
       {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
@@ -127,6 +132,7 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
       {"study run",
        {"study", "run", source_file("assets/studies/five-minutes.toml"), "--participant", "1", "--out", folder_ / "run",
         "--rehearse", "1"}},
+      {"study simulate", {"study", "simulate", folder_ / "study-plan.toml", "--finger", fingertip}},
       {"study withdraw", {"study", "withdraw", "2", "--out", folder_ / "withdrawn"}},
       {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},

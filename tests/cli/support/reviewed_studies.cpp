@@ -34,6 +34,7 @@ std::vector<ReviewedLine> of_studies() {
                 {{"--backend", "cpu", "--validation", "core"}, "--validation"}},
        .untried = "--participant --out --source --link --rig --board-files --hold --size --override --rehearse --gpu "
                   "--validation"},
+      of_study({"simulate", plan}, "--finger --beside --html --csv --prediction", "computes on the processor"),
       of_study({"withdraw", "1", "--out", "none"}, "--out", "computes nothing"),
       of_study({"power"},
                "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power "

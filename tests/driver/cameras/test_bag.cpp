@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/text.hpp"
 #include "driver/cameras/made_up_bag.hpp"
 #include "driver/rosbag/source.hpp"
 #include "sensing/grey_png.hpp"
@@ -285,7 +286,7 @@ TEST(Bag, CutBetweenTwoRecordsItSaysThatItWasCut) {
       continue;
     }
     EXPECT_CONTAINS(stderr_of([&] { play(cut, &camera); }),
-                    fmt::format("ends before its index, after {} depth frames", record / 2));
+                    "ends before its index, after " + counted(record / 2, "depth frame"));
   }
   // The recorder never came to write an index.
   Bytes open(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(MadeUpBag::index().size()));

@@ -330,8 +330,8 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   ASSERT_TRUE(goes_round_until([&] { return !app_->desk().marks.empty(); }));
   const Size size = beside_panels();
   const Sight sight{app_->desk().state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), 1};
-  const Box box = extent(app_->picture(), Extent::objects);
-  const Gizmo gizmo = gizmo_at(box.centre(), sight);
+  // The middle of the cube. The picture's extent may also have the finger of the frame.
+  const Gizmo gizmo = gizmo_at(Vec3(0, -0.02, 0), sight);
   const Projected tip =
       project(projection(sight.viewpoint, sight.width, sight.height), gizmo.at + Vec3(0, 0.8 * gizmo.size_m, 0));
   button(WindowEvent::Kind::move, tip.x, tip.y + 37);

@@ -1,0 +1,105 @@
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
+#include "base/sha256.hpp"
+#include "cli/study/commands.hpp"
+#include "cli/study/outputs.hpp"
+#include "setup/assets.hpp"
+#include "setup/experiment/observe.hpp"
+#include "setup/progress.hpp"
+#include "study/comparison.hpp"
+#include "study/observer/beside.hpp"
+#include "study/observer/prediction.hpp"
+#include "study/plan/plan_file.hpp"
+#include "study/predicted/prediction_reports.hpp"
+
+namespace palpa::cli {
+namespace {
+
+struct StudySimulateCommand {
+  setup::CommonOptions common;
+  std::vector<std::string> plan, beside;
+  std::string finger, prediction;
+  StudyOutputs outputs;
+};
+
+void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
+  const setup::Group group(app, "What to predict");
+  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  group.text("--finger", o.finger, "FILE",
+             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
+  group.texts("--beside", o.beside, "WHAT",
+              "results of people beside the prediction: the word paper, the folder of a study, a JSON of palpa study "
+              "analyse, or a CSV of counts that has a method's name");
+  add_study_outputs(app, o.outputs, "one row per variant and method");
+  const setup::Group results(app, "Results");
+  results.text("--prediction", o.prediction, "FILE|-",
+               "writes the prediction alone, the text that has the reported SHA-256");
+}
+
+/// The method of a table that came from this source: what follows the source in its name, or a CSV's own name.
+std::string method_of(const std::string& table, const std::string& source) {
+  const std::string before = source + ": ";
+  return table.starts_with(before) ? table.substr(before.size()) : std::filesystem::path(source).stem().string();
+}
+
+void run_study_simulate(const StudySimulateCommand& o) {
+  if (o.plan.size() != 1) throw bad_usage("give palpa study simulate one plan, such as assets/studies/paper.toml");
+  setup::refuse_gpu_options(o.common, "palpa study simulate computes on the processor");
+  std::vector<Output> declared = outputs_of(o.common, o.outputs);
+  declared.push_back({"--prediction", o.prediction});
+  const Outputs outputs(declared);
+  const study::StudyPlan plan = study::read_plan(o.plan.front());
+  study::refuse_without_fit(plan);
+  study::refuse_missing_files(plan);
+  // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
+  std::vector<std::string> left_out;
+  std::vector<study::ObservedTable> tables;
+  for (const std::string& source : o.beside) {
+    for (study::NamedTable& table : study::tables_of(source, left_out))
+      tables.push_back({method_of(table.name, source), source, std::move(table.table)});
+  }
+  setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
+  std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
+  const study::Prediction prediction = study::predict(setup::observe(plan, finger),
+                                                      {.fitted = {plan.fit.method, plan.fit.accuracy, plan.fit.trials},
+                                                       .observers = plan.counts.participants,
+                                                       .trials_per_shape = plan.counts.trials_per_shape,
+                                                       .touch_s = plan.counts.touch_s,
+                                                       .seed = o.common.seed},
+                                                      {.keep = true});
+  progress.reset();
+  const std::string document = study::prediction_document(prediction), hash = sha256(document);
+  study::Beside beside = study::beside(prediction, tables);
+  beside.left_out.insert(beside.left_out.begin(), left_out.begin(), left_out.end());
+  warn_of(beside.left_out);
+  if (!o.prediction.empty()) write_file(o.prediction, document);
+  write_reports(o.common, o.outputs, outputs,
+                {.text = [&] { return prediction_text(prediction, beside, hash); },
+                 .json = [&] { return prediction_json(prediction, beside, hash); },
+                 .csv = [&] { return prediction_csv(prediction, beside); },
+                 .html = [&] { return prediction_html(prediction, beside, hash); }});
+}
+
+}  // namespace
+
+void add_study_simulate(Program& program) {
+  add_subcommand<StudySimulateCommand>(
+      program,
+      {"study simulate", "what an ideal observer would answer in a planned experiment",
+       "  palpa study simulate assets/studies/paper.toml --beside paper --html prediction.html\n"
+       "  palpa study simulate my-plan.toml --prediction prediction.json",
+       "",
+       "The observer's only fitted number is in the plan. Touches are computed once and kept. --seed chooses the "
+       "simulated studies. docs/observer.md says what the prediction is worth.",
+       "PLAN"},
+      add_options_of_study_simulate, run_study_simulate);
+}
+
+}  // namespace palpa::cli
