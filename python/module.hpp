@@ -11,8 +11,8 @@ namespace palpa::python {
 namespace py = pybind11;
 
 void add_errors(py::module_& m);
-/// Call at the end. Lets two things raise TypeError that would otherwise end the program: a use of an object of these
-/// classes that has no value, and arguments that neither fit nor can be written into a message.
+/// Call at the end. Two mistakes then raise TypeError, which would otherwise end the program: the use of an object of
+/// these classes that has no value, and arguments that do not fit and whose text cannot be put into a message.
 void guard(const py::module_& m);
 void add_running(py::module_& m);
 void add_options(py::module_& m);

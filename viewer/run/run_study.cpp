@@ -55,7 +55,7 @@ study::EarLevel level_of(const study::StudyPlan& plan, const setup::StudyRunOpti
   std::optional<array::Layout> placed;
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
-  const study::EarLevel level = study::predict_ear_level(plan, placed ? &*placed : nullptr);
+  study::EarLevel level = study::predict_ear_level(plan, placed ? &*placed : nullptr);
   if (!options.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
     throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
   study::refuse_loud(plan, level, options.override_by);

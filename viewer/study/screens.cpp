@@ -37,7 +37,9 @@ std::vector<std::string> lines_of(std::string_view text, double height, double w
     const std::size_t end = std::min(text.find(' '), text.size());
     const std::string word(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
-    const std::string longer = line.empty() ? word : line + ' ' + word;
+    std::string longer = line;
+    if (!line.empty()) longer += ' ';
+    longer += word;
     if (line.empty() || drawing::text_width(longer, height) <= width) {
       line = longer;
     } else {
@@ -99,8 +101,9 @@ std::vector<ButtonPlace> button_places(const ParticipantView& view, std::uint32_
   const double all = wide * static_cast<double>(columns) + gap * static_cast<double>(columns - 1);
   std::vector<ButtonPlace> places;
   for (std::size_t i = 0; i < count; ++i) {
-    const double left = (width - all) / 2 + static_cast<double>(i % columns) * (wide + gap);
-    const double top = height / 2.0 + static_cast<double>(i / columns) * (high + gap);
+    const std::size_t row = i / columns, column = i % columns;
+    const double left = (width - all) / 2 + static_cast<double>(column) * (wide + gap);
+    const double top = height / 2.0 + static_cast<double>(row) * (high + gap);
     places.push_back(
         {whole(left, width - 1), whole(top, height - 1), whole(left + wide, width - 1), whole(top + high, height - 1)});
   }

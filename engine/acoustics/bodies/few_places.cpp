@@ -108,7 +108,7 @@ Sounds sounds_at(const RigidBody& body, std::span<const std::uint32_t> vertices)
     }
     for (const std::uint32_t face : faces) {
       for (std::size_t sample = 0; sample < 3; ++sample) {
-        const std::size_t point = 3 * face + sample;
+        const std::size_t point = std::size_t{3} * face + sample;
         const Complex sound = body.areas()[point] * arriving(source, body.points()[point], body.normals()[point], k);
         for (std::size_t c = 0; c < 3; ++c) {
           const std::uint32_t to = place[mesh.triangles[face][static_cast<int>(c)]];

@@ -41,6 +41,7 @@ void run_study(RunStudyCommand o) {
   const std::vector<std::string> more = words_of(o);
   words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words)
     arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -184,7 +184,7 @@ TEST_F(ConductorTest, ADiskThatIsFullEndsTheTouchInSilence) {
   ASSERT_TRUE(touches_and_sounds());
   // The journal cannot grow: its folder is on a disk without room, so to speak.
   const test::FileSizeLimit full(1);
-  EXPECT_THROW(bench.press(key_of('p'), true), Error);
+  EXPECT_ERROR(bench.press(key_of('p'), true), Exit::failed, "journal");
   EXPECT_EQ(bench.sitting().screen(), Screen::stopped);
   EXPECT_TRUE(bench.is_silent());
 }
