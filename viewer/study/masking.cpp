@@ -72,7 +72,7 @@ std::vector<std::uint8_t> sound_of(const std::string& file) {
   SDL_AudioCVT conversion;
   const int needed =
       SDL_BuildAudioCVT(&conversion, spec.format, spec.channels, spec.freq, AUDIO_F32SYS, channels, rate_hz);
-  if (needed >= 0) {
+  if (needed >= 0 && bytes > 0) {
     conversion.len = static_cast<int>(bytes);
     sound.resize(std::size_t{bytes} * static_cast<std::size_t>(std::max(conversion.len_mult, 1)));
     std::memcpy(sound.data(), samples, bytes);
