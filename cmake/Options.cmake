@@ -55,11 +55,37 @@ if(PALPA_SANITIZE)
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<${of_tests}:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
+  # Undefined behaviour stops the program at an illegal instruction, and AddressSanitizer then reports the file and line.
+  # For reports that also give the values, the compiler would add half a million records of data, which the tests'
+  # thousands of programs would all register when they start. The check of virtual tables needs these records: it is
+  # part of the preset tsan.
+  if(PALPA_SANITIZE MATCHES "address" AND PALPA_SANITIZE MATCHES "undefined")
+    if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+      target_compile_options(palpa_options INTERFACE -fno-sanitize=vptr -fsanitize-trap=undefined)
+    else()
+      target_compile_options(palpa_options INTERFACE -fsanitize-undefined-trap-on-error)
+    endif()
+  endif()
+  # Programs and the Python module share AddressSanitizer's library: a process must not have two.
+  set(PALPA_ASAN_LIBRARY libasan.so)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND PALPA_SANITIZE MATCHES "address")
+    set(PALPA_ASAN_LIBRARY libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so)
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${PALPA_ASAN_LIBRARY} OUTPUT_VARIABLE library OUTPUT_STRIP_TRAILING_WHITESPACE)
+    cmake_path(GET library PARENT_PATH folder)
+    target_link_options(palpa_options INTERFACE -shared-libasan LINKER:-rpath,${folder})
+  endif()
+  # Compilers have different names for these.
+  foreach(sanitizer address thread)
+    if(PALPA_SANITIZE MATCHES ${sanitizer})
+      string(TOUPPER ${sanitizer} name)
+      target_compile_definitions(palpa_options INTERFACE PALPA_${name}_SANITIZER)
+    endif()
+  endforeach()
   # The sanitizers' data on every check and global is full of addresses. A position-independent program has to relocate
   # over a million of them at every start, and tests start thousands of programs.
   # The rooms stay position-independent, because they are in the Python module, too; in a program, the linker resolves
   # their addresses.
-  if(NOT PALPA_SANITIZE STREQUAL "thread")
+  if(NOT PALPA_SANITIZE MATCHES "thread")
     target_compile_options(palpa_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fno-pie>)
     target_link_options(palpa_options INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-no-pie>)
   endif()
@@ -73,3 +99,10 @@ if(PALPA_COVERAGE)
   target_compile_options(palpa_options INTERFACE --coverage)
   target_link_options(palpa_options INTERFACE --coverage)
 endif()
+# palpa_computes(SOURCE...): with sanitizers, the tests would spend more than half of their time in these sources, so the
+# compiler optimises them.
+function(palpa_computes)
+  if(PALPA_SANITIZE)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
+  endif()
+endfunction()

@@ -55,7 +55,7 @@ endfunction()
 # palpa_test_computes(SOURCE...): these sources compute reference values for a long time, so they are optimised in every
 # build.
 function(palpa_test_computes)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS]
@@ -68,7 +68,7 @@ endfunction()
 function(palpa_test NAME)
   cmake_parse_arguments(TEST "ALONE;WAITS" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
   # A build that looks for data races builds nothing else.
-  if(PALPA_SANITIZE STREQUAL "thread" AND NOT "threads" IN_LIST TEST_LABELS)
+  if(PALPA_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST TEST_LABELS)
     return()
   endif()
   cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)

@@ -1,6 +1,9 @@
 # palpa_units(FOLDER): compiles several sources of a target in that folder or below as one unit, if tests/house/units.py
 # says that they can be combined. Much of the compile time goes into headers and templates that they share. Missing
 # includes in a source are found by tests/house/includes.py, and by a build without units.
+#
+# CMake's own unity builds are not used because they include sources by their absolute paths: a second clone could then
+# not use what ccache has kept of the first.
 function(palpa_units FOLDER)
   palpa_targets_of(targets ${FOLDER})
   set(lines "")
@@ -11,7 +14,12 @@ function(palpa_units FOLDER)
     string(APPEND lines "${target}|${folder}")
     foreach(source IN LISTS sources)
       cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder} NORMALIZE)
-      string(APPEND lines "|${source}")
+      # A source with its own options stays alone.
+      get_source_file_property(options ${source} TARGET_DIRECTORY ${target} COMPILE_OPTIONS)
+      get_source_file_property(definitions ${source} TARGET_DIRECTORY ${target} COMPILE_DEFINITIONS)
+      if(NOT options AND NOT definitions)
+        string(APPEND lines "|${source}")
+      endif()
     endforeach()
     string(APPEND lines "\n")
   endforeach()
@@ -21,13 +29,28 @@ function(palpa_units FOLDER)
   execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/house/units.py
     INPUT_FILE ${CMAKE_BINARY_DIR}/units.in OUTPUT_VARIABLE units COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "[^\n]+" units "${units}")
+  set(files "")
   foreach(line IN LISTS units)
     string(REPLACE "|" ";" line ${line})
     list(GET line 0 target)
     list(GET line 1 source)
     list(GET line 2 unit)
-    set_property(SOURCE ${source} TARGET_DIRECTORY ${target} PROPERTY UNITY_GROUP ${target}_${unit})
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    get_target_property(folder ${target} BINARY_DIR)
+    set(file ${folder}/units/${target}_${unit}.cpp)
+    file(MAKE_DIRECTORY ${folder}/units)
+    file(REAL_PATH ${folder}/units real_folder)  # the build folder may be a link to another disk
+    file(REAL_PATH ${source} real_source)
+    cmake_path(RELATIVE_PATH real_source BASE_DIRECTORY ${real_folder} OUTPUT_VARIABLE relative)
+    if(NOT file IN_LIST files)
+      list(APPEND files ${file})
+      set(text_${file} "")
+      target_sources(${target} PRIVATE ${file})
+    endif()
+    string(APPEND text_${file} "#include \"${relative}\"\n")
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES HEADER_FILE_ONLY ON)
+  endforeach()
+  foreach(file IN LISTS files)
+    file(CONFIGURE OUTPUT ${file} CONTENT "${text_${file}}" @ONLY)
   endforeach()
 endfunction()
 

@@ -10,7 +10,7 @@
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPA_ADDRESS_SANITIZER
 // The loader unloads lavapipe at teardown; leak reports would then name an unknown module that no suppression can
 // match.
 [[maybe_unused]] void* const keep_driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);

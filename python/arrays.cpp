@@ -255,6 +255,10 @@ py::array copied(const Transform& transform) {
   return sealed(std::move(array));
 }
 
+py::tuple range_of(const setup::Percentiles& percentiles) {
+  return py::make_tuple(percentiles.p05, percentiles.p50, percentiles.p95);
+}
+
 py::array complex_of(std::span<const array::TransducerDrive> drive) {
   py::array_t<std::complex<double>> array(static_cast<py::ssize_t>(drive.size()));
   std::complex<double>* to = array.mutable_data();

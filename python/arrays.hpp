@@ -15,6 +15,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "setup/spread.hpp"
 
 namespace palpa::python {
 
@@ -64,6 +65,8 @@ py::array copied(const Vec3& point);
 py::array copied(const std::vector<Vec3>& points);
 /// Rows as in files.
 py::array copied(const Transform& transform);
+/// (p05, p50, p95).
+py::tuple range_of(const setup::Percentiles& percentiles);
 /// amplitude exp(i phase).
 py::array complex_of(std::span<const array::TransducerDrive> drive);
 

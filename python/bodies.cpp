@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <complex>
 #include <limits>
 #include <memory>
@@ -247,6 +248,7 @@ void add_simulate_options(CLI::App& app, SimulateArguments& o) {
   setup::add_rig_options(app, o.task.rig);
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
   setup::add_air_options(app, o.task.air);
+  setup::add_spread_options(app, o.task.spread);
   setup::add_common(app, o.common);
 }
 Declared<SimulateArguments>& simulate_options() {
@@ -254,8 +256,8 @@ Declared<SimulateArguments>& simulate_options() {
   return *options;
 }
 Declared<SimulateArguments>& figure6_options() {
-  static auto* const options = new Declared<SimulateArguments>("figure6", add_simulate_options,
-                                                               {"--json", "--quiet", "--log-level", "--method"});
+  static auto* const options = new Declared<SimulateArguments>(
+      "figure6", add_simulate_options, {"--json", "--quiet", "--log-level", "--method", "--spread", "--draws"});
   return *options;
 }
 
@@ -346,6 +348,33 @@ py::dict spot_dict(const acoustics::Spot& spot) {
   return made;
 }
 
+py::tuple axes_tuple(const std::array<setup::Percentiles, 3>& axes) {
+  return py::make_tuple(range_of(axes[0]), range_of(axes[1]), range_of(axes[2]));
+}
+
+py::dict spot_spread(const setup::SpotSpread& spot) {
+  py::dict made;
+  made["peak"] = range_of(spot.peak_pa);
+  made["peak_at"] = axes_tuple(spot.peak_m);
+  made["half_area"] = range_of(spot.half_area_m2);
+  made["half_radius"] = range_of(spot.half_radius_m);
+  made["elongation"] = range_of(spot.elongation);
+  return made;
+}
+
+py::object spread_of(const SimulateObject& o) {
+  if (!o.result.spread) return py::none();
+  const setup::SimulateSpread& spread = *o.result.spread;
+  py::dict made;
+  made["draws"] = spread.draws.count;
+  made["seed"] = spread.draws.seed;
+  made["langevin_spot"] = spot_spread(spread.langevin);
+  made["squared_spot"] = spot_spread(spread.squared);
+  made["force"] = axes_tuple(spread.force);
+  made["torque"] = axes_tuple(spread.torque);
+  return made;
+}
+
 py::array simulated_foci(const SimulateObject& o) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Vec3> foci;
@@ -385,6 +414,9 @@ void add_simulation_class(py::module_& m) {
       .def_property_readonly(
           "unreached", [](const SimulateObject& o) { return o.result.unreached; },
           "str or None: a sentence about a pressure that the array does not reach.")
+      .def_property_readonly(
+          "spread", [](const SimulateObject& o) { return spread_of(o); },
+          "dict or None: percentiles (5, 50, 95) of random arrays, if spread was given.")
       .def_property_readonly(
           "bare_elongation", [](const SimulateObject& o) { return o.result.bare_elongation; },
           "float or None: elongation of the sound's spot without the finger, if it was asked for.")

@@ -108,13 +108,32 @@ bool open(const setup::LiveOptions& options, std::span<const session::SourceKind
   return true;
 }
 
+/// Keeps the state that this thread has in the interpreter. Otherwise each callback would make one and delete it. A
+/// fork() of another thread at that moment hangs in CPython 3.11.
+class KeptThreadState {
+ public:
+  KeptThreadState() : lock_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
+  ~KeptThreadState() {
+    PyEval_RestoreThread(state_);
+    PyGILState_Release(lock_);
+  }
+  KeptThreadState(const KeptThreadState&) = delete;
+  KeptThreadState& operator=(const KeptThreadState&) = delete;
+
+ private:
+  PyGILState_STATE lock_;
+  PyThreadState* state_;
+};
+
 /// The run is over: nobody is called back from here on.
-void end_of(Run& run, const std::exception_ptr& fault, std::optional<EndsWithInterpreter>& ends) {
+void end_of(Run& run, const std::exception_ptr& fault, std::optional<KeptThreadState>& kept,
+            std::optional<EndsWithInterpreter>& ends) {
   {
     const py::gil_scoped_acquire locked;
     run.on_frame = py::object();
     run.on_event = py::object();
   }
+  kept.reset();  // while the interpreter waits for this thread
   ends.reset();
   const std::lock_guard lock(run.mutex);
   if (!run.stats) run.stats = std::make_shared<StatsObject>();
@@ -167,10 +186,12 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
 void play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
   std::optional<EndsWithInterpreter> ends(std::in_place, run.stop);
+  std::optional<KeptThreadState> kept(std::in_place);
   std::exception_ptr fault;
   try {
     const std::vector<session::LinkKind> links = links_with_gain(run.gain);
     const Outputs outputs(setup::outputs_of(options, links));
+    refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
     if (o.from_points()) {
       run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
     } else {
@@ -183,7 +204,7 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   } catch (...) {
     fault = std::current_exception();
   }
-  end_of(run, fault, ends);
+  end_of(run, fault, kept, ends);
 }
 
 double steady_s() {
@@ -275,6 +296,7 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
 }
 
 void set_pose(SessionObject& o, const py::object& solid, const py::object& pose) {
+  refuse_fork();  // the run's thread may have the mutex when fork() comes
   const auto index = static_cast<std::uint32_t>(solid_index(*o.scene, solid));
   const Transform transform = transform_of("pose", pose);
   if (!o.live()) {
@@ -287,6 +309,7 @@ void set_pose(SessionObject& o, const py::object& solid, const py::object& pose)
 }
 
 void set_aim(SessionObject& o, const py::object& offset) {
+  refuse_fork();
   const Vec3 by = point_of("offset", offset);
   if (!o.live()) {
     const Turn turn(o);

@@ -51,7 +51,7 @@ PyObject* new_class(py::module_& m, const char* name, const char* doc, const py:
 
 /// The file of a message "FILE: fault" or "FILE: line 3: fault". A name may itself contain ": ", so the longest
 /// beginning that exists is taken.
-std::string file_of(const std::string& message) {
+std::string file_in(const std::string& message) {
   std::string first;
   for (std::size_t at = message.find(": "); at != std::string::npos; at = message.find(": ", at + 1)) {
     std::string name = message.substr(0, at);
@@ -82,7 +82,7 @@ void raise(const Error& error) {
   const py::object value = py::reinterpret_steal<py::object>(
       PyObject_CallFunctionObjArgs(class_of(error.code()), shown_text(message).ptr(), nullptr));
   if (!value) return;  // Python has set an error of its own
-  if (error.code() == Exit::bad_input) value.attr("file") = shown_text(file_of(message));
+  if (error.code() == Exit::bad_input) value.attr("file") = shown_text(file_in(message));
   value.attr("exit_code") = static_cast<int>(error.code());
   PyErr_SetObject(class_of(error.code()), value.ptr());
 }
@@ -390,7 +390,9 @@ PYBIND11_MODULE(_engine, m) {
   m.attr("__version__") = PALPA_VERSION;
   pybind11::options options;
   options.disable_enum_members_docstring();
-  m.def("_use_assets", &palpa::setup::set_asset_folder, "Look for palpa's own models and rigs in this folder.");
+  m.def(
+      "_use_assets", [](pybind11::handle folder) { palpa::setup::set_asset_folder(bytes_of("folder", folder)); },
+      "Look for palpa's own models and rigs in this folder.");
   add_errors(m);
   add_running(m);
   add_log(m);

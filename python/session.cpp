@@ -330,6 +330,7 @@ pose : array_like, shape (4, 4)
       .def_property_readonly(
           "running",
           [](SessionObject& o) {
+            refuse_fork();
             const std::lock_guard lock(o.run.mutex);
             return !o.run.over;
           },

@@ -2,24 +2,29 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <atomic>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
+#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
+#include "options.hpp"
 #include "running.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/options.hpp"
 #include "setup/spread.hpp"
+#include "setup/tasks/export_played.hpp"
+#include "setup/values.hpp"
+#include "shapes.hpp"
+#include "tasks_doc.hpp"
 
 namespace palpa::python {
 namespace {
-
-py::object range_of(const setup::Percentiles& p) {
-  return py::make_tuple(p.p05, p.p50, p.p95);
-}
 
 py::object spread_of(const DriveObject& o) {
   if (!o.result.spread) return py::none();
@@ -187,11 +192,43 @@ void add_field_class(py::module_& m) {
       });
 }
 
+struct PlayedArguments {
+  setup::ExportTask task;
+};
+void add_played_options(CLI::App& app, PlayedArguments& o) {
+  const setup::Group group(app, "What to export");
+  setup::add_hold(group, o.task);
+  setup::add_safety(group, o.task.safety);
+  setup::add_rig_options(app, o.task.rig);
+  setup::add_drive_options(app, o.task.drive);
+}
+
+Declared<PlayedArguments>& played_options() {
+  static auto* const options = new Declared<PlayedArguments>("export_played", add_played_options, {"--pressure"});
+  return *options;
+}
+
+std::string export_played(const py::object& played, const py::object& drives, const py::kwargs& kwargs) {
+  refuse_fork();
+  PlayedArguments o = played_options().read(kwargs);
+  o.task.played = file_of("played", played);
+  o.task.drives = file_of("drives", drives);
+  std::string json;
+  std::atomic<bool> stop{false};
+  run_beside(stop, [&] {
+    const Outputs outputs({{"--drives", o.task.drives}});
+    json = to_json(setup::export_played(o.task, stop));
+  });
+  return json;
+}
+
 }  // namespace
 
 void add_sounds(py::module_& m) {
   add_drive_class(m);
   add_field_class(m);
+  const std::string doc = played_options().documented(export_played_doc);
+  m.def("export_played", &export_played, py::arg("played"), py::arg("drives"), doc.c_str());
 }
 
 }  // namespace palpa::python

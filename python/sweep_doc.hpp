@@ -59,7 +59,10 @@ dict of str to int
 
 Raises
 ------
+BadUsage
+    The table, or a file beside it, would replace an input of the plan.
 Error
-    Cases have no result yet, the disk is full, or another process gathers the same folder.)";
+    Cases have no result yet, the disk is full, another process gathers the same folder, or the files beside the table
+    would replace those of other results.)";
 
 }  // namespace palpa::python

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/output_file.hpp"
+#include "base/outputs.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
 #include "driver/sources.hpp"
@@ -23,14 +25,28 @@
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "setup/options.hpp"
+#include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
 #include "setup/tasks/export.hpp"
 #include "setup/values.hpp"
 #include "shapes.hpp"
+#include "tasks_doc.hpp"
 
 namespace palpa::python {
 namespace {
+
+/// The Scene, or null for anything else. Its file is read again, as it was read for the Scene. Throws bad_usage if a
+/// keyword says how to read it.
+const SceneObject* loaded_scene(const py::object& scene, const py::kwargs& kwargs,
+                                std::initializer_list<const char*> keywords) {
+  if (!py::isinstance<SceneObject>(scene)) return nullptr;
+  for (const char* keyword : keywords) {
+    if (kwargs.contains(keyword) && !kwargs[keyword].is_none())
+      throw bad_usage(fmt::format("{} goes with the path of a scene; a Scene has its own", keyword));
+  }
+  return &scene.cast<const SceneObject&>();
+}
 
 // ---- parts ----------------------------------------------------------------------------------------------------------
 
@@ -64,7 +80,12 @@ Declared<DecomposeArguments>& decompose_options() {
 std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs& kwargs) {
   refuse_fork();
   DecomposeArguments o = decompose_options().read(kwargs);
-  o.task.scene = py::isinstance<SceneObject>(scene) ? scene.cast<const SceneObject&>().source : file_of("scene", scene);
+  if (const SceneObject* const loaded = loaded_scene(scene, kwargs, {"gltf_scene"})) {
+    o.task.scene = loaded->source;
+    o.task.gltf_scene = loaded->gltf_scene;
+  } else {
+    o.task.scene = file_of("scene", scene);
+  }
   o.task.options.error_percent = o.error_percent.value_or(o.task.options.error_percent);
   o.task.seed = o.common.seed;
   allow_outside_references(o.common.allow_outside);
@@ -100,8 +121,7 @@ void add_parts(py::module_& m) {
       .def(
           "write",
           [](const PartsObject& o, const py::object& file) {
-            const std::string path = file_of("file", file);
-            unlocked([&] { geometry::write_glb(path, setup::part_meshes(o.solids)); });
+            unlocked([&, path = file_of("file", file)] { geometry::write_glb(path, setup::part_meshes(o.solids)); });
           },
           py::arg("file"), "Write the parts as a .glb file, which a Scene reads back as these solids.")
       .def(
@@ -110,22 +130,7 @@ void add_parts(py::module_& m) {
           py::arg("file"), "str: what `palpa decompose --json --out file` writes.")
       .def("__repr__",
            [](const PartsObject& o) { return fmt::format("<palpa.Parts of {}>", counted(o.solids.size(), "solid")); });
-  const std::string doc =
-      decompose_options().documented(R"(Cut the solids of a model into convex parts, as in the paper (V-HACD).
-
-Parameters
-----------
-scene : Scene or path
-    A glTF file. Parts are cut from the file's meshes.
-
-Returns
--------
-Parts
-
-Raises
-------
-BadInput
-    There is no mesh that can be touched, or one that cannot be cut.)");
+  const std::string doc = decompose_options().documented(decompose_doc);
   m.def("decompose", &decompose, py::arg("scene"), doc.c_str());
 }
 
@@ -135,20 +140,29 @@ struct CalibrationObject {
   setup::CalibrateResult result;
 };
 
+void add_place(const setup::Group& group, setup::TargetPlace& place) {
+  group.point("--at", place.at, "where the middle of the target's underside is, in the layout's own frame");
+  group.number("--turn", place.turn_deg, {-360, 360}, "DEGREES",
+               "how the target is turned about its own z, counter-clockwise seen from above");
+}
+
 struct CalibrateArguments {
   setup::CommonOptions common;
   setup::CalibrateTask task;
 };
+/// The frames of a calibration's task.
+void add_frames(const setup::Group& group, auto& task, std::uint64_t most, const char* frames) {
+  group.text("--source", task.source, "SOURCE",
+             "where depth frames come from [a rehearsal: the rig's own cameras, rendered]");
+  group.integer("--frames", task.frames, 0, most, frames);
+  group.flag("--noise-free", task.noise_free, "renders synthetic frames without the sensor's noise");
+  group.integer("--seed", task.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
+}
+
 void add_calibrate_options(CLI::App& app, CalibrateArguments& o) {
   const setup::Group group(app, "What to calibrate");
-  group.text("--source", o.task.source, "SOURCE",
-             "where depth frames come from [a rehearsal: the rig's own cameras, rendered]");
-  group.integer("--frames", o.task.frames, 0, 100, "number of frames that are combined; 0 means 30");
-  group.flag("--noise-free", o.task.noise_free, "renders synthetic frames without the sensor's noise");
-  group.point("--at", o.task.target.at, "where the middle of the target's underside is, in the layout's own frame");
-  group.number("--turn", o.task.target.turn_deg, {-360, 360}, "DEGREES",
-               "how the target is turned about its own z, counter-clockwise seen from above");
-  group.integer("--seed", o.task.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
+  add_frames(group, o.task, 100, "number of frames that are combined; 0 means 30");
+  add_place(group, o.task.target);
   setup::add_allow_outside(group, o.common);
   setup::add_rig_options(app, o.task.rig);
 }
@@ -179,6 +193,109 @@ py::list cameras_of(const CalibrationObject& o) {
   return cameras;
 }
 
+struct TargetArguments {
+  setup::TargetPlace place;
+  setup::RigOptions rig;
+};
+void add_target_options(CLI::App& app, TargetArguments& o) {
+  add_place(setup::Group(app, "Where the target is"), o.place);
+  setup::add_rig_options(app, o.rig);
+}
+
+Declared<TargetArguments>& target_options() {
+  static auto* const options = new Declared<TargetArguments>("write_target", add_target_options);
+  return *options;
+}
+
+void write_target(const py::object& file, const py::kwargs& kwargs) {
+  refuse_fork();
+  const TargetArguments o = target_options().read(kwargs);
+  const std::string path = file_of("file", file);
+  setup::check_target_file(path, o.place);
+  unlocked([&] { setup::write_target(path, o.place, setup::load_placed_layout(o.rig)); });
+}
+
+Declared<setup::RigOptions>& nudged_options() {
+  static auto* const options = new Declared<setup::RigOptions>("write_nudged_rig", setup::add_rig_options);
+  return *options;
+}
+
+void write_nudged_rig(const py::object& file, const py::object& offset, const py::kwargs& kwargs) {
+  refuse_fork();
+  const setup::RigOptions o = nudged_options().read(kwargs);
+  const std::string path = file_of("file", file);
+  const Vec3 by = point_of("offset", offset);
+  unlocked([&] { setup::write_rig(path, setup::nudged_rig(setup::load_posed_rig(o), o, "offset", by)); });
+}
+
+struct BackgroundObject {
+  setup::BackgroundResult result;
+};
+
+struct BackgroundArguments {
+  setup::CommonOptions common;
+  setup::BackgroundTask task;
+};
+void add_background_options(CLI::App& app, BackgroundArguments& o) {
+  const setup::Group group(app, "What is seen");
+  add_frames(group, o.task, 1000, "number of frames; 0 means two seconds of them");
+  setup::add_allow_outside(group, o.common);
+  setup::add_rig_options(app, o.task.rig);
+}
+
+Declared<BackgroundArguments>& background_options() {
+  static auto* const options = new Declared<BackgroundArguments>("learn_background", add_background_options);
+  return *options;
+}
+
+std::shared_ptr<BackgroundObject> learn_background(const py::object& out, const py::kwargs& kwargs) {
+  refuse_fork();
+  BackgroundArguments o = background_options().read(kwargs);
+  if (!out.is_none()) o.task.out = file_of("out", out);
+  check(o.task);
+  allow_outside_references(o.common.allow_outside);
+  return owned(cancellable([&] {
+    std::vector<Output> files{{"--out", o.task.out}};
+    for (const std::string& image : setup::images_of(o.task))
+      files.push_back({"--out", image});
+    const Outputs outputs(files);
+    return BackgroundObject{setup::learn_background(o.task, driver::camera_sources())};
+  }));
+}
+
+py::list backgrounds_of(const BackgroundObject& o) {
+  py::list cameras;
+  for (const setup::BackgroundOfCamera& camera : o.result.cameras) {
+    py::dict made;
+    made["name"] = camera.name;
+    made["pixels"] = camera.learned.pixels;
+    made["unsteady"] = camera.learned.unsteady;
+    made["noise"] = camera.learned.noise_m;
+    made["margin"] = camera.learned.background.margin_m;
+    made["file"] = camera.file.empty() ? py::object(py::none()) : py::object(shown_text(camera.file));
+    cameras.append(made);
+  }
+  return cameras;
+}
+
+void add_background(py::module_& m) {
+  py::class_<BackgroundObject, std::shared_ptr<BackgroundObject>>(m, "Background",
+                                                                  "What a rig's cameras see without a hand.")
+      .def_property_readonly("cameras", &backgrounds_of,
+                             "list of dict: name, pixels (with a depth), unsteady (of these), noise (m), margin (m: "
+                             "skin is at least so much nearer) and file (None if nothing is written) of each camera.")
+      .def_property_readonly(
+          "frames", [](const BackgroundObject& o) { return o.result.frames; }, "int: the number of frames taken.")
+      .def(
+          "json", [](const BackgroundObject& o) { return setup::to_json(o.result); },
+          "str: what `palpa calibrate --background --json` writes.")
+      .def("__repr__", [](const BackgroundObject& o) {
+        return fmt::format("<palpa.Background: {}>", counted(o.result.cameras.size(), "camera"));
+      });
+  const std::string doc = background_options().documented(background_doc);
+  m.def("learn_background", &learn_background, py::arg("out") = py::none(), doc.c_str());
+}
+
 void add_calibration(py::module_& m) {
   py::class_<CalibrationObject, std::shared_ptr<CalibrationObject>>(m, "Calibration", "The poses of a rig's cameras.")
       .def_property_readonly("cameras", &cameras_of,
@@ -189,8 +306,7 @@ void add_calibration(py::module_& m) {
       .def(
           "write_rig",
           [](const CalibrationObject& o, const py::object& file) {
-            const std::string path = file_of("file", file);
-            unlocked([&] { write_file(path, sensing::to_toml(o.result.rig)); });
+            unlocked([&, path = file_of("file", file)] { setup::write_rig(path, o.result.rig); });
           },
           py::arg("file"), "Write the rig with these poses as a TOML file, for --rig.")
       .def(
@@ -199,18 +315,12 @@ void add_calibration(py::module_& m) {
       .def("__repr__", [](const CalibrationObject& o) {
         return fmt::format("<palpa.Calibration: {}>", counted(o.result.cameras.size(), "camera"));
       });
-  const std::string doc = calibrate_options().documented(
-      R"(Find the poses of a rig's cameras from frames of the calibration target (docs/calibration.md).
-
-Returns
--------
-Calibration
-
-Raises
-------
-BadInput
-    A camera does not see the target, or the rig is broken.)");
+  const std::string doc = calibrate_options().documented(calibrate_doc);
   m.def("calibrate", &calibrate, doc.c_str());
+  const std::string target = target_options().documented(target_doc);
+  m.def("write_target", &write_target, py::arg("file"), target.c_str());
+  const std::string nudged = nudged_options().documented(nudged_doc);
+  m.def("write_nudged_rig", &write_nudged_rig, py::arg("file"), py::arg("offset"), nudged.c_str());
 }
 
 // ---- recordings -----------------------------------------------------------------------------------------------------
@@ -268,13 +378,24 @@ std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::o
   } else {
     o.task.source = file_of("source", source);
   }
-  o.task.scene = py::isinstance<SceneObject>(scene) ? scene.cast<const SceneObject&>().source : file_of("scene", scene);
+  if (const SceneObject* const loaded =
+          loaded_scene(scene, kwargs, {"gltf_scene", "surface", "parts", "internal_faces"})) {
+    o.task.scene = loaded->source;
+    o.task.gltf_scene = loaded->gltf_scene;
+    o.task.solids = loaded->options;
+  } else {
+    o.task.scene = file_of("scene", scene);
+  }
   o.task.common.quiet = true;  // a bar on a terminal would be printing
   const std::vector<session::SourceKind> sources = driver::camera_sources();
   setup::check(o.task, sources, true);
   auto made = std::make_shared<ExportObject>();
   std::atomic<bool> stop{false};
   run_beside(stop, [&] {
+    const bool writes_events = !o.task.events.starts_with("udp:");
+    const Outputs outputs({{"--foci", o.task.foci},
+                           {"--drives", o.task.drives},
+                           {"--events", writes_events ? o.task.events : std::string()}});
     setup::FocusRows rows;
     session::Link* link = &rows;
     setup::ExportRun run(o.task, sources, stop, {&link, 1});
@@ -313,16 +434,7 @@ py::dict foci_table(const ExportObject& o) {
 }
 
 void add_recording(py::module_& m) {
-  py::class_<RecordingObject>(m, "Recording", R"(Depth frames that `palpa run --record` wrote.
-
-Parameters
-----------
-folder : path
-
-Raises
-------
-BadInput
-    The folder has no recording, or a broken one.)")
+  py::class_<RecordingObject>(m, "Recording", recording_doc)
       .def(py::init([](const py::object& folder) {
              const std::string path = file_of("folder", folder);
              return std::make_unique<RecordingObject>(
@@ -350,16 +462,7 @@ BadInput
             return copied(std::span<const double>(times));
           },
           "ndarray of float64, shape (n,): capture times, seconds.")
-      .def("images", &images_of, py::arg("frame"), R"(The depth images of a frame.
-
-Parameters
-----------
-frame : int
-
-Returns
--------
-list of Any
-    An array of uint16 for each camera, shape (height, width), in the camera's depth unit; 0 means no data.)")
+      .def("images", &images_of, py::arg("frame"), images_doc)
       .def("__repr__", [](const RecordingObject& o) {
         return shown_text(fmt::format("<palpa.Recording {}: {} of {}>", o.source,
                                       counted(o.recording.entries.size(), "frame"),
@@ -381,25 +484,7 @@ list of Any
         return fmt::format("<palpa.Export: {}, {}>", counted(o.result.stats.frames, "frame"),
                            counted(o.rows.size(), "row"));
       });
-  const std::string doc = export_options().documented(
-      R"(Play a source on its own clock, and take the foci, drives and events of all its frames.
-
-Parameters
-----------
-scene : Scene or path
-source : Recording, str or path
-    A Recording, or what --source takes: "recording:DIR", "bag:FILE", "synthetic".
-
-Returns
--------
-Export
-
-Raises
-------
-BadUsage
-    The source does not end by itself and `frames` is missing, or options do not go together.
-BadInput
-    A file is missing or broken.)");
+  const std::string doc = export_options().documented(export_doc);
   m.def("export", &export_frames, py::arg("scene"), py::arg("source"), doc.c_str());
 }
 
@@ -408,6 +493,7 @@ BadInput
 void add_tasks(py::module_& m) {
   add_parts(m);
   add_calibration(m);
+  add_background(m);
   add_recording(m);
 }
 

@@ -299,10 +299,15 @@ void add_finger(py::module_& m) {
       .def_property_readonly("pressures", pressures_of,
                              "ndarray of float64, shape (N,), or None: peak pressure at each focus in pascals, if a "
                              "layout was given; nan for an empty sector.")
-      .def_property_readonly("spectrum", spectrum_of,
-                             "dict or None: what the skin feels in time, if spectrum=True was given. One array entry "
-                             "per line: frequency (Hz), amplitude, phase (rad), around, hold, felt.")
-      .def_property_readonly("tuned", tuned_of, "dict or None: what tune=True chose.")
+      .def_property_readonly(
+          "spectrum", spectrum_of,
+          "dict or None: what the skin feels in time, if spectrum=True was given. One array entry "
+          "per line: frequency (Hz), amplitude, phase (rad), around, hold, felt. For all lines together: "
+          "felt_share and flutter_share, the shares of vibration and flutter (docs/methods.md).")
+      .def_property_readonly(
+          "tuned", tuned_of,
+          "dict or None: what tune=True chose: foci, stride and dwell (s), whether it `changed` them, felt_share "
+          "and flutter_share, and both as they were before (felt_share_before, flutter_share_before).")
       .def("__repr__", [](const FingerObject& o) {
         return fmt::format("<palpa.Finger {} on {}: {}, {}>", o.finger().id, o.values().solids[o.finger().solid],
                            counted(o.finger().contact_count, "contact"),

@@ -17,14 +17,6 @@
 namespace palpa {
 namespace {
 
-/// The name of a new file is only safe when its folder is.
-void sync_folder(const std::filesystem::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 void lock(int descriptor, const std::string& name) {
   if (lock_output(descriptor, name)) return;
   throw failure(name + ": cannot be locked: " + std::system_category().message(errno) +
@@ -32,6 +24,22 @@ void lock(int descriptor, const std::string& name) {
 }
 
 }  // namespace
+
+void sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+void keep_file(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) throw write_failure(file.string(), errno);
+  const int code = ::fsync(descriptor) == 0 ? 0 : errno;
+  ::close(descriptor);
+  if (code != 0) throw write_failure(file.string(), code);
+  sync_folder(file.parent_path());
+}
 
 AppendFile::AppendFile(const std::filesystem::path& file) : name_(file.string()) {
   const OutputPlace place = output_place(file);
@@ -49,6 +57,7 @@ AppendFile::AppendFile(const std::filesystem::path& file) : name_(file.string())
     ::close(descriptor_);
     throw;
   }
+  // The name of a new file is only safe when its folder is.
   if (place.kind == OutputPlace::Kind::absent) sync_folder(place.folder());
 }
 

@@ -36,4 +36,9 @@ class AppendFile {
   std::uint64_t size_ = 0;
 };
 
+/// Waits until the names in a folder are on the disk, if its file system can do that.
+void sync_folder(const std::filesystem::path& folder);
+/// Waits until a file that was written whole, and its name, are on the disk. Throws failure().
+void keep_file(const std::filesystem::path& file);
+
 }  // namespace palpa

@@ -269,7 +269,7 @@ Relay::~Relay() {
   const std::lock_guard lock(r.mutex);
   if (--r.relays > 0) return;
   try {
-    if (r.writer->flush(patience_s)) r.tell_left_out();
+    if (r.writer->flush(r.writer->on_disk() ? StreamWriter::disk_patience_s : patience_s)) r.tell_left_out();
     r.writer->flush(patience_s / 4);
     r.writer->close();
   } catch (const Error&) {  // a closed pipe, or a reader that still does not read

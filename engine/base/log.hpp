@@ -72,7 +72,8 @@ bool draw(std::string_view text);
 /// room for it. Several relays act as one.
 class Relay {
  public:
-  /// How long the destructor of the last relay waits for unwritten output.
+  /// How long the destructor of the last relay waits for a reader of unwritten output. It waits
+  /// StreamWriter::disk_patience_s for a disk.
   static constexpr double patience_s = 0.2;
   Relay();
   ~Relay();

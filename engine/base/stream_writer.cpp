@@ -233,6 +233,10 @@ bool StreamWriter::on_disk() const {
   return work_->on_disk;
 }
 
+double StreamWriter::patience() const {
+  return work_->on_disk ? disk_patience_s : patience_s;
+}
+
 void StreamWriter::grow(std::size_t room) {
   const std::lock_guard lock(work_->mutex);
   work_->room = room;
@@ -299,7 +303,7 @@ bool StreamWriter::flush_waiting(const std::atomic<bool>& stop) {
 }
 
 bool StreamWriter::flush_patiently() {
-  return flush(stalled_ ? last_patience_s : patience_s);
+  return flush(stalled_ ? last_patience_s : patience());
 }
 
 void StreamWriter::close() {
@@ -309,7 +313,7 @@ void StreamWriter::close() {
   w.closing = true;
   w.given_up = w.written != w.added;
   w.to_do.notify_one();
-  const bool answers = w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience_s), [&] { return w.ended; });
+  const bool answers = w.done.wait_until(lock, after(stalled_ ? last_patience_s : patience()), [&] { return w.ended; });
   if (w.fault) throw write_failure(w.name, *w.fault);
   lock.unlock();
   if (!answers) fail_stalled();

@@ -22,8 +22,10 @@ namespace palpa {
 
 class StreamWriter {
  public:
-  /// How long flush_patiently() and add_patiently() wait for a slow reader or disk.
+  /// How long flush_patiently() and close() wait for a slow reader, and add_patiently() for a slow reader or disk.
   static constexpr double patience_s = 0.5;
+  /// How long flush_patiently() and close() wait for a disk. Other programs can keep a disk busy for seconds.
+  static constexpr double disk_patience_s = 10;
   /// How long they wait after that was not enough, until the reader or disk has caught up.
   static constexpr double last_patience_s = 0.2;
 
@@ -41,6 +43,8 @@ class StreamWriter {
   const std::string& name() const;
   /// Whether the output is a file on a disk.
   bool on_disk() const;
+  /// disk_patience_s for a file on a disk, patience_s for everything else.
+  double patience() const;
   /// Makes room for more waiting data. Call it before anything is added.
   void grow(std::size_t room);
   /// If a file on a disk (also as stdout) cannot grow further, it will end with its last whole record, the last `bytes`
@@ -59,7 +63,7 @@ class StreamWriter {
   std::uint64_t waiting() const;
   /// Waits until everything is written, at most `seconds`. Returns true if everything is written. Throws as add().
   bool flush(double seconds);
-  /// flush(patience_s), or flush(last_patience_s) if the last such call timed out.
+  /// flush(patience()), or flush(last_patience_s) if the last such call timed out.
   bool flush_patiently();
   /// Waits without limit, or until `stop` becomes true.
   bool flush_waiting(const std::atomic<bool>& stop);

@@ -105,7 +105,12 @@ double worst_by_median(double resonance) {
 }
 
 void measure_spheres(const Context& context, std::vector<Row>& rows) {
-  for (const int divisions : {5, 7, 10, 14, 20, 28}) {
+  struct Timed {
+    int faces;
+    double ms;
+  };
+  std::optional<Timed> smaller;  // the compressed operator before
+  for (const int divisions : {5, 7, 10, 14, 20, 28, 40}) {
     const int faces = 20 * divisions * divisions;
     std::vector<double> samples;
     std::optional<RigidBody> body;
@@ -126,6 +131,14 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
     rows.back().note = fmt::format("ka 5.86: plane wave {:.3f} %, point source {:.3f} %, Y_p {:.4f} of {:.4f}; {} MB",
                                    plane * 100, near * 100, force, acoustics::sphere_force_function(usual_ka),
                                    acoustics::operator_bytes(body->mesh(), k) / 1'000'000);
+    if (!body->effort().iterates) continue;
+    const double ms = rows.back().median_ms;
+    if (smaller) {
+      rows.back().note +=
+          fmt::format("; the time grew with the faces to the power of {:.2f}",
+                      std::log(ms / smaller->ms) / std::log(static_cast<double>(faces) / smaller->faces));
+    }
+    smaller = Timed{faces, ms};
   }
   for (const double resonance : {5.6467, 5.7635, 5.9404, 6.2832}) {
     const double begin = now_ms(), worst = worst_by_median(resonance);

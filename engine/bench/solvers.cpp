@@ -112,7 +112,8 @@ constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise}
                        {"gs-pat normalise", Solver::gs_pat, Constraint::normalise},
                        {"gs-pat uniform", Solver::gs_pat, Constraint::uniform},
                        {"gs-pat clamp", Solver::gs_pat, Constraint::clamp},
-                       {"loudest uniform", Solver::loudest, Constraint::uniform}};
+                       {"loudest uniform", Solver::loudest, Constraint::uniform},
+                       {"loudest clamp", Solver::loudest, Constraint::clamp}};
 
 /// The references for the figures: those of naive under the same constraint, and those of greedy.
 struct Yardsticks {

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +12,6 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
-#include "geometry/files/stl.hpp"
-#include "geometry/gltf/write.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
@@ -65,35 +61,25 @@ std::string after_printing(const CalibrateCommand& o, const array::Layout& layou
 }
 
 void write_target(const CalibrateCommand& o) {
-  const std::string kind = std::filesystem::path(o.target).extension();
-  if (kind != ".stl" && kind != ".glb")
-    throw bad_usage("--target " + o.target + ": give a file that ends in .stl or .glb");
+  const setup::TargetPlace place{o.at, o.turn_deg};
+  setup::check_target_file(o.target, place);
   if (!o.out.empty() || o.nudge || o.background)
     throw bad_usage("--target only writes the model: leave out --out, --background and --nudge");
   refuse_nudge_options(o);
   if (!o.source.empty() || o.frames != 0 || o.noise_free || !o.common.json.empty()) {
     throw bad_usage("--target only writes the model: leave out --source, --frames, --noise-free and --json");
   }
-  if (kind == ".stl" && (!o.at.empty() || o.turn_deg != 0))
-    throw bad_usage(
-        "--at and --turn place a model in the world, so they go with .glb: a printer's .stl lies as it is printed");
   setup::refuse_gpu_options(o.common, "palpa calibrate --target uses no GPU");
   const Outputs outputs({{"--target", o.target}});
   const bool prints = setup::shows_summary(o.common, outputs);
   const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
-  if (kind == ".stl") {
-    geometry::write_stl(o.target, setup::target_to_print(placed.layout));
-    if (prints) write_file("-", after_printing(o, placed.layout));
-  } else {
-    const geometry::SceneMesh node{"target", setup::target_in_world({o.at, o.turn_deg}, placed)};
-    geometry::write_glb(o.target, std::span(&node, 1));
-    if (prints) {
-      write_file("-", fmt::format("{}: the target on its mount on {}, in the world\n"
-                                  "next: look at it with palpa-viewer --scene {} --layout {}; --target FILE.stl writes "
-                                  "it for a printer\n",
-                                  o.target, placed.layout.name, o.target, placed.layout.name));
-    }
-  }
+  setup::write_target(o.target, place, placed);
+  if (!prints) return;
+  if (o.target.ends_with(".stl")) return write_file("-", after_printing(o, placed.layout));
+  write_file("-", fmt::format("{}: the target on its mount on {}, in the world\n"
+                              "next: look at it with palpa-viewer --scene {} --layout {}; --target FILE.stl writes it "
+                              "for a printer\n",
+                              o.target, placed.layout.name, o.target, placed.layout.name));
 }
 
 std::string summary_of_calibrate(const CalibrateCommand& o, const std::vector<setup::CalibratedCamera>& cameras) {
@@ -128,7 +114,7 @@ void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
                                                   {.opened = opened,
                                                    .taken = [&](std::uint64_t done) { progress->set(done); },
                                                    .all_taken = [&] { progress.reset(); }});
-  if (!o.out.empty()) write_rig(o.out, result.rig);
+  if (!o.out.empty()) setup::write_rig(o.out, result.rig);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_calibrate(o, result.cameras));
 }
@@ -184,10 +170,6 @@ void run_calibrate(const Extensions& extensions, const CalibrateCommand& o) {
 }
 
 }  // namespace
-
-void write_rig(const std::string& file, const sensing::Rig& rig) {
-  write_file(file, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
-}
 
 void add_calibrate(Program& program) {
   const Extensions& extensions = program.extensions;

@@ -22,8 +22,6 @@ struct CalibrateCommand : setup::LiveOptions {
   std::string keys;
 };
 
-void write_rig(const std::string& file, const sensing::Rig& rig);
-
 /// `palpa calibrate --nudge`.
 void add_nudge_options(CLI::App& app, CalibrateCommand& options);
 /// Throws bad_usage if one of these options is given without --nudge.

@@ -12,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
+#include "setup/tasks/export_played.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::cli {
@@ -23,6 +24,7 @@ void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
   group.text("--foci", o.foci, "FILE",
              "writes the foci of each frame, as .csv or .json; --foci-count sets their number");
   group.text("--drives", o.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
+  add_played(app, group, o);
   add_session_options(app, o, setup::FingerMesh::unknown, "--foci-count");
 }
 
@@ -32,7 +34,23 @@ std::string summary_of_export(const session::ReplayStats& stats) {
          session::to_text(stats.dropped, stats.frames) + setup::pressures_summary(stats.fingers, stats.solids);
 }
 
+[[noreturn]] void throw_stopped(const setup::ExportResult& result, const std::string& unwritten) {
+  throw failure(fmt::format("ended by a signal after {}{}", counted(result.stats.frames, "frame"),
+                            unwritten.empty() ? "" : fmt::format(": {} is not written", unwritten)));
+}
+
+void run_played(const setup::ExportTask& o) {
+  const Outputs outputs({{"--json", o.common.json}, {"--drives", o.drives}});
+  const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk took longer");
+  log::release_warnings();
+  const setup::ExportResult result = export_played(o, setup::Interrupt::flag());
+  if (result.stopped) throw_stopped(result, "");
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_export(result.stats));
+}
+
 void run_export(const Extensions& extensions, const setup::ExportTask& o) {
+  if (!o.played.empty()) return run_played(o);
   check(o, extensions.sources);
   const Outputs outputs({{"--json", o.common.json},
                          {"--foci", o.foci},
@@ -49,10 +67,7 @@ void run_export(const Extensions& extensions, const setup::ExportTask& o) {
         preparing.reset();
         progress.set(++frames);
       }});
-  if (result.stopped) {
-    throw failure(fmt::format("ended by a signal after {}{}", counted(result.stats.frames, "frame"),
-                              o.foci.empty() ? "" : fmt::format(": {} is not written", o.foci)));
-  }
+  if (result.stopped) throw_stopped(result, o.foci);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_export(result.stats));
 }

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstddef>
 #include <glm/common.hpp>
-#include <glm/ext/matrix_transform.hpp>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -35,7 +34,6 @@ namespace palpa::cli {
 namespace {
 
 constexpr double step_m = 1e-3, fine_step_m = 1e-4;
-constexpr double farthest_m = 0.05;  // limit along each axis: more is not a nudge
 constexpr const char* no_terminal =
     "--nudge: stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
 
@@ -92,7 +90,7 @@ class Nudge {
 
  private:
   void move(const Vec3& way, bool fine) {
-    constexpr double most = farthest_m / fine_step_m;
+    constexpr double most = setup::farthest_nudge_m / fine_step_m;
     steps_ = glm::clamp(steps_ + way * (fine || fine_ ? 1.0 : step_m / fine_step_m), Vec3(-most), Vec3(most));
   }
 
@@ -188,12 +186,6 @@ class Typing {
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
-
-/// If sound is in the right place with `offset` added, the array is displaced by the same amount in the opposite
-/// direction.
-void move_array(sensing::ArrayPlacement& array, const Transform& T_world_layout, const Vec3& offset) {
-  array.T_world_layout = glm::translate(Transform(1.0), -offset) * T_world_layout;
-}
 
 void check_nudge(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
@@ -300,9 +292,8 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
   if (!saves && !left) throw failure("--nudge: nothing is saved, because it ended before Enter was pressed");
-  sensing::Rig rig = setup::rig_to_write(posed, o.rig);
-  move_array(*rig.array, posed.T_world_layout, nudge.offset());
-  if (saves) write_rig(o.out, rig);
+  const sensing::Rig rig = setup::nudged_rig(posed, o.rig, "--keys", nudge.offset());
+  if (saves) setup::write_rig(o.out, rig);
   if (!o.common.json.empty()) write_file(o.common.json, nudge_json(nudge.offset(), saves, rig));
   if (setup::shows_summary(o.common, outputs)) {
     const Vec3 mm = nudge.offset() * 1e3;

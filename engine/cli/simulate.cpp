@@ -34,6 +34,24 @@ std::string spot_line(const char* name, const acoustics::Spot& spot) {
       name, spot.peak_pa, at.x, at.y, at.z, spot.half_area_m2 * 1e6, spot.half_radius_m * 1e3, spot.elongation);
 }
 
+/// The range of a number in another unit.
+std::string range_in(const setup::Percentiles& range, double unit, int digits) {
+  return setup::range_text({range.p05 / unit, range.p50 / unit, range.p95 / unit}, digits);
+}
+
+std::string spread_lines(const setup::SimulateSpread& spread) {
+  const auto spot = [](const char* name, const setup::SpotSpread& one) {
+    return fmt::format("{} as built: at most {} Pa; above half of it {} mm2, elongation {}\n", name,
+                       setup::range_text(one.peak_pa, 0), range_in(one.half_area_m2, 1e-6, 1),
+                       setup::range_text(one.elongation, 2));
+  };
+  const auto& force = spread.force;
+  return spot("radiation pressure", spread.langevin) + spot("|p|^2 / (4 rho c^2)", spread.squared) +
+         fmt::format("force as built ({}, {}, {}) mN\n", range_in(force[0], 1e-3, 2), range_in(force[1], 1e-3, 2),
+                     range_in(force[2], 1e-3, 2)) +
+         spread_line(spread.draws);
+}
+
 std::string summary_of_simulate(const setup::SimulateResult& result) {
   double ms = 0;
   for (const auto& stage : result.times)
@@ -43,7 +61,8 @@ std::string summary_of_simulate(const setup::SimulateResult& result) {
                      word_of(touch::method_words, result.method), counted(result.foci.size(), "focus"), ms / 1e3) +
          spot_line("radiation pressure", result.langevin) + spot_line("|p|^2 / (4 rho c^2)", result.squared) +
          fmt::format("force ({:.3g}, {:.3g}, {:.3g}) N\n", force.x, force.y, force.z) +
-         felt_lines(result.fingers, result.spectra) + (result.beyond_linear() ? setup::linear_line() : "");
+         (result.spread ? spread_lines(*result.spread) : "") + felt_lines(result.fingers, result.spectra) +
+         (result.beyond_linear() ? setup::linear_line() : "");
 }
 
 void run_one(const SimulateCommand& o) {

@@ -21,7 +21,6 @@
 #include "setup/progress.hpp"
 #include "setup/values.hpp"
 #include "sweep/cases.hpp"
-#include "sweep/crate.hpp"
 #include "sweep/forecast.hpp"
 #include "sweep/gather.hpp"
 
@@ -159,11 +158,7 @@ void look(const SweepCommand& o, const sweep::Plan& plan) {
 
 void gather(const SweepCommand& o, const std::string& file) {
   sweep::check_table_name(o.gather);
-  std::vector<Output> written{{"--json", o.common.json}};
-  for (const std::string& name : sweep::files_of_crate(file, o.gather))
-    written.push_back({"--gather", name});
-  sweep::refuse_other_crate(o.gather);
-  const Outputs outputs(written);
+  const Outputs outputs({{"--json", o.common.json}});
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
   const sweep::Gathered gathered = sweep::gather(sweep::load_plan(file), o.out, o.gather, o.partial);
   preparing.reset();

@@ -22,15 +22,20 @@ Pixels halved(const Pixels& picture) {
 
 Pixels side_by_side(const std::vector<Pixels>& pictures, std::uint32_t columns) {
   std::uint32_t width = 0, height = 0;
-  for (const Pixels& picture : pictures) {
-    width = std::max(width, picture.width);
-    height = std::max(height, picture.height);
+  std::vector<std::size_t> tops;  // of rows
+  for (std::size_t first = 0; first < pictures.size(); first += columns) {
+    tops.push_back(height);
+    std::uint32_t highest = 0;
+    for (std::size_t i = first; i < std::min<std::size_t>(first + columns, pictures.size()); ++i) {
+      width = std::max(width, pictures[i].width);
+      highest = std::max(highest, pictures[i].height);
+    }
+    height += highest;
   }
-  const auto rows = static_cast<std::uint32_t>((pictures.size() + columns - 1) / columns);
-  Pixels all{width * columns, height * rows, {}};
+  Pixels all{width * columns, height, {}};
   all.rgba.resize(static_cast<std::size_t>(all.width) * all.height * 4, 255);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const std::size_t left = i % columns * width, top = i / columns * height;
+    const std::size_t left = i % columns * width, top = tops[i / columns];
     for (std::uint32_t y = 0; y < pictures[i].height; ++y) {
       std::copy_n(pictures[i].at(0, y), static_cast<std::size_t>(pictures[i].width) * 4,
                   all.rgba.begin() + static_cast<std::ptrdiff_t>(((top + y) * all.width + left) * 4));

@@ -46,8 +46,9 @@ struct Camera {
   double min_range_m = 0;                 ///< nearer depths are no data
   double rate_hz = 0;                     ///< frames per second
   Transform T_world_camera{1.0};
-  std::optional<PixelBox> roi;                     ///< pixels outside are ignored; never empty, always inside the image
-  std::shared_ptr<const Mask> mask;                ///< may be null; never changes, copies of a camera share it
+  std::optional<double> residual_m{};  ///< of the pose: rms distance of what it saw of the target from there
+  std::optional<PixelBox> roi;         ///< pixels outside are ignored; never empty, always inside the image
+  std::shared_ptr<const Mask> mask;    ///< may be null; never changes, copies of a camera share it
   std::shared_ptr<const Background> background{};  ///< likewise
   DeviceSetting device{};
 };

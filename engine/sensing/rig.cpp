@@ -146,6 +146,7 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   camera.min_range_m = table.number_or("min_range_m", 0, 0, most_metres);
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
   if (table.has("T_world_camera")) camera.T_world_camera = table.pose("T_world_camera");
+  if (table.has("residual_m")) camera.residual_m = table.number("residual_m", 0, 1);
   if (table.has("roi")) camera.roi = read_roi(table, camera);
   camera.device = read_device(table, camera.rate_hz);
   return camera;
@@ -233,6 +234,7 @@ std::string to_toml(const Camera& camera) {
   text += fmt::format("depth_unit_m = {}\nmin_range_m = {}\nrate_hz = {}\n", toml_number(camera.depth_unit_m),
                       toml_number(camera.min_range_m), toml_number(camera.rate_hz));
   text += fmt::format("T_world_camera = {}\n", toml_pose(camera.T_world_camera));
+  if (camera.residual_m) text += fmt::format("residual_m = {}\n", toml_number(*camera.residual_m));
   if (const auto& roi = camera.roi)
     text += fmt::format("roi = [{}, {}, {}, {}]\n", roi->x0, roi->y0, roi->x1 - roi->x0, roi->y1 - roi->y0);
   if (camera.device.own_lens) text += "calibration = \"device\"\n";

@@ -99,6 +99,13 @@ void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, cons
   out.swap(found.points);
 }
 
+bool is_skin(const RayTables& tables, std::span<const shader::SkinVolume> volumes, const PixelPoint& point) {
+  const CameraTable& table = tables.cameras[point.camera];
+  const std::size_t pixel = table.first_pixel + std::size_t{point.v} * table.pitch + point.u;
+  const std::uint16_t limit = table.background ? tables.limits[pixel] : 65535;
+  return why_dropped(volumes, point.position, point.raw, limit) == shader::skin_kept;
+}
+
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box) {
   const RayTables tables = make_rays(cameras);
   std::vector<Crop> crops;

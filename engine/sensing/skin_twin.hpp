@@ -25,7 +25,16 @@ struct SkinOfFrame {
 /// The same in surroundings: `volumes` come from plan_drops for the same box.
 void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, const Box& box, std::span<const Crop> crops,
                std::span<const shader::SkinVolume> volumes, SkinOfFrame& out);
-/// The same for a single call. It builds the tables and crops itself.
+/// A pixel that has data, and the place in the world that it shows.
+struct PixelPoint {
+  std::size_t camera = 0;
+  std::uint32_t u = 0, v = 0;
+  std::uint16_t raw = 0;
+  glm::vec3 position{};
+};
+/// Whether find_skin() with these volumes takes the point for skin, if it is inside the box.
+bool is_skin(const RayTables& tables, std::span<const shader::SkinVolume> volumes, const PixelPoint& point);
+/// find_skin() for a single call, without surroundings. It builds the tables and crops itself.
 std::vector<SkinPoint> find_skin(std::span<const Camera> cameras, std::span<const DepthFrame> frames, const Box& box);
 
 }  // namespace palpa::sensing

@@ -1,5 +1,5 @@
 // Plays a source on its own clock, as fast as frames are computed. The result is the sound of `palpa run` if every
-// frame came without delay. It is the same on every machine.
+// frame came without delay. It is the same on every machine. Schedules that were played can be played again.
 #pragma once
 
 #include <atomic>
@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "array/schedule.hpp"
+#include "session/loop/output.hpp"
+#include "session/player.hpp"
 #include "session/session.hpp"
 #include "session/watch/pressure_log.hpp"
 
@@ -34,10 +37,6 @@ struct ReplayStats {
 };
 std::string to_json(const ReplayStats& stats);
 
-/// Limits the cost of a silence, even for a pause of days or slots of a microsecond.
-inline constexpr double most_silence_s = 10;
-inline constexpr std::uint64_t most_silent_slots = 10'000;
-
 /// Slot s begins s slots after the first frame's capture. It plays the newest frame captured by then, or silence if
 /// that frame is older than the session's hold. If a silence is longer than most_silence_s or most_silent_slots, only
 /// the slots up to that limit are sent. The replay ends when the last frame's hold is over and the ramp is down. The
@@ -48,5 +47,22 @@ inline constexpr std::uint64_t most_silent_slots = 10'000;
 /// reached. Throws the errors of touching and of the link.
 ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, const std::atomic<bool>& stop,
                    const ReplayOptions& options = {});
+
+/// Schedules that were played, with the first slot of each. The slots do not descend.
+struct PlayedFoci {
+  struct Frame {
+    std::uint64_t slot = 0;
+    array::Schedule schedule;
+  };
+  double slot_s = 0;
+  std::vector<Frame> frames;
+  std::vector<std::string> solids;  ///< names, by a voice's solid
+};
+
+/// Plays schedules again, on the host: each from its slot on until the slot of the next one, at most for the
+/// setting's hold, and the last one for the hold. The first drive is that of the first schedule's slot; long silences
+/// are cut as above. The last drive that `link` gets is all-zero, whatever happens. Ends early when `stop` becomes
+/// true. Warns once of a pressure that is not reached. Throws the errors of the link.
+ReplayStats replay(const PlayedFoci& played, const OutputSetting& setting, Link& link, const std::atomic<bool>& stop);
 
 }  // namespace palpa::session

@@ -149,10 +149,14 @@ void add_safety(const Group& group, session::Safety& safety) {
                  "time in which sound gets to full strength when a touch begins, and to silence when it ends");
 }
 
-void add_loop_options(const Group& group, FrameOptions& o) {
+void add_hold(const Group& group, FrameOptions& o) {
   group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
                          "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
                          "frames are late");
+}
+
+void add_loop_options(const Group& group, FrameOptions& o) {
+  add_hold(group, o);
   add_safety(group, o.safety);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.flag("--keep-boards", o.keep_boards,

@@ -65,6 +65,8 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 void add_frame_options(const Group& group, FrameOptions& options, const char* until);
 /// Adds only the options of the loop.
 void add_loop_options(const Group& group, FrameOptions& options);
+/// Adds --hold.
+void add_hold(const Group& group, FrameOptions& options);
 /// Adds --ceiling and --ramp.
 void add_safety(const Group& group, session::Safety& safety);
 /// Adds the options for following fingers.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "array/as_built.hpp"
@@ -28,9 +29,15 @@ struct SpreadOptions {
 /// --spread and --draws.
 void add_spread_options(CLI::App& app, SpreadOptions& options);
 
-/// The spread of a text such as "amplitude=10%,phase=0.2,position=0.5mm,temperature=2". Throws bad_usage for an unknown
-/// or repeated key and for a value out of range.
+/// The spread of a text such as "amplitude=10%,phase=0.2,position=0.5mm,temperature=2". A position may also be a rig
+/// that `palpa calibrate --out` wrote, "position=RIG.toml": the root mean square of its cameras' residual_m. Throws
+/// bad_usage for an unknown or repeated key and for a value out of range, bad_input for a rig without a usable
+/// residual, and as sensing::load_rig does.
 array::Spread parse_spread(const std::string& text);
+/// The same checks, but of the text alone: a rig is not read.
+void check_spread(const std::string& text);
+/// The file of a rig in such a text, where it stands; empty if there is none.
+std::string_view rig_of_spread(std::string_view text);
 
 /// Throws bad_usage for draws without a spread, and for a spread of the temperature where the sound speed is given.
 void check(const SpreadOptions& options, const MediumOptions& medium);

@@ -44,7 +44,8 @@ std::optional<MethodPair> pair_of(const Study& study, const Results& results, st
   pair.pratt = wilcoxon(pair.differences, Zeros::pratt);
   pair.pearson = pearson(of_a, of_b);
   pair.spearman = spearman(of_a, of_b);
-  pair.order.test = rank_sum(pair.order.a_first, pair.order.b_first);
+  if (!pair.order.a_first.empty() && !pair.order.b_first.empty())
+    pair.order.test = rank_sum(pair.order.a_first, pair.order.b_first);
   pair.tables = compare(results.methods[a].pooled.table, results.methods[b].pooled.table);
   return pair;
 }

@@ -15,10 +15,10 @@
 
 namespace palpa::study {
 
-/// Whether it matters which method came first: the differences of those who began with the one, and with the other.
+/// Whether it matters which method came first: the differences of those who had a before b, and of the others.
 struct OrderEffect {
   std::vector<double> a_first{}, b_first{};  ///< differences
-  RankSum test{};
+  std::optional<RankSum> test{};             ///< only if there are people in both groups
 };
 
 /// The difference b - a of the accuracies of participants who used both methods.

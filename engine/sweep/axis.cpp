@@ -101,6 +101,15 @@ Setting setting_of(const setup::OptionInfo& option, const TomlValue& value) {
   return setting;
 }
 
+std::uint64_t count_of(const TomlValue& value) {
+  if (value.kind == Kind::list) return std::max<std::uint64_t>(value.items.size(), 1);
+  if (value.kind != Kind::table) return 1;
+  const auto key = std::ranges::find(value.keys, std::string_view("count"));
+  if (key == value.keys.end()) return 1;
+  const auto steps = split_unit(value.items[static_cast<std::size_t>(key - value.keys.begin())]);
+  return steps && steps->first >= 1 && steps->first <= 1e18 ? static_cast<std::uint64_t>(steps->first) : 1;
+}
+
 Axis axis_of(const std::vector<setup::OptionInfo>& table, const std::string& key, const TomlValue& value) {
   Axis axis{key, {}, {}};
   const std::vector<TomlValue> values = value.kind == Kind::table  ? steps_of(value)

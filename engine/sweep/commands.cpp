@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "array/layouts/layout.hpp"
+#include "setup/spread.hpp"
 
 namespace palpa::sweep {
 namespace {
@@ -143,7 +144,26 @@ Command simulate_command() {
                      {"force_N", "0"},
                      {"force_far_N", "0"},
                      {"torque_Nm", "0"},
-                     {"solution", "iterations"}})};
+                     {"solution", "iterations"},
+                     {"spread", "draws"},
+                     {"spread.langevin", "peak_pa"},
+                     {"spread.langevin.peak_pa", "0"},
+                     {"spread.langevin.peak_m", "0"},
+                     {"spread.langevin.peak_m.#", "0"},
+                     {"spread.langevin.half_area_m2", "0"},
+                     {"spread.langevin.half_radius_m", "0"},
+                     {"spread.langevin.elongation", "0"},
+                     {"spread.squared", "peak_pa"},
+                     {"spread.squared.peak_pa", "0"},
+                     {"spread.squared.peak_m", "0"},
+                     {"spread.squared.peak_m.#", "0"},
+                     {"spread.squared.half_area_m2", "0"},
+                     {"spread.squared.half_radius_m", "0"},
+                     {"spread.squared.elongation", "0"},
+                     {"spread.force_N", "0"},
+                     {"spread.force_N.#", "0"},
+                     {"spread.torque_Nm", "0"},
+                     {"spread.torque_Nm.#", "0"}})};
 }
 
 std::vector<Command> all_commands() {
@@ -189,11 +209,12 @@ void check_value(const Command& command, const Setting& setting) {
   setup::read_given(*reader.app, given_by({setting}));
 }
 
-bool names_file(const setup::OptionInfo& option, const std::string& value) {
-  if (option.type == "FILE") return true;
-  if (option.type != "NAME|FILE") return false;
+std::string file_in(const setup::OptionInfo& option, const std::string& value) {
+  if (option.name == "--spread") return std::string(setup::rig_of_spread(value));
+  if (option.type == "FILE") return value;
+  if (option.type != "NAME|FILE") return {};
   const std::vector<std::string> names = array::layout_names();
-  return std::ranges::find(names, value) == names.end();
+  return std::ranges::find(names, value) == names.end() ? value : "";
 }
 
 std::unique_ptr<Line> read_line(const Command& command, const setup::Given& given) {

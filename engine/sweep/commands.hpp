@@ -28,8 +28,9 @@ const Command& command_of(const std::string& name);
 /// Reads a value as its option does. Throws bad_usage.
 void check_value(const Command& command, const Setting& setting);
 
-/// Whether the option's value names a file that is read: not a name of palpa's own, such as a built-in layout's.
-bool names_file(const setup::OptionInfo& option, const std::string& value);
+/// The part of an option's value that names a file that is read: the whole value, or the rig of a --spread. Empty if
+/// the value names no file, for example if it is a built-in layout.
+std::string file_in(const setup::OptionInfo& option, const std::string& value);
 
 /// The options of a case, as its command reads them.
 using Line = std::variant<setup::TouchLine, setup::DriveLine, setup::FieldLine, setup::SimulateLine>;

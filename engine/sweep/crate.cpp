@@ -23,11 +23,29 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* metadata_name = "ro-crate-metadata.json";
-constexpr const char* plan_name = "plan.toml";
+constexpr const char* copied_plan_name = "plan.toml";
 constexpr const char* provenance_name = "provenance.csv";
+
+fs::path folder_of(const std::string& file) {
+  return fs::path(".") / fs::path(file).parent_path();
+}
 
 fs::path beside(const std::string& file, const char* name) {
   return fs::path(file).parent_path() / name;
+}
+
+bool is_there(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+bool is_same(const fs::path& one, const fs::path& other) {
+  std::error_code ignored;
+  return fs::equivalent(one, other, ignored);
+}
+
+bool lies_beside(const std::string& plan_file, const std::string& file) {
+  return is_same(folder_of(plan_file), folder_of(file));
 }
 
 /// UTC, as ISO 8601 has it.
@@ -78,10 +96,13 @@ class Metadata {
  public:
   Metadata(const Plan& plan, const Inputs& inputs, const Table& table, const std::string& file,
            const std::string& results, const std::string& cases)
-      : plan_(plan), table_(table), results_(fs::path(file).filename().string()) {
+      : plan_(plan),
+        table_(table),
+        results_(fs::path(file).filename().string()),
+        plan_name_(lies_beside(plan.file, file) ? fs::path(plan.file).filename().string() : copied_plan_name) {
     add_root(table.rows.size());
     add_file(results_, results_.ends_with(".csv") ? "text/csv" : "application/x-hdf5", "The results", results);
-    add_file(plan_name, "application/toml", "The plan of the sweep", plan.text);
+    add_file(plan_name_, "application/toml", "The plan of the sweep", plan.text);
     add_file(provenance_name, "text/csv", "When, where and how each case ended", cases);
     for (const Input& input : inputs.all())
       add_input(input);
@@ -106,7 +127,7 @@ class Metadata {
                       {"conformsTo", refer("https://w3id.org/ro/crate/1.1")},
                       {"about", refer("./")}});
     Json parts = Json::array();
-    for (const std::string& name : {results_, std::string(plan_name), std::string(provenance_name)})
+    for (const std::string& name : {results_, plan_name_, std::string(provenance_name)})
       parts.push_back(refer(name));
     Json actions = Json::array();
     for (const auto& [run, share] : shares_of(table_))
@@ -149,7 +170,7 @@ class Metadata {
   }
 
   void add_run(const RunInfo& run, const Share& share) {
-    Json objects = Json::array({refer(plan_name)});
+    Json objects = Json::array({refer(plan_name_)});
     objects.insert(objects.end(), objects_.begin(), objects_.end());
     const std::string device = device_id(run.device);
     graph_.push_back({{"@id", "#" + run.name},
@@ -167,39 +188,47 @@ class Metadata {
   const Plan& plan_;
   const Table& table_;
   std::string results_;
+  std::string plan_name_;
   Json graph_ = Json::array();
   Json objects_ = Json::array();
   std::map<std::string, std::string> devices_;
   int inputs_ = 0;
 };
 
-bool is_there(const std::string& plan_file, const std::string& file) {
-  std::error_code ignored;
-  return fs::equivalent(plan_file, beside(file, plan_name), ignored);
+bool needs_copy(const std::string& plan_file, const std::string& file) {
+  return !lies_beside(plan_file, file) && !is_same(plan_file, beside(file, copied_plan_name));
 }
 
 }  // namespace
 
 std::vector<std::string> files_of_crate(const std::string& plan_file, const std::string& file) {
   std::vector<std::string> files{file, beside(file, metadata_name), beside(file, provenance_name)};
-  if (!is_there(plan_file, file)) files.push_back(beside(file, plan_name));
+  if (needs_copy(plan_file, file)) files.push_back(beside(file, copied_plan_name));
   return files;
 }
 
-void refuse_other_crate(const std::string& file) {
+void refuse_other_crate(const std::string& plan_file, const std::string& out, const std::string& file) {
   const fs::path metadata = beside(file, metadata_name);
-  std::error_code ignored;
-  if (!fs::exists(metadata, ignored) || fs::exists(file, ignored)) return;
-  throw failure(fmt::format("{}: describes other results than {}; gather into another folder", metadata.string(),
-                            fs::path(file).filename().string()));
+  if (is_there(metadata)) {
+    if (is_there(file)) return;
+    throw failure(fmt::format("{}: describes other results than {}; gather into another folder", metadata.string(),
+                              fs::path(file).filename().string()));
+  }
+  if (is_same(folder_of(file), out)) return;
+  for (const std::string& name : files_of_crate(plan_file, file)) {
+    if (name == file || !is_there(name)) continue;
+    throw failure(
+        fmt::format("{}: is not of these results, and --gather would replace it; gather into another folder", name));
+  }
 }
 
 void write_crate(const Plan& plan, const Inputs& inputs, const Table& table, const std::string& file,
                  const std::string& results) {
   const std::string cases = provenance_csv(table);
-  write_file(beside(file, provenance_name), cases);
-  if (!is_there(plan.file, file)) write_file(beside(file, plan_name), plan.text);
+  // The metadata come first: with them, what a full disk has left is known as a crate, and is replaced the next time.
   write_file(beside(file, metadata_name), Metadata(plan, inputs, table, file, results, cases).text());
+  write_file(beside(file, provenance_name), cases);
+  if (needs_copy(plan.file, file)) write_file(beside(file, copied_plan_name), plan.text);
 }
 
 }  // namespace palpa::sweep

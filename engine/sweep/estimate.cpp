@@ -186,6 +186,7 @@ Cost Estimator::of(const setup::SimulateLine& line) {
   if (!setup::asks_for_finger(line.task.drive).empty()) seconds += skin_pair_s * sources * skin;
   if (line.task.in_time.spectrum) seconds += simulate_felt_s;
   if (line.task.touch.tune) seconds += simulate_tune_s;
+  seconds += skin_pair_s * sources * skin * sounds * draws_of(line.task.spread);
   const Cost cost = plus(operator_cost(skin), same(seconds, skin * face_bytes));
   return plus(plus(cost, drive_cost(line.task.drive, sources, foci)),
               prepare(line.scene, line.gltf_scene, line.solids));

@@ -27,7 +27,8 @@ std::vector<double> ratios_of(const std::vector<Case>& all, const std::string& o
     if ((store.runs()[run].backend == "cpu") != (backend == setup::Backend::cpu)) return;
     if (state != State::done || model == models.end() || !(model->second > 0)) return;
     const auto json = nlohmann::json::parse(line, nullptr, false);
-    const double took_s = json.is_object() ? json.value("took_s", 0.0) : 0.0;
+    const bool is_timed = json.is_object() && json.contains("took_s") && json["took_s"].is_number();
+    const double took_s = is_timed ? json["took_s"].get<double>() : 0.0;
     if (took_s > 0) ratios.push_back(took_s / model->second);
   });
   return ratios;

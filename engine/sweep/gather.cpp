@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/locked_bytes.hpp"
 #include "base/output_file.hpp"
+#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "sweep/cases.hpp"
 #include "sweep/crate.hpp"
@@ -22,10 +23,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The results in a line, as JSON texts.
+/// The results in a line, as JSON texts. Throws nlohmann's exceptions if it is not as to_json_line() writes it.
 void read_line_into(Row& row, std::string_view line, const Plan& plan) {
-  const Json json = Json::parse(line, nullptr, false);
-  if (!json.is_object()) throw failure("a line of a result is not JSON");
+  const Json json = Json::parse(line);
   row.took_s = json.value("took_s", 0.0);
   row.ended_s = json.value("ended_s", std::int64_t{0});
   row.error = json.value("error", std::string());
@@ -93,7 +93,14 @@ Table table_with(const Plan& plan, const Inputs& inputs, const std::string& out)
     row.id = id;
     row.state = state;
     row.run = run;
-    read_line_into(row, line, plan);
+    try {
+      read_line_into(row, line, plan);
+    } catch (const nlohmann::json::exception&) {
+      throw failure(
+          fmt::format("{}/runs/{}/cases.jsonl: the line of the case {} is broken; remove it, and run the sweep "
+                      "again",
+                      out, table.runs[run].name, id));
+    }
   });
   table.others = strangers.size();
   for (const Case& one : cases) {
@@ -143,7 +150,12 @@ void check_table_name(const std::string& file) {
 
 Gathered gather(const Plan& plan, const std::string& out, const std::string& file, bool partial) {
   check_table_name(file);
-  refuse_other_crate(file);
+  refuse_other_crate(plan.file, out, file);
+  std::vector<Output> written;
+  for (const std::string& name : files_of_crate(plan.file, file))
+    written.push_back({"--gather", name});
+  const Outputs outputs(written);
+  refuse_output_as_input(plan.file);  // it was read before
   const Inputs inputs(plan);
   const Table table = table_with(plan, inputs, out);
   const auto cases = static_cast<std::uint64_t>(table.rows.size()) + table.missing;

@@ -48,9 +48,10 @@ struct Gathered {
   std::vector<std::string> empty_paths;
 };
 
-/// Writes `file` (check_table_name), and beside it the provenance (crate.hpp). Throws
-/// failure() if cases have no result, unless `partial`; if another process gathers the same folder at the moment; and
-/// if the folder of `file` has the provenance of other results.
+/// Writes `file` (check_table_name), and beside it the provenance (crate.hpp). Throws failure() if cases have no
+/// result, unless `partial`; if a line of a result is broken; if another process gathers the same folder at the moment;
+/// and if the folder of `file` has the provenance of other results. Throws bad_usage if one of these files is an input
+/// of the plan.
 Gathered gather(const Plan& plan, const std::string& out, const std::string& file, bool partial);
 
 }  // namespace palpa::sweep

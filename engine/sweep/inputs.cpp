@@ -108,15 +108,21 @@ void Inputs::add(const Plan& plan, const Setting& setting) {
   const std::vector<setup::OptionInfo>& options = command_of(plan.command).options;
   const setup::OptionInfo& option = *std::ranges::find(options, setting.option, &setup::OptionInfo::name);
   for (const std::string& value : setting.values) {
-    if (!names_file(option, value) || paths_[option.name].contains(value)) continue;
-    const std::string path = (fs::path(plan.folder) / value).string();
+    const std::string named = file_in(option, value);
+    if (named.empty() || paths_[option.name].contains(value)) continue;
+    const std::string path = (fs::path(plan.folder) / named).string();
+    // The value with a text in the place of the file.
+    const auto with = [&](const std::string& text) {
+      std::string changed = value;
+      return changed.replace(value.find(named), named.size(), text);
+    };
     try {
       // The ending decides how a file is read.
-      std::string digest = fs::path(path).extension().string() + ":" + add_file(value, path);
+      std::string digest = fs::path(path).extension().string() + ":" + add_file(named, path);
       for (const auto& [name, file] : named_in(option.name, path))
         digest.append(",").append(add_file(name, file));
-      paths_[option.name][value] = path;
-      digests_[option.name][value] = std::move(digest);
+      paths_[option.name][value] = with(path);
+      digests_[option.name][value] = with(digest);
     } catch (const Error& error) {
       if (error.code() != Exit::bad_input) throw;
       throw bad_input(plan.file, fmt::format("{}: {}", option.name.substr(2), error.what()));

@@ -29,13 +29,19 @@ std::string with_commas(std::uint64_t number) {
   return text;
 }
 
+/// How many values a key of [vary] has.
+struct Count {
+  std::string key;
+  std::uint64_t values = 0;
+};
+
 /// The product, or the largest number if it is larger.
-std::uint64_t product_of(const std::vector<Axis>& axes) {
+std::uint64_t product_of(const std::vector<Count>& counts) {
   std::uint64_t product = 1;
-  for (const Axis& axis : axes) {
-    const std::uint64_t count = axis.choices.size();
-    product = product > std::numeric_limits<std::uint64_t>::max() / count ? std::numeric_limits<std::uint64_t>::max()
-                                                                          : product * count;
+  for (const Count& count : counts) {
+    product = product > std::numeric_limits<std::uint64_t>::max() / count.values
+                  ? std::numeric_limits<std::uint64_t>::max()
+                  : product * count.values;
   }
   return product;
 }
@@ -78,16 +84,23 @@ void check_values(const Plan& plan, const Command& command, TomlTable& root) {
   }
 }
 
-void check_count(const Plan& plan) {
-  const std::uint64_t count = plan.count();
+/// Before the values are made, because very many of them may not fit into the memory.
+void check_count(const std::string& file, TomlTable& root) {
+  std::optional<TomlTable> vary = root.table("vary");
+  if (!vary) return;
+  std::vector<Count> counts;
+  for (const std::string& key : vary->keys())
+    counts.push_back({key, count_of(vary->value(key))});
+  const std::uint64_t count = product_of(counts);
   if (count <= most_cases) return;
   std::vector<std::string> factors;
-  for (const Axis& axis : plan.axes)
-    factors.push_back(fmt::format("{} {}", with_commas(axis.choices.size()), axis.key));
+  factors.reserve(counts.size());
+  for (const Count& one : counts)
+    factors.push_back(fmt::format("{} {}", with_commas(one.values), printable(one.key, 40)));
   const bool known = count != std::numeric_limits<std::uint64_t>::max();
-  throw bad_input(plan.file, fmt::format("has {}{} cases ({}); a plan has at most {}: vary less, or divide it",
-                                         known ? "" : "more than ", with_commas(count), fmt::join(factors, " x "),
-                                         with_commas(most_cases)));
+  throw bad_input(file, fmt::format("has {}{} cases ({}); a plan has at most {}: vary less, or divide it",
+                                    known ? "" : "more than ", with_commas(count), fmt::join(factors, " x "),
+                                    with_commas(most_cases)));
 }
 
 void read_results(TomlTable& root, const Command& command, Plan& plan) {
@@ -114,7 +127,10 @@ std::string Setting::shown() const {
 }
 
 std::uint64_t Plan::count() const {
-  return product_of(axes);
+  std::uint64_t product = 1;
+  for (const Axis& axis : axes)
+    product *= axis.choices.size();
+  return product;
 }
 
 std::vector<Setting> Plan::settings(std::uint64_t index) const {
@@ -154,6 +170,7 @@ Plan parse_plan(std::string text, const std::string& file) {
   }
   const Command& command = command_of(plan.command);
   read_results(root, command, plan);
+  check_count(file, root);
   const auto each = [&](const char* name, const auto& take) {
     std::optional<TomlTable> table = root.table(name);
     if (!table) return;
@@ -174,7 +191,6 @@ Plan parse_plan(std::string text, const std::string& file) {
   });
   root.done();
   refuse_twice(plan);
-  check_count(plan);
   check_values(plan, command, root);
   return plan;
 }

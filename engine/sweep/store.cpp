@@ -75,9 +75,14 @@ std::string to_json(const RunInfo& run) {
   return json.take();
 }
 
+/// Bytes that to_json_line() never writes. After a power failure, a file may have zeros instead of what was written.
+bool has_control_characters(std::string_view line) {
+  return std::ranges::any_of(line, [](char c) { return static_cast<unsigned char>(c) < ' '; });
+}
+
 /// The id and the state at a line's beginning; nullopt if it is not a case's line.
 std::optional<std::pair<std::string_view, State>> head_of(std::string_view line) {
-  if (!line.starts_with(line_begin) || !line.ends_with('}')) return std::nullopt;
+  if (!line.starts_with(line_begin) || !line.ends_with('}') || has_control_characters(line)) return std::nullopt;
   line.remove_prefix(line_begin.size());
   const std::size_t end = line.find('"');
   if (end == std::string_view::npos) return std::nullopt;

@@ -158,6 +158,7 @@ void read(const StageMemory& memory, Touch& out) {
     finger.section.turn = {record.turn.x, record.turn.y};
     finger.section.lean = vec(record.lean);
     finger.placed = record.placed != 0;
+    finger.holds = record.holds != 0;
     finger.contact_count = record.contacts - record.beyond;
     finger.contacts.clear();
     finger.foci.resize(record.foci);

@@ -113,6 +113,8 @@ struct Finger {
   /// amplitude-modulated.
   bool point_like = false;
   float depth_m = 0;  ///< depth of its deepest skin point, see find_depths
+  /// With hysteresis: half of min_points contacts are enough for it in the next frame.
+  bool holds = false;
 };
 
 /// Reused from frame to frame; the vectors keep their allocations.

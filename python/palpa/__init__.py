@@ -8,7 +8,18 @@ The module prints nothing. `palpa.messages()` has the warnings.
 """
 import pathlib as _pathlib
 
-from . import _engine
+try:
+    from . import _engine
+except ImportError:
+    import importlib.machinery as _machinery
+    import platform as _platform
+    _folder = _pathlib.Path(__file__).parent
+    if any((_folder / f"_engine{_ending}").exists() for _ending in _machinery.EXTENSION_SUFFIXES):
+        raise  # such as a library that it needs
+    _others = ", ".join(sorted(_file.name for _file in _folder.glob("_engine.*")))
+    raise ImportError(f"{_folder}: has no compiled part for this Python {_platform.python_version()}"
+                      + (f", only {_others}: use the Python that palpa was built for" if _others else
+                         ": ./dev build release palpa_python builds it")) from None
 from ._engine import *  # noqa: F401,F403
 from ._engine import __version__  # noqa: F401
 

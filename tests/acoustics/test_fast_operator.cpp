@@ -254,6 +254,31 @@ TEST(FastOperator, WorksForthAndBackInLargeBodies) {
   }
 }
 
+/// The exponent of a quantity between two meshes.
+double growth(double before, double after, const geometry::Mesh& smaller, const geometry::Mesh& larger) {
+  return std::log(after / before) /
+         std::log(static_cast<double>(larger.triangles.size()) / static_cast<double>(smaller.triangles.size()));
+}
+
+TEST(HierarchicalMatrix, GrowsLittleFasterThanTheMesh) {
+  // The size of blocks is also most of the work: their entries are computed once and used in each iteration.
+  geometry::Mesh smaller = geometry::icosphere(8e-3, 14);
+  for (const int divisions : test::the_first<int>(1, {20, 28, 40, 56})) {
+    const geometry::Mesh larger = geometry::icosphere(8e-3, divisions);
+    const auto bytes = [](const geometry::Mesh& mesh) {
+      return static_cast<double>(HierarchicalMatrix::expected_bytes(mesh, k));
+    };
+    EXPECT_LT(growth(bytes(smaller), bytes(larger), smaller, larger), 1.3) << larger.triangles.size();
+    smaller = larger;
+  }
+  if (test::instrumented()) return;
+  const geometry::Mesh small = geometry::icosphere(8e-3, 12), large = geometry::icosphere(8e-3, 18);
+  const auto bytes = [](const geometry::Mesh& mesh) {
+    return static_cast<double>(HierarchicalMatrix(make_patches(mesh), k, 5e-4).bytes());
+  };
+  EXPECT_LT(growth(bytes(small), bytes(large), small, large), 1.3);
+}
+
 TEST(HierarchicalMatrix, NeedsAboutTheExpectedMemory) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);

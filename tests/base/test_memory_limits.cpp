@@ -56,7 +56,7 @@ TEST(MemoryLimits, AShellsLimitOfAddressesCounts) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
   if (before.rlim_cur != RLIM_INFINITY) GTEST_SKIP() << "this shell has a limit already";
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(PALPA_ADDRESS_SANITIZER) || defined(PALPA_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more addresses than any limit";
 #endif
   constexpr std::uint64_t limit = std::uint64_t{64} << 30;

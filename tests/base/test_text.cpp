@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/text.hpp"
+#include "base/without_folders.hpp"
 
 namespace palpa {
 namespace {
@@ -64,6 +65,16 @@ TEST(Text, CellsAreQuotedIfTheyWouldBeSplit) {
   EXPECT_EQ(csv_cell("plain text"), "plain text");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_cell("a\"b\nc"), "\"a\"\"b\nc\"");
+}
+
+TEST(Text, FoldersAreLeftOutOfMessages) {
+  EXPECT_EQ(without_folders("/data/alice/rig.toml: is empty"), "rig.toml: is empty");
+  EXPECT_EQ(without_folders("recording:/data/alice/take: cannot read '../bob/x.png'"),
+            "recording:take: cannot read 'x.png'");
+  EXPECT_EQ(without_folders("/dev/video0 is gone"), "/dev/video0 is gone");
+  EXPECT_EQ(without_folders("alice/rig.toml, 90 frames/s, / and nothing else"),
+            "rig.toml, 90 frames/s, / and nothing else");
+  EXPECT_EQ(without_folders(""), "");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -251,6 +252,90 @@ TEST_F(CliExport, ABagEndsByItselfToo) {
   const Result result = exported("bag:" + in("take.bag"), {"--foci", in("f.json"), "--json", in("all.json")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(json::parse(read_text(in("all.json")))["frames"], bag.times_s.size());
+}
+
+TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
+  const std::string source = take(6, 0.5);  // with a pause
+  struct Case {
+    std::vector<std::string> options, again;
+    double tolerance;  ///< of amplitudes; 0: the same bytes
+  };
+  const Case cases[] = {{{}, {}, 0},
+                        {{"--method", "multi-focus", "--solver", "gs-pat"}, {"--solver", "gs-pat"}, 0},
+                        {{"--method", "single-focus"}, {}, 0},
+                        {{"--foci-count", "7", "--dwell", "2ms"}, {}, 0},
+                        {{"--ceiling", "0.5"}, {}, 1e-6},
+                        {{"--pressure", "2kPa"}, {}, 1e-3}};
+  for (const auto& [options, again, tolerance] : cases) {
+    SCOPED_TRACE(testing::PrintToString(options));
+    ASSERT_EQ(exported(source, with(options, {"--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"})).exit_code,
+              0);
+    const Result result =
+        palpa_here(with({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}, again));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    if (tolerance == 0) {
+      EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin")));
+      continue;
+    }
+    const session::DriveRecording first = session::read_drive_recording(in("d.bin")),
+                                  second = session::read_drive_recording(in("again.bin"));
+    ASSERT_EQ(second.drives.size(), first.drives.size());
+    double farthest = 0;
+    for (std::size_t n = 0; n < first.drives.size(); ++n) {
+      ASSERT_EQ(second.drives[n].slot, first.drives[n].slot);
+      for (std::size_t k = 0; k < first.transducers; ++k) {
+        const array::TransducerDrive &a = first.drives[n].drive[k], &b = second.drives[n].drive[k];
+        farthest = std::max(
+            farthest, std::abs(std::polar<double>(a.amplitude, a.phase) - std::polar<double>(b.amplitude, b.phase)));
+      }
+    }
+    EXPECT_LE(farthest, tolerance);
+  }
+}
+
+TEST_F(CliExport, PlayedFociOfAnyFormAreReadOrRefusedWithTheirPlace) {
+  const auto frames = [&](const std::string& text) {
+    std::ofstream(in("f.json")) << R"({"slot_s": 0.0015, "frames": [)" << text << "]}";
+    return palpa_here({"export", "--played", in("f.json"), "--layout", "openmpd", "--drives", in("d.bin"), "--json",
+                       in("s.json"), "--quiet"});
+  };
+  const std::string finger = R"({"id": 3, "solid": "cube", "foci_m": [[0, 0.15, 0], [0.01, 0.15, 0]], "order": [1, 0],
+      "dwell_s": 0.0015, "modulation_hz": 0, "gain": 0.5})";
+  const std::string first = R"({"slot": 1000000, "time_s": 5, "fingers": [)" + finger + "]}";
+  ASSERT_EQ(frames(first).exit_code, 0);
+  // The last frame sounds for the hold; the first slot is that of the file.
+  const session::DriveRecording recording = session::read_drive_recording(in("d.bin"));
+  EXPECT_EQ(recording.drives.size(), 68u);
+  EXPECT_EQ(recording.drives.front().slot, 1000000u);
+  EXPECT_TRUE(silent(recording.drives.back().drive));
+  EXPECT_FALSE(silent(recording.drives[66].drive));
+  EXPECT_EQ(json::parse(read_text(in("s.json")))["drives"], 67);
+
+  const auto changed = [&](const std::string& part, const std::string& by) {
+    std::string text = first;
+    const std::size_t at = text.find(part);
+    EXPECT_NE(at, std::string::npos) << part;
+    return text.replace(at, part.size(), by);
+  };
+  const std::string frame = "f.json: frame 0", its_finger = "frame 0, finger 0: ";
+  expect_failure(frames(changed("1000000", "-1")), 4, frame);
+  expect_failure(frames(changed("\"slot\"", "\"slat\"")), 4, frame);
+  expect_failure(frames(changed("[1, 0]", "[1, 2]")), 4, its_finger + "its order plays focus 2 of 2 foci");
+  expect_failure(frames(changed("[1, 0]", "[[1, 0], [1]]")), 4, its_finger + "the lists in");
+  expect_failure(frames(changed("[0, 0.15, 0]", "[0, null, 0]")), 4, its_finger + "\"foci_m\"");
+  expect_failure(frames(changed("[0, 0.15, 0]", "null")), 4, its_finger + "\"foci_m\"");
+  expect_failure(frames(changed("0.5", "1.5")), 4, its_finger + "\"gain\"");
+  expect_failure(frames(changed("0.0015", "0.0001")), 4, its_finger + "\"dwell_s\"");
+  expect_failure(frames(changed(R"("modulation_hz": 0)", R"("modulation_hz": 200, "modulation": "triangle")")), 4,
+                 its_finger + "\"modulation\"");
+  expect_failure(frames(first + R"(, {"slot": 999999, "time_s": 6, "fingers": []})"), 4, "frame 1");
+  expect_failure(frames(""), 4, "no frame");
+  std::ofstream(in("f.json")) << R"({"fingers": []})";
+  expect_failure(palpa_here({"export", "--played", in("f.json"), "--drives", in("d.bin")}), 4, "not a file of foci");
+  expect_failure(palpa_here({"export", "--played", in("f.json")}), 2, "--played goes with --drives");
+  expect_failure(palpa_here({"export", "--played", in("f.json"), "--scene", cube, "--drives", in("d.bin")}), 2,
+                 "--scene has no effect with --played");
+  expect_failure(palpa_here({"export", "--played", in("f.json"), "--drives", in("f.json")}), 2, "--drives");
 }
 
 TEST_F(CliExport, WhatCannotBeExportedIsRefused) {

@@ -172,10 +172,11 @@ struct Played {
 
 Played play(const std::string& scene, const std::string& take, const std::vector<std::string>& more) {
   const std::filesystem::path file = scratch_folder("pressure-drives") / "drives.bin";
+  // A long hold, so that frames that a slow machine plays late still sound.
   const auto run = [&](const std::string& link) {
-    const Result result = palpa(
-        with({"run", "--scene", scene, "--source", "recording:" + take, "--every-frame", "--json", "-", "--link", link},
-             more));
+    const Result result = palpa(with({"run", "--scene", scene, "--source", "recording:" + take, "--every-frame",
+                                      "--hold", "1s", "--json", "-", "--link", link},
+                                     more));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result;
   };
@@ -183,7 +184,9 @@ Played play(const std::string& scene, const std::string& take, const std::vector
   const UdpReceiver receiver(std::chrono::milliseconds(50));  // the sender has ended before the first read
   Result result;
   side_by_side({[&] { result = run("record:" + file.string()); }, [&] { run("foci:" + receiver.address()); }});
+  // A slow machine may also have a warning that frames come late.
   played.warnings = result.err_lines();
+  std::erase_if(played.warnings, [](const std::string& line) { return line.find(" Pa of the ") == std::string::npos; });
   played.stats = json::parse(result.out);
   played.drives = session::read_drive_recording(file);
   for (std::string text; !(text = receiver.next()).empty();) {

@@ -106,6 +106,26 @@ TEST_F(CliStudy, ComparesAnythingWithAnything) {
   EXPECT_EQ(result["pairs"][1]["tables"]["rms"], 0);
 }
 
+TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {
+  write_ten(folder_ / "mine");
+  const auto participant = folder_ / "mine/sub-1";
+  ASSERT_TRUE(std::filesystem::exists(participant));
+  const std::string journal = (participant / "sub-1_journal.jsonl").string();
+  write_text(journal, "what was answered\n");
+  for (const std::string option : {"--html", "--csv", "--json"}) {
+    for (const std::string& file : {journal, (participant / "beh/new.html").string()}) {
+      for (const std::vector<std::string>& command :
+           {std::vector<std::string>{"study", "analyse"}, std::vector<std::string>{"study", "compare", "paper"}}) {
+        const Result result = palpa_here(with(command, {path("mine"), option, file}));
+        EXPECT_EQ(result.exit_code, 2);
+        EXPECT_NE(result.err.find("is in the folder of a participant"), std::string::npos) << result.err;
+      }
+    }
+  }
+  EXPECT_EQ(read_text(journal), "what was answered\n");
+  EXPECT_FALSE(std::filesystem::exists(participant / "beh/new.html"));
+}
+
 TEST_F(CliStudy, FindsTheNumberOfParticipants) {
   const json result = result_of({"study", "power", "--people", "12", "--studies", "200", "--seed", "3"});
   EXPECT_EQ(result["participants"], 6);

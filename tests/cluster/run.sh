@@ -16,6 +16,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 palpa=$PWD/build/release/bin/palpa python=$PWD/build/release/python
+# The interpreter that the Python module was built for; another one may come first in PATH.
+interpreter=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' build/release/CMakeCache.txt)
 export PATH=$PWD/build/release/bin:$PATH LP_NUM_THREADS=1
 export PALPA_ASSETS=$PWD/assets
 
@@ -95,15 +97,17 @@ with_snakemake() {
 }
 
 with_dask() {
-  python3 -c 'import distributed' 2>/dev/null || {
+  "$interpreter" -c 'import distributed' 2>/dev/null || {
     say "dask: skipped: there is no distributed here: apt-get install python3-distributed"
     return 0
   }
   mkdir "$work/dask-job"
   # shellcheck disable=SC2016  # Markdown
-  sed -n '/^```python$/,/^```$/p' docs/sweeps.md | sed '/^```/d; s/shard=(i, n)/&, backend="cpu"/' >"$work/dask-job/many.py"
+  awk '/^```python$/ { inside = 1; text = ""; next }
+       /^```$/ { if (inside && text ~ /import distributed/) printf "%s", text; inside = 0 }
+       inside { text = text $0 "\n" }' docs/sweeps.md | sed 's/shard=(i, n)/&, backend="cpu"/' >"$work/dask-job/many.py"
   cp "$work/plan.toml" "$work/dask-job/"
-  (cd "$work/dask-job" && PYTHONPATH=$python python3 many.py >log 2>&1) || {
+  (cd "$work/dask-job" && PYTHONPATH=$python "$interpreter" many.py >log 2>&1) || {
     tail -n 20 "$work/dask-job/log"
     die "dask failed"
   }

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -15,6 +14,7 @@
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -28,12 +28,12 @@ const std::filesystem::path& folder() {
   return path;
 }
 
-// The error of loading. It must name the file and come within a second.
+// The error of loading. It must name the file and cost a second of processor time at most.
 std::string fault_of_file(const std::filesystem::path& file) {
-  [[maybe_unused]] const std::clock_t start = std::clock();  // processor time: other tests may hold this one up
+  [[maybe_unused]] const double start = test::processor_s();
   std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
 #ifdef NDEBUG
-  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << line;
+  EXPECT_LT(test::processor_s() - start, test::slowest) << line;
 #endif
   EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
   return line;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""fuzz.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE]: palpa with broken files and random options.
+"""fuzz.py [--seconds N] [--seed S] [--bin FOLDER] [--part WORD] [--only CASE]: palpa with broken files and random options.
 
 Each case is one command of palpa. Its files are good ones that palpa has made or that the repository has, some of them
 broken; its options come from the program's own --help, their values from lists of usual and unusual ones. A case
@@ -7,9 +7,10 @@ depends on the seed and its own number only, so that --only repeats it alone and
 
 A case must end by itself with an exit code from 0 to 4 and at most one line of error, in limited memory and processor
 time, must leave all files alone that it was given to read, and must not show the contents of files that do not concern
-it. JSON that it writes must be JSON.
+it. JSON that it writes must be JSON. A journal of a study keeps its lines. --part takes only commands that begin with a word.
 """
 import argparse
+import atexit
 import concurrent.futures
 import hashlib
 import json
@@ -25,7 +26,9 @@ import sys
 import tempfile
 import time
 
+import fuzz_study
 from judged import faults_of_messages, name_of_end
+from kill_study import Display
 from mutate import boxes_glb, boxes_ply, mutated, small_bag, sphere_ply
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -37,8 +40,7 @@ MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
 STILL_S = 20                      # without using processor time: counts as a hang
 SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
-            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, "study plan": 3, "study level": 2,
-            "study rehearse": 2, "study withdraw": 1}
+            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
 # Options that rightly make a run endless or long, that look for devices, or that a case sets itself.
 LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
               "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
@@ -80,9 +82,9 @@ class Pool:
         make("drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--csv", folder / "drive.csv", "--backend", "cpu")
         make("calibrate", "--target", folder / "target.stl", "--layout", "openmpd")
         plans = [re.sub(r'"\.\./(\w[\w-]*\.glb)"', rf'"{assets}/\1"', path.read_text()).encode() for path in sorted((assets / "studies").glob("*.toml"))]
-        (folder / "plan.toml").write_bytes(plans[0])
-        make("study", "rehearse", folder / "plan.toml", "--participant", 1, "--out", folder / "study")
-        self.study = folder / "study"
+        self.study, self.study_plan = folder / "study", folder / "plan.toml"
+        self.study_plan.write_bytes(plans[0])
+        make("study", "rehearse", self.study_plan, "--participant", 1, "--out", self.study)
         self.take = {path.name: path.read_bytes() for path in sorted((folder / "take").iterdir())}
         camera = rig[:rig.index("[[camera]]", rig.index("[[camera]]") + 1)]
         units = "\n".join("[[transducer]]\nposition_m = [%g, %g, 0.0]\naxis = [0.0, 0.0, 1.0]" % (0.01 * x, 0.01 * y)
@@ -103,6 +105,8 @@ class Pool:
                         ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
             "bag": [("b.bag", small_bag())],
             "plan": [("plan.toml", plan) for plan in plans],
+            "counts": [("counts.csv", counts) for counts in fuzz_study.COUNTS],
+            "wav": fuzz_study.sounds(),
         }
 
 
@@ -113,7 +117,7 @@ class Case:
         self.random = random.Random(f"{seed}:{number}")
         self.pool, self.options, self.folder = pool, options, folder
         self.inputs, self.outputs, self.aliases, self.size = {}, [], [], 0
-        self.judge_cost = True
+        self.judge_cost, self.may_erase, self.journal, self.environment = True, False, None, {}
         (folder / "in").mkdir(parents=True)
         (folder / "secret.txt").write_text((SECRET + "\n") * 60)
         (folder / "in/out-of.bin").symlink_to("../secret.txt")
@@ -126,9 +130,13 @@ class Case:
         """Writes a file to be read."""
         path = self.folder / "in" / f"{len(self.inputs)}-{name}"
         path.write_bytes(data)
-        self.inputs[path] = digest(path)
-        self.size += len(data)
+        self.read(path)
         return str(path)
+
+    def read(self, path):
+        """The command reads the file, so it may not change it."""
+        self.inputs[path] = digest(path)
+        self.size += path.stat().st_size
 
     def one_of(self, *values):
         """One of these; those that are functions are called, so that only the files of the one chosen are made."""
@@ -181,17 +189,6 @@ class Case:
             if not name.endswith(".png") or victim not in ("recording.toml", "times.csv"):
                 self.inputs[folder / name] = digest(folder / name)
             self.size += len(data)
-        return str(folder)
-
-    def study(self):
-        """The folder of a study, which the command may change: one with a participant, some file of it broken; or none."""
-        draw, folder = self.random, self.folder / "study"
-        if draw.random() < 0.2:
-            return draw.choice([str(self.folder / "none"), str(self.folder / "in"), "/nonexistent/x", "/dev/null", ""])
-        shutil.copytree(self.pool.study, folder)
-        files = sorted(path for path in folder.rglob("*") if path.is_file())
-        for path in draw.sample(files, draw.choice([0, 0, 1, 2])):
-            path.write_bytes(mutated(draw, path.name, path.read_bytes()))
         return str(folder)
 
     def out(self, kind):
@@ -314,14 +311,8 @@ class Case:
                 base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
         elif command == "afferents":
             base = ["afferents", "--scene", self.file("scene"), "--duration", draw.choice(["20ms", "60ms", "0", "nan"])]
-        elif command == "study plan":
-            base = ["study", "plan", self.file("plan"), "--participant", draw.choice(["1", "4", "4", *NUMBERS])]
-        elif command == "study level":
-            base = ["study", "level", self.file("plan")]
-        elif command == "study rehearse":
-            base = ["study", "rehearse", self.file("plan"), "--participant", draw.choice(["1", "1", "1", *NUMBERS]), "--out", self.study()]
-        elif command == "study withdraw":
-            base = ["study", "withdraw", draw.choice(["1", "1", "2", *NUMBERS]), "--out", self.study()]
+        elif command.startswith("study"):
+            base = fuzz_study.arguments_of(self, command, NUMBERS)
         elif command == "doctor":
             base = ["doctor", "--json", self.out(".json")]
         else:
@@ -362,15 +353,15 @@ def options_of(program, *command):
     return found | {name: what for name, what in (rows(page("help", "all")) if shared else {}).items() if name in shared}
 
 
-def observed(arguments, folder):
-    """Runs a program: (exit code, what is wrong with how it ran, stderr, stdout, seconds of processor time)"""
+def observed(arguments, folder, more):
+    """Runs a program, with more variables in its environment: (exit code, what is wrong with how it ran, stderr, stdout, seconds of processor time)"""
     def limits():
         resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S + 2))
         resource.setrlimit(resource.RLIMIT_AS, (MOST_ADDRESSES, MOST_ADDRESSES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
 
-    environment = dict(os.environ, PALPA_CACHE="off", XDG_RUNTIME_DIR=str(folder), LP_NUM_THREADS="1")
+    environment = dict(os.environ, PALPA_CACHE="off", XDG_RUNTIME_DIR=str(folder), LP_NUM_THREADS="1", **more)
     with open(folder / "stdout", "wb") as out, open(folder / "stderr", "wb") as err:
         process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=folder, env=environment,
                                    preexec_fn=limits, start_new_session=True)
@@ -403,7 +394,7 @@ def refuse_constant(name):
 
 def faults_of(case, program):
     """Runs a case; what is wrong with it, and its processor time."""
-    code, faults, err, out, cost = observed([program, *case.arguments], case.folder)
+    code, faults, err, out, cost = observed([program, *case.arguments], case.folder, case.environment)
     if not 0 <= code <= 4 and not faults:
         faults.append(f"ends with {name_of_end(code)} after {cost:.1f} s of processor time")
     faults += faults_of_messages(err, code)
@@ -413,6 +404,7 @@ def faults_of(case, program):
     for path, before in case.inputs.items():
         if not path.exists() or digest(path) != before:
             faults.append(f"{path.name} was an input and is another file now")
+    faults += fuzz_study.faults_of_study(case)
     said = err + out
     for argument in case.arguments:
         said = said.replace(argument.encode(errors="surrogateescape"), b"")
@@ -437,6 +429,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--part", default="", help="only commands that begin with this, such as study")
     parser.add_argument("--only", type=int, help="one case, whose files are kept")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     chosen = parser.parse_args()
@@ -446,8 +439,12 @@ def main():
     options = {command: options_of(program, *command.split()) for command, program in programs.items()}
     if viewer.exists():
         options["viewer"], programs["viewer"] = options_of(viewer), viewer
+    options = {command: known for command, known in options.items() if command.startswith(chosen.part)}
     begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="palpa-fuzz-"))
     pool = Pool(programs["touch"], work)
+    display = Display()
+    atexit.register(display.close)
+    pool.display = display.name
 
     def run(number):
         folder = work / str(number)
@@ -462,7 +459,7 @@ def main():
         if faults or chosen.only is not None:
             lines = [f"case {number}: {shlex.join([program, *case.arguments])}", *(f"  {fault}" for fault in faults),
                      f"  {name_of_end(code)}, {cost:.2f} s", "  stderr: " + repr((folder / "stderr").read_bytes()[:700])[2:-1],
-                     f"  again: tests/house/fuzz.py --seed {chosen.seed} --only {number} --bin {chosen.bin}"]
+                     f"  again: tests/house/fuzz.py --seed {chosen.seed} --only {number} --bin {chosen.bin}" + f" --part '{chosen.part}'" * bool(chosen.part)]
             print("\n".join(lines), flush=True)
         else:
             shutil.rmtree(folder)

@@ -6,6 +6,8 @@ from the start (nobody reads what it writes, its disk is full, its files may not
 gets signals. Then, as docs/safety.md promises, the board must fall silent in both of its memories, the loop must end, and none
 of its processes may be left. What a board hears is read from the trace of its emulator by wires.py.
 
+Meanwhile, short studies with a scripted participant are killed and continued (kill_study.py).
+
 A case depends on the seed and its own number only, except for the moments: how far the program has come by then depends
 on the machine. --only repeats a case alone and keeps its files.
 """
@@ -29,6 +31,8 @@ import termios
 import time
 
 from judged import faults_of_messages, name_of_end, name_of_signal
+from kill_study import KilledStudies
+from watched import Clock, processes
 from wires import Trace
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -37,7 +41,6 @@ SILENT_S = 0.15      # after a death, or a stop: 100 ms without a drive, and up 
 ENDED_S = 1.0        # a run that is asked to end
 GUARD_LOST_S = 1.2   # a guard that is stopped is ended by its loop after a second
 OPENED_S = 10.0      # a guard that opens its board may take this long
-MARGIN_S = 2.0       # for a busy machine, in addition to ten times the longest oversleep of this program
 # Signals that end no program, that no program can catch, or that the C library reserves.
 NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
 DEATHS = {signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGTRAP, signal.SIGSYS}
@@ -45,39 +48,6 @@ STOPS = {signal.SIGSTOP}
 TROUBLES = ["none"] * 6 + ["stderr", "events", "json", "full record", "full events", "small files"]
 BOARDS = {"openmpd": 3, "autd3": 3, "sonicsurface": 3, "file": 1, "pipe": 1}
 DRIVES_HEAD = struct.Struct("<8sIId")
-
-
-class Clock:
-    """Sleeps, and knows by how much that took too long."""
-
-    def __init__(self):
-        self.overslept = 0.0
-
-    def sleep(self, seconds):
-        begin = time.monotonic()
-        time.sleep(seconds)
-        self.overslept = max(self.overslept, time.monotonic() - begin - seconds)
-
-    def until(self, condition, seconds):
-        """Waits for something, for that long and a margin; how long it took, or None."""
-        begin = time.monotonic()
-        while not condition():
-            if time.monotonic() - begin > seconds + MARGIN_S + 10 * self.overslept:
-                return None
-            self.sleep(0.005)
-        return time.monotonic() - begin
-
-
-def processes(mark):
-    """The living processes that have the mark in their environment: pid -> name."""
-    found = {}
-    for path in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            if mark in (path / "environ").read_bytes().split(b"\0"):
-                found[int(path.name)] = (path / "comm").read_text().strip()
-        except OSError:
-            continue  # it has ended, or belongs to another user
-    return found
 
 
 def filled_pipe(read, write):
@@ -408,7 +378,9 @@ def main():
         print(f"its files are in {work}")
         return int(found)
     found = heard = number = 0
-    with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as executor:
+    studies = KilledStudies(chosen.seed, work / "study", programs["palpa"], trials=4)
+    with concurrent.futures.ThreadPoolExecutor(chosen.jobs + 1) as executor:
+        killed = executor.submit(studies.run, lambda kills: time.monotonic() - begin < chosen.seconds) if studies.available() else None
         running = set()
         while running or time.monotonic() - begin < chosen.seconds:
             while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
@@ -419,6 +391,15 @@ def main():
                 bad, told = future.result()
                 found += bad
                 heard += told
+        try:
+            if killed:
+                killed.result()
+        finally:
+            studies.close()
+    for fault in studies.faults:
+        print(f"{fault}\n  a study: tests/house/kill_study.py --seed {chosen.seed} --bin {chosen.bin}")
+    found += len(studies.faults)
+    print("kill: " + (studies.summary() if killed else "there is no Xvfb: studies are left out"))
     print(f"kill: seed {chosen.seed}, {number} cases, in {heard} a board was played to; {found} found something" +
           (f", files in {work}" if found else ""))
     if not found:

@@ -18,7 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 #   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options
 #                 (fuzz.py)
 #   kill          loops that are killed at random moments, with full disks and blocked readers: a board's last bytes
-#                 (kill.py)
+#                 (kill.py); studies that are killed and continued: lost or doubled trials (kill_study.py)
 # The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
 # tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
 # Other drivers ignore lavapipe's variables.

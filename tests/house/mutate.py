@@ -24,7 +24,9 @@ def mutated(draw, name, data):
         return png_mutated(draw, data)
     if name.endswith(".json") and how < 0.6:
         return json_mutated(draw, data)
-    if name.endswith((".toml", ".csv", ".json", ".txt")) and how < 0.95:
+    if name.endswith(".wav") and how < 0.6:
+        return wav_mutated(draw, data)
+    if name.endswith((".toml", ".csv", ".json", ".txt", ".tsv")) and how < 0.95:
         return text_mutated(draw, data)
     if name.endswith(".ply"):
         head = data.find(b"end_header\n") + 11
@@ -33,6 +35,12 @@ def mutated(draw, name, data):
         if b"format ascii" in data[:head] and how < 0.9:
             return data[:head] + text_mutated(draw, data[head:])
     return bytes_mutated(draw, data)
+
+
+def wav_mutated(draw, data):
+    """One field of the header: sizes, format, channels, rates, bits."""
+    at, size = draw.choice([(4, 4), (16, 4), (20, 2), (22, 2), (24, 4), (28, 4), (32, 2), (34, 2), (40, 4)])
+    return data[:at] + struct.pack("<I", draw.choice([*WORDS, 2, 3, 8, 17, 24, 32, 100000000]))[:size] + data[at + size:]
 
 
 def bytes_mutated(draw, data):

@@ -31,16 +31,19 @@ def openmpd():
 
 
 def pytest_collection_modifyitems(items):
-    """Long cases run where the matrix asks for every case; times mean nothing under a sanitizer."""
+    """Long and slow cases run in the matrix; times mean nothing under a sanitizer."""
     for item in items:
         if "exhaustive" in item.keywords and not os.environ.get("PALPA_EXHAUSTIVE"):
             item.add_marker(pytest.mark.skip(reason="long: PALPA_EXHAUSTIVE=1 runs it"))
+        if "slow" in item.keywords and not (os.environ.get("PALPA_EXHAUSTIVE") or os.environ.get("PALPA_SANITIZE")):
+            item.add_marker(pytest.mark.skip(reason="takes seconds: the matrix runs it, or PALPA_EXHAUSTIVE=1"))
         if "times" in item.keywords and os.environ.get("PALPA_SANITIZE"):
             item.add_marker(pytest.mark.skip(reason="a sanitizer makes it slow"))
 
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "exhaustive: long, only with PALPA_EXHAUSTIVE=1")
+    config.addinivalue_line("markers", "slow: takes seconds, only with PALPA_EXHAUSTIVE=1 or under a sanitizer")
     config.addinivalue_line("markers", "times: about times, or about nothing of palpa's own memory: not under a sanitizer")
 
 

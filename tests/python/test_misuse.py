@@ -81,6 +81,7 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
     camera, image = ASSETS / "depth/camera.toml", np.zeros((480, 848), np.uint16)
     touch = cube.touch(finger, penetration=3e-3, backend="cpu", spectrum=True, layout="openmpd")
     (folder / "touch.json").write_text(touch.json())
+    palpa.export(ASSETS / "cube.glb", "recording:" + str(ASSETS / "depth/take"), foci=folder / "played.json", frames=3, backend="cpu")
     drive = openmpd.solve([0, 0, 0.15], backend="cpu")
     session = palpa.Session(cube, backend="cpu")
     session.touch(finger, 0.0)
@@ -114,7 +115,10 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
         (palpa.FingerBody, {"finger": 3, "force": True}, "FingerBody"), (palpa.FingerSound, {"layout": openmpd, "finger": 3, "force": False}, "FingerSound"),
         (palpa.simulate, {"scene": cube, "finger": 3, "penetration": 1e-3, "skin": "vertices", **cpu}, "simulate"),
         (palpa.figure6, {"finger": 3, "penetration": 1e-3, "skin": "vertices", **cpu}, "figure6"), (palpa.decompose, {"scene": 3}, "decompose"),
-        (palpa.calibrate, {"source": "none", "frames": 1}, "calibrate"), (palpa.export, {"scene": cube, "source": "none", **cpu}, "export"),
+        (palpa.calibrate, {"source": "none", "frames": 1}, "calibrate"), (palpa.write_target, {"file": folder / "t.stl"}, "write_target"),
+        (palpa.write_nudged_rig, {"file": folder / "nudged.toml", "offset": (1e-3, 0, 0)}, "write_nudged_rig"),
+        (palpa.learn_background, {"out": folder / "rig.toml", "source": "none", "frames": 10}, "learn_background"), (palpa.export, {"scene": cube, "source": "none", **cpu}, "export"),
+        (palpa.export_played, {"played": folder / "played.json", "drives": folder / "drives.bin"}, "export_played"),
         (palpa.sweep, {"plan": plan, "out": folder / "out", "shard": (0, 1), "claim": False, **cpu}, "sweep"),
         (palpa.gather, {"plan": plan, "out": folder / "out", "file": folder / "t.csv", "partial": False}, None),
     ]

@@ -1,6 +1,7 @@
 """Threads, signals, fork, the end of the interpreter, time, and what the module leaves behind."""
 import os
 import pathlib
+import shutil
 import signal
 import statistics
 import subprocess
@@ -12,12 +13,12 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT
+from commands import ROOT, without_lateness
 
 
 def python(code, **more):
     """Runs a program of its own."""
-    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False, **more)
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, **{"cwd": ROOT} | more)
 
 
 @pytest.mark.times
@@ -128,6 +129,34 @@ print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
     assert (done.returncode, done.stdout, done.stderr) == (0, "7\n", "")
 
 
+@pytest.mark.slow
+def test_a_fork_while_a_session_runs():
+    """The child has no thread of the session. Whatever it does with its objects, the parent's run goes on."""
+    code = """
+import os, threading, time, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+frames = []
+session = palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", backend="cpu")
+session.start(on_frame=frames.append)
+while not frames: time.sleep(0.01)
+for end in ("del session", "session.wait()", "session.stop(); session.running", "session.set_aim([0, 0, 0])", "session.__exit__(None, None, None)"):
+    child = os.fork()
+    if child == 0:
+        try:
+            exec(end)
+        except palpa.Error as error:
+            assert "spawn" in str(error)
+        raise SystemExit(7)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)  # else, the next child inherits and prints it
+before = len(frames)
+while len(frames) < before + 3: time.sleep(0.01)
+session.stop()
+print(session.wait().frames > 3)
+"""
+    done = python(code)
+    assert (done.returncode, done.stdout, without_lateness(done.stderr)) == (0, "7\n" * 5 + "True\n", "")
+
+
 LONG = """
 import palpa, numpy as np
 openmpd = palpa.Layout("openmpd")
@@ -192,6 +221,17 @@ def test_the_module_prints_nothing():
     assert loud.stderr.startswith("palpa: warning: ")
 
 
+@pytest.mark.parametrize("engine, says", [(None, "./dev build release palpa_python"), ("_engine.cpython-38-x86_64-linux-gnu.so", "only _engine.cpython-38"),
+                                          ("_engine.abi3.so", "file too short")])
+def test_a_module_that_cannot_be_loaded(tmp_path, engine, says):
+    (tmp_path / "palpa").mkdir()
+    shutil.copy(palpa.__file__, tmp_path / "palpa")
+    if engine:
+        (tmp_path / "palpa" / engine).touch()
+    done = python("import palpa", env=os.environ | {"PYTHONPATH": str(tmp_path)})
+    assert done.returncode == 1 and says in done.stderr.splitlines()[-1] and "During handling" not in done.stderr
+
+
 def test_stubs_have_every_name():
     text = pathlib.Path(palpa.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
     for name in palpa.__all__:
@@ -210,6 +250,7 @@ def test_every_name_has_a_docstring():
                 assert inner.__doc__ or getattr(inner, "__func__", inner).__doc__, f"{name}.{member}"
 
 
+@pytest.mark.exhaustive
 @pytest.mark.times
 def test_stubs_with_mypy(tmp_path):
     pytest.importorskip("mypy")
@@ -217,3 +258,18 @@ def test_stubs_with_mypy(tmp_path):
                           capture_output=True, text=True, check=False,
                           env=os.environ | {"PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
     assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("locale", [{"LC_ALL": "POSIX"}, {"LC_ALL": "de_DE.ISO-8859-1"}])
+def test_finds_its_models_in_any_locale(locale, tmp_path):
+    """The folder's name is not ASCII, and the locale is not UTF-8."""
+    package = tmp_path / "Pr\u00fcfstand" / "palpa"
+    shutil.copytree(pathlib.Path(palpa.__file__).parent, package, ignore=shutil.ignore_patterns("assets", "__pycache__"))
+    (package / "assets").symlink_to(ROOT / "assets")
+    environment = {name: value for name, value in os.environ.items() if name != "PALPA_ASSETS"}
+    environment |= locale | {"PYTHONPATH": str(package.parent), "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    (tmp_path / "assets").symlink_to(ROOT / "assets")  # an interpreter cannot read code with other names in every locale
+    code = "import palpa; palpa.export('assets/cube.glb', 'recording:assets/depth/take', foci='foci.json', frames=1, backend='cpu')"
+    ended = python(code, env=environment, cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert (tmp_path / "foci.json").exists()

@@ -1,5 +1,8 @@
 """Sweeps: the command's numbers, shards, and bad plans."""
 import csv
+import os
+import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -8,7 +11,7 @@ import time
 import pytest
 
 import palpa
-from commands import ROOT, run
+from commands import PALPA, ROOT, run
 
 PLAN = """command = "drive"
 results = ["peak_pa", "pressures_pa.0", "transducers"]
@@ -91,6 +94,37 @@ def test_plans(tmp_path, text, says):
     with pytest.raises(palpa.BadInput) as caught:
         palpa.sweep(plan, backend="cpu")
     assert says in str(caught.value) and str(plan) in str(caught.value) and caught.value.file == str(plan)
+
+
+@pytest.fixture
+def first_sweep(tmp_path, monkeypatch):
+    """The page's first sweep as (its commands, its Python), in a folder that has its plan and assets."""
+    page = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
+    section = page[page.index("## A first sweep"):page.index("## How it works")]
+    blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", section.split("```python")[0], re.M)
+    plan, commands = ("".join(line[4:] + "\n" for line in block.splitlines()) for block in blocks)
+    (tmp_path / "plan.toml").write_text(plan)
+    (tmp_path / "assets").symlink_to(ROOT / "assets")
+    monkeypatch.chdir(tmp_path)
+    return commands, section.split("```python\n")[1].split("```")[0]
+
+
+def test_the_first_sweep_of_the_page(first_sweep, tmp_path):
+    assert run(["sweep", "plan.toml", "--list"], cwd=tmp_path).count("\n") == 201
+    rows = palpa.sweep("plan.toml", shard=(0, 100), backend="cpu")
+    assert [row["state"] for row in rows] == ["done", "done"]
+    assert all(0 <= row[f"fingers.0.spectrum.{share}"] <= 1 for row in rows for share in ("felt_share", "flutter_share"))
+
+
+@pytest.mark.exhaustive
+def test_the_first_sweep_of_the_page_as_it_stands(first_sweep, tmp_path):
+    commands, code = first_sweep
+    (tmp_path / "best.py").write_text(code)
+    environment = os.environ | {"PATH": f"{pathlib.Path(PALPA).parent}:{os.environ['PATH']}"}
+    done = subprocess.run(["sh", "-c", f"{commands}\n{sys.executable} best.py"], cwd=tmp_path, env=environment, capture_output=True, text=True,
+                          timeout=300, check=False)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert re.fullmatch(r"200 cases; the best has stride [13] and dwell [0-9.]+ms", done.stdout.splitlines()[-1])
 
 
 def test_ctrl_c_loses_one_case(tmp_path):

@@ -105,6 +105,7 @@ TEST(Rig, TextRoundTripsBitForBit) {
       rig.cameras.back().name = "quoted \"back\\slash\" \xc3\xa9 " + std::to_string(c);
       rig.cameras.back().rate_hz = std::abs(normal(random)) * 1e-3;
       rig.cameras.back().distortion[2] = -0.0;
+      if (c == 2) rig.cameras.back().residual_m = (i + 1) * 1e-4 / 3;
     }
     rig.array.emplace().layout = "paper";
     if (i % 2) rig.array->T_world_layout = test::random_pose(random, 1);
@@ -125,6 +126,7 @@ TEST(Rig, TextRoundTripsBitForBit) {
       EXPECT_TRUE(test::same_bits(a.distortion, b.distortion));
       EXPECT_TRUE(test::same_bits(a.T_world_camera, b.T_world_camera));
       EXPECT_EQ(a.width, b.width);
+      EXPECT_EQ(a.residual_m, b.residual_m);
     }
     EXPECT_EQ(rig.array->T_world_layout.has_value(), back.array->T_world_layout.has_value());
     EXPECT_TRUE(test::same_bits(screen.T_world_screen, back.screen->T_world_screen));

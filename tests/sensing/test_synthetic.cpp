@@ -453,7 +453,7 @@ TEST(Synthetic, AFrameIsTheSameWhateverWasRenderedBefore) {
 }
 
 TEST(Synthetic, LeavesMostOfTheTimeBetweenTwoFramesToOthers) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+#if defined(PALPA_ADDRESS_SANITIZER) || defined(PALPA_THREAD_SANITIZER) || !defined(NDEBUG)
   GTEST_SKIP() << "skipped: this build slows programs down";
 #endif
   const Rig rig = load_rig(test::source_file("assets/rigs/paper.toml"));

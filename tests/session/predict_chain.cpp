@@ -13,6 +13,7 @@
 #include "sensing/rig.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
+#include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -44,6 +45,9 @@ struct Truth {
   };
   std::vector<Frame> frames;
 
+  void add(double time_s, const array::Schedule& schedule) {
+    frames.push_back({time_s, schedule.voice_count > 0 ? schedule.voices[0].foci : std::vector<Vec3>()});
+  }
   /// Linear between two frames; nothing if one of them has no finger.
   std::optional<Vec3> at(double time_s, std::uint32_t number) const {
     const auto after =
@@ -63,8 +67,9 @@ double p95_of(std::vector<double> values) {
 /// Renders a film frame by frame.
 class Rendering {
  public:
-  explicit Rendering(const ChainFilm& film)
-      : film_(film), rig_(sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras, {}, film.noise, film.seed) {
+  explicit Rendering(const ChainFilm& film) : Rendering(film, film.noise) {}
+  Rendering(const ChainFilm& film, sensing::Noise noise)
+      : film_(film), rig_(sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras, {}, noise, film.seed) {
     geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
     finger_ = {std::move(ply.positions), std::move(ply.triangles)};
   }
@@ -72,7 +77,7 @@ class Rendering {
   std::uint64_t frames() const { return static_cast<std::uint64_t>(film_.length_s * film_.rate_hz); }
   double time_of(std::uint64_t k) const { return static_cast<double>(k) / film_.rate_hz; }
   std::span<const sensing::DepthFrame> frame(std::uint64_t k) {
-    std::vector<sensing::Posed> posed{{&finger_, film_.motion(time_of(k))}};
+    std::vector<sensing::Posed> posed{{film_.skin ? film_.skin : &finger_, film_.motion(time_of(k))}};
     if (film_.second) posed.push_back({&finger_, film_.second(time_of(k))});
     rig_.render(posed, k, set_);
     return set_.frames;
@@ -111,6 +116,18 @@ ChainFilm sliding_film(double speed, bool along_z, double length_s) {
           length_s};
 }
 
+ChainFilm hand_film(double speed, bool along_z, double length_s) {
+  const HandScene hand = hand_scene("point", 3e-3, 45);
+  ChainFilm film = sliding_film(speed, along_z, length_s);
+  film.skin = hand.skin.at(0).mesh;
+  film.motion = [=, T = hand.skin.at(0).T_world_mesh](double t) {
+    const double way = speed * (t - length_s / 2);
+    return tip_at(along_z ? Vec3(0, 0, way) : Vec3(way, 0, 0)) * T;
+  };
+  film.exact_truth = true;
+  return film;
+}
+
 ChainFilm crossing_film(double speed) {
   constexpr double radius = 0.02, half = 0.015;
   return {"semi-sphere",
@@ -131,6 +148,12 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
   Rendering rendering(film);
   std::array<Run, 2> runs{Run{session_for(film, rendering.cameras(), std::nullopt, on_device), false},
                           Run{session_for(film, rendering.cameras(), late_s, on_device), true}};
+  std::optional<Rendering> exact;
+  std::optional<session::Session> sees_exactly;
+  if (film.exact_truth) {
+    exact.emplace(film, sensing::Noise::none);
+    sees_exactly.emplace(session_for(film, rendering.cameras(), std::nullopt, on_device));
+  }
   const double slot_s = runs[0].session.link_setting().slot_s;
   const auto first_of = [&](std::uint64_t k) {
     return static_cast<std::uint64_t>(std::ceil(rendering.time_of(k) / slot_s - 1e-6));
@@ -145,9 +168,11 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
       const array::Schedule& schedule = run.session.schedule();
       run.error.begun += schedule.voice_count > touch.finger_count ? 1 : 0;
       run.schedules.push_back(schedule);
-      if (!run.predicts)
-        truth.frames.push_back({t, schedule.voice_count > 0 ? schedule.voices[0].foci : std::vector<Vec3>()});
+      if (!run.predicts && !film.exact_truth) truth.add(t, schedule);
     }
+    if (!sees_exactly) continue;
+    sees_exactly->touch(exact->frame(k), t, first_of(k));
+    truth.add(t, sees_exactly->schedule());
   }
 
   std::vector<array::SlotFocus> foci;

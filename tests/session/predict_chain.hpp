@@ -16,7 +16,7 @@
 
 namespace palpa::test {
 
-/// The finger of assets/finger.ply, in front of the paper's cameras.
+/// Skin in front of the paper's cameras: the finger of assets/finger.ply, unless there is another one.
 struct ChainFilm {
   std::string scene;       ///< an asset's name, or "plate": a large box whose top is at y = 0
   sensing::Motion motion;  ///< of the finger, whose tip is at its origin and whose body is along +y
@@ -25,12 +25,18 @@ struct ChainFilm {
   sensing::Noise noise = sensing::Noise::d415;
   std::uint64_t seed = 1;
   sensing::Motion second{};  ///< of another such finger, if there is one
+  const geometry::Mesh* skin = nullptr;
+  /// The truth is what the same session sees in images without noise, not in the images of the film.
+  bool exact_truth = false;
 };
 
 /// The pose of a finger whose tip is there.
 Transform tip_at(const Vec3& tip);
 /// 3 mm deep in a plate, at a steady speed.
 ChainFilm sliding_film(double speed, bool along_z, double length_s);
+/// A hand whose index finger points, leaning by 45 degrees, 3 mm deep in a plate, at a steady speed. The truth is
+/// exact.
+ChainFilm hand_film(double speed, bool along_z, double length_s);
 /// Over the semi-sphere's top, 3 mm deep all the time.
 ChainFilm crossing_film(double speed);
 /// Rests in a plate, then leaves it at this speed upwards; downwards if that is negative.

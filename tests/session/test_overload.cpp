@@ -164,6 +164,26 @@ TEST(Overload, ASlowSolverIsToldOnceIfItKeepsLeavingOutFrames) {
   EXPECT_EQ(warned_after(2, 5), 0);  // touches that end before it matters
 }
 
+TEST(Overload, OnlyTheSolverLoudestIsToldToBeSlowAndOnlyIfFramesMayBeLeftOut) {
+  const auto told_of = [](array::Solver solver, bool every_frame) {
+    Loop<test::FakePlanner> loop;
+    loop.source.count = 100;
+    loop.setting.output.hold_s = 2;  // a slow solver, but no overload
+    loop.setting.output.drive.solver = solver;
+    loop.options.every_frame = every_frame;
+    loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(10ms); };
+    loop.source.before = [&](std::uint64_t frame) { loop.stop = frame + 1 == loop.source.count; };
+    return test::stderr_of([&] { loop.run(); });
+  };
+  const std::string told = told_of(array::Solver::loudest, false);
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
+  EXPECT_TRUE(told.starts_with("palpa: warning: the solver loudest is slower than the frames come: a frame takes "))
+      << told;
+  EXPECT_NE(told.find("take --solver gs-pat"), std::string::npos) << told;
+  EXPECT_EQ(told_of(array::Solver::loudest, true), "");
+  EXPECT_EQ(told_of(array::Solver::gs_pat, false), "");
+}
+
 TEST(Overload, IsToldOnceWithBothFigures) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 60;

@@ -63,6 +63,18 @@ TEST_P(PredictChain, KeepsFociOnAFingerThatSlides) {
   }
 }
 
+/// The truth is where the same session puts the foci without the sensor's noise.
+TEST(PredictChainHand, KeepsFociOnTheTrueSkinOfAHandThatSlides) {
+  for (const bool along_z : {false, true}) {
+    const ChainErrors errors = chain_errors(test::hand_film(0.2, along_z, 0.3), 0.02, false);
+    SCOPED_TRACE(text_of(errors));
+    ASSERT_GT(errors.predicted.slots, 100U);
+    EXPECT_GT(errors.seen.mean_m, 2.3e-3);
+    EXPECT_LE(errors.predicted.mean_m, 1.2e-3);
+    EXPECT_EQ(errors.predicted.begun, 0U);
+  }
+}
+
 TEST_P(PredictChain, FollowsTheSurface) {
   if (GetParam() && !test::exhaustive()) return;  // the device sees the same fingers, see above
   const ChainErrors errors = errors_of(test::crossing_film(0.2), 0.02);

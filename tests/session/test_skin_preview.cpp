@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "geometry/mesh/icosphere.hpp"
 #include "session/previews/skin_preview.hpp"
 #include "support/thrown.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::session {
 namespace {
@@ -109,12 +109,6 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   EXPECT_EQ(wait()->fault, "");
 }
 
-double processor_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
   // Computed to the end, it would take one or two seconds of processor time.
   SkinQuestion long_work = question();
@@ -131,9 +125,9 @@ TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
         reached = now && now->what.starts_with(stage);
       }
       ASSERT_TRUE(reached) << stage;
-      begun = processor_s();
+      begun = test::processor_s();
     }
-    EXPECT_LT(processor_s() - begun, 0.25) << stage;
+    EXPECT_LT(test::processor_s() - begun, 0.25) << stage;
   }
 }
 

@@ -6,14 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "acoustics/field/pressure.hpp"
+#include "sensing/rig.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
 #include "support/device.hpp"
+#include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
@@ -48,6 +52,43 @@ TEST(Spread, RefusesOtherTexts) {
     refused(bad, "is not a length");
   for (const char* bad : {"temperature=-1", "temperature=21", "temperature=2K"})
     refused(bad, "is not kelvins");
+}
+
+/// A rig with one camera for each residual; a negative one is left out.
+std::string rig_with(const std::string& name, const std::vector<double>& residuals) {
+  sensing::Rig rig;
+  for (const double residual : residuals) {
+    sensing::Camera& camera = rig.cameras.emplace_back();
+    camera.name = "camera " + std::to_string(rig.cameras.size());
+    camera.width = camera.height = 4;
+    camera.fx = camera.fy = 4;
+    if (residual >= 0) camera.residual_m = residual;
+  }
+  const std::filesystem::path file = scratch_folder("spread") / name;
+  write_text(file, sensing::to_toml(rig));
+  return file;
+}
+
+TEST(Spread, APositionMayBeWhatACalibrationLeft) {
+  const std::string rig = rig_with("rig.toml", {3e-4, -1, 4e-4});
+  const Spread spread = setup::parse_spread("phase=0.1,position=" + rig);
+  EXPECT_DOUBLE_EQ(spread.position_m, std::sqrt((9e-8 + 16e-8) / 2));
+  EXPECT_EQ(spread.phase_rad, 0.1);
+  EXPECT_EQ(setup::rig_of_spread("phase=0.1,position=" + rig), rig);
+  EXPECT_EQ(setup::rig_of_spread("phase=0.1,position=1mm"), "");
+  EXPECT_EQ(setup::parse_spread("position=" + rig_with("exact.toml", {0})).position_m, 0);
+}
+
+TEST(Spread, RefusesARigThatGivesNoPosition) {
+  EXPECT_REFUSED(setup::parse_spread("position=" + rig_with("by-hand.toml", {-1, -1})),
+                 "by-hand.toml: no [[camera]] has a residual_m");
+  EXPECT_REFUSED(setup::parse_spread("position=" + rig_with("far.toml", {0.02})),
+                 "far.toml: residual_m is 0.02 m; --spread position= takes at most 10mm");
+  EXPECT_REFUSED(setup::parse_spread("position=nowhere/none.toml"), "nowhere/none.toml");
+  // The option's text alone is right. Its file is read later, like those of other options.
+  setup::check_spread("position=nowhere/none.toml");
+  EXPECT_ERROR(setup::check_spread("position=none.txt"), Exit::usage, "'position=none.txt' is not a length");
+  EXPECT_ERROR(setup::check_spread("phase=none.toml"), Exit::usage, "is not an angle in radians");
 }
 
 TEST(Spread, PercentilesAreInterpolated) {

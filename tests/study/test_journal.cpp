@@ -49,10 +49,15 @@ TEST(Journal, ReadsWhatItWrites) {
       {.kind = EntryKind::level, .at_ns = 6, .text = "ethics 12/26", .level_db = 109.5, .dose_db = 104.25},
       {.kind = EntryKind::touched,
        .at_ns = 7,
+       .sounded_s = 9.75,
        .step = 3,
        .deep_s = 0.125,
        .stimulus = Stimulus{"ab", 0.05, "foci.json", "cd", 6667}},
-      {.kind = EntryKind::broken, .at_ns = 8, .step = 3, .text = "line\nwith \"everything\"\tin it, \xc3\xa4"},
+      {.kind = EntryKind::broken,
+       .at_ns = 8,
+       .sounded_s = 0.5,
+       .step = 3,
+       .text = "line\nwith \"everything\"\tin it, \xc3\xa4"},
   };
   MemoryJournal journal(7, "sha");
   for (const Entry& entry : entries)
@@ -60,6 +65,7 @@ TEST(Journal, ReadsWhatItWrites) {
   const Journal read = read_journal(journal.text, "j");
   EXPECT_EQ(read.head, (JournalHead{7, "sha"}));
   EXPECT_EQ(read.entries, entries);
+  EXPECT_EQ(sounded_s(read.entries), 10.25);
   EXPECT_EQ(read.whole, journal.text.size());
   EXPECT_EQ(read.last_digits, journal.digits);
 }

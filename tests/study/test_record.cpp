@@ -151,6 +151,35 @@ TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
   EXPECT_NE(fault_of(0).find("numbers from 1"), std::string::npos);
 }
 
+TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
+  sit(1, 10);
+  const std::string journal = read_text(file("sub-01_journal.jsonl"));
+  const fs::path log = folder_ / "sub-01/beh/sub-01_task-shapes_run-01_events.tsv";
+  const std::string before = read_text(log);
+  ASSERT_FALSE(before.empty());
+  for (const std::size_t left : {std::size_t{0}, std::size_t{20}, journal.find('\n') + 1}) {
+    test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
+    EXPECT_NE(fault_of(1).find("does not contain the run of " + log.string()), std::string::npos) << fault_of(1);
+    EXPECT_EQ(read_text(log), before);
+  }
+  fs::remove(file("sub-01_journal.jsonl"));
+  EXPECT_NE(fault_of(1).find("does not contain the run of"), std::string::npos);
+  EXPECT_EQ(read_text(log), before);
+  test::write_text(file("sub-01_journal.jsonl"), journal);
+  sit(1);
+  EXPECT_EQ(study().participants[0].trials.size(), 8u);
+}
+
+TEST_F(RecordTest, TakesTheFolderThatHasTheNumber) {
+  sit(1);
+  fs::rename(folder_ / "sub-01", folder_ / "sub-1");
+  EXPECT_NE(fault_of(1).find("sub-1_journal.jsonl: does not contain the run of"), std::string::npos) << fault_of(1);
+  EXPECT_GE(withdraw(folder_, 1).files, 5u);
+  EXPECT_FALSE(fs::exists(folder_ / "sub-01"));
+  EXPECT_TRUE(fs::exists(folder_ / "sub-1/sub-1_withdrawn.json"));
+  EXPECT_NE(fault_of(1).find("participant 1 withdrew"), std::string::npos) << fault_of(1);
+}
+
 TEST_F(RecordTest, RemovesALineThatWasCut) {
   sit(1, 10);
   const std::string text = read_text(file("sub-01_journal.jsonl"));

@@ -43,6 +43,20 @@ TEST(Samples, CorrelationsOfTen) {
   EXPECT_NEAR(ranked->p, 0.0006169570338, 1e-12);
 }
 
+TEST(Samples, RanksThatAgreeHaveAnExactP) {
+  const std::vector<double> up{1, 2, 4}, also_up{0.1, 0.5, 0.6}, down{3, 2, 1};
+  EXPECT_EQ(spearman(up, also_up)->r, 1);
+  EXPECT_NEAR(spearman(up, also_up)->p, 2.0 / 6, 1e-15);
+  EXPECT_EQ(spearman(up, down)->r, -1);
+  EXPECT_NEAR(spearman(up, down)->p, 2.0 / 6, 1e-15);
+  // Ranks with one tie at the end have twelve orders: one agrees, none is reversed. With a tie on both sides, one is.
+  const std::vector<double> one_tie{1, 2, 3, 3}, two_ties{1, 1, 2, 2};
+  EXPECT_NEAR(spearman(one_tie, one_tie)->p, 1.0 / 12, 1e-15);
+  EXPECT_NEAR(spearman(two_ties, two_ties)->p, 2.0 / 6, 1e-15);
+  const std::vector<double> eight{1, 2, 3, 4, 5, 6, 7, 8};
+  EXPECT_NEAR(spearman(eight, eight)->p, 2.0 / 40320, 1e-18);
+}
+
 TEST(Samples, ThePapersCorrelation) {
   const Correlation paper = correlation_of(0.77, 10);
   EXPECT_NEAR(paper.p, 0.009177152, 1e-9);

@@ -51,6 +51,16 @@ TEST_F(StudyFolder, WithoutSidecarsTheShapesAreThoseThatWereShown) {
   EXPECT_EQ(study.left_out.size(), 1u);
 }
 
+TEST_F(StudyFolder, ACopyOfALogDoesNotCountTwice) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  const auto log = events_place(folder_, 1);
+  const std::size_t trials = read().participants[0].trials.size();
+  const auto copy = log.parent_path() / "sub-1_task-shapes_run-9_events.tsv";
+  std::filesystem::copy_file(log, copy);
+  EXPECT_CONTAINS(left_out(), copy.string() + ": has the same rows as " + log.string() + "; the log is left out");
+  EXPECT_EQ(read().participants[0].trials.size(), trials);
+}
+
 TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {
   test::write_participant(folder_, 1, {{"m", 20}});
   const auto log = events_place(folder_, 2);
@@ -67,6 +77,26 @@ TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {
   std::filesystem::create_directory(folder_ / "sub-2" / "beh");
   EXPECT_CONTAINS(left_out(), "has no log, such as sub-2_task-shapes_events.tsv");
   EXPECT_EQ(read().participants.size(), 1u);
+}
+
+/// A participant whose program was started again and again has more than 99 logs.
+TEST_F(StudyFolder, DigitsInNamesCountAsNumbers) {
+  const auto log = [&](int run) {
+    return folder_ / "sub-1" / "beh" / ("sub-1_task-shapes_run-" + std::to_string(run) + "_events.tsv");
+  };
+  std::filesystem::create_directories(log(1).parent_path());
+  for (int run = 2; run < 99; ++run)
+    write_events(log(run), test::events_header);
+  write_events(log(1), test::events_header);
+  write_events(log(99), events_text("a", 20));
+  write_events(log(100), events_text("b", 20));
+  write_events(log(101), test::events_header);
+  const Study study = read();
+  EXPECT_TRUE(study.left_out.empty()) << testing::PrintToString(study.left_out);
+  EXPECT_EQ(study.methods, (std::vector<std::string>{"a", "b"}));
+  ASSERT_EQ(study.participants.size(), 1u);
+  EXPECT_EQ(study.participants[0].trials.front().method, 0u) << "run-100 follows run-99";
+  EXPECT_EQ(study.participants[0].trials.back().method, 1u);
 }
 
 TEST_F(StudyFolder, ANameIsANumber) {

@@ -9,7 +9,7 @@
 namespace palpa::test {
 
 constexpr bool instrumented() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(PALPA_ADDRESS_SANITIZER) || defined(PALPA_THREAD_SANITIZER)
   return true;
 #else
   return false;

@@ -23,7 +23,7 @@ std::size_t allocations_of(const Work& work) {
 
 }  // namespace palpa::test
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(PALPA_ADDRESS_SANITIZER) && !defined(PALPA_THREAD_SANITIZER)
 // Not inlined: a compiler that sees only one half of a pair reports malloc and delete as a mismatch.
 [[gnu::noinline, gnu::weak]] void* operator new(std::size_t size) {
   if (palpa::test::heap_watched) ++palpa::test::heap_allocations;

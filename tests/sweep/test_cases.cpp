@@ -86,6 +86,31 @@ TEST_F(SweepCases, FilesThatFilesNameCountToo) {
   EXPECT_EQ(names, (std::set<std::string>{"rig.toml", "layout.toml"}));
 }
 
+TEST_F(SweepCases, ARigInASpreadIsAnInput) {
+  const auto seen = [&](const char* residual) {
+    test::write_text(folder_ / "seen.toml",
+                     std::string("[[camera]]\nwidth = 4\nheight = 4\nfx = 4\nfy = 4\ncx = 2\ncy = 2\nresidual_m = ") +
+                         residual + "\n");
+  };
+  seen("0.0003");
+  const std::string text =
+      "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,10cm\"\n"
+      "spread = \"phase=0.1,position=seen.toml\"\n";
+  const std::vector<std::string> before = ids(text);
+  const Plan plan = parse_plan(text, folder_ / "plan.toml");
+  const Inputs inputs(plan);
+  ASSERT_EQ(inputs.all().size(), 1u);
+  EXPECT_EQ(inputs.all()[0].name, "seen.toml");
+  bool found = false;
+  for (const Setting& setting : inputs.resolved(plan.settings(0)))
+    found =
+        found || (setting.option == "--spread" &&
+                  setting.values == std::vector<std::string>{"phase=0.1,position=" + (folder_ / "seen.toml").string()});
+  EXPECT_TRUE(found);
+  seen("0.0004");
+  EXPECT_NE(ids(text), before);
+}
+
 TEST_F(SweepCases, PartsAreDisjointCompleteAndEqual) {
   Random random(5);
   for (const std::uint32_t count : {1U, 2U, 7U, 40U}) {

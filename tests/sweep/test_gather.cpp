@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -118,6 +119,58 @@ TEST_F(SweepGather, IntoThePlansOwnFolder) {
   EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
   EXPECT_EQ(read_text(plan_), before);
   EXPECT_TRUE(fs::exists(folder_ / "ro-crate-metadata.json"));
+}
+
+TEST_F(SweepGather, AnotherPlanIsNotReplaced) {
+  const std::string text = read_text(plan_);
+  sweep({"--backend", "cpu"});
+  // In its own folder, a plan of another name needs no copy. The folder's plan.toml may be another sweep's.
+  fs::rename(plan_, folder_ / "mine.toml");
+  write_text(plan_, "another plan");
+  plan_ = folder_ / "mine.toml";
+  for (int times = 0; times < 2; ++times)
+    EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
+  EXPECT_EQ(read_text(folder_ / "plan.toml"), "another plan");
+  const auto crate = nlohmann::json::parse(read_text(folder_ / "ro-crate-metadata.json"));
+  EXPECT_TRUE(std::ranges::any_of(crate["@graph"], [&](const auto& entity) {
+    return entity["@id"] == "mine.toml" && entity["sha256"] == sha256(text);
+  }));
+  // In a folder that is neither the plan's nor the sweep's, plan.toml and provenance.csv may be anybody's.
+  for (const char* name : {"plan.toml", "provenance.csv"}) {
+    const fs::path elsewhere = folder_ / (std::string("elsewhere-") + name);
+    fs::create_directory(elsewhere);
+    write_text(elsewhere / name, "mine");
+    expect_failure(sweep({"--gather", elsewhere / "t.csv"}), 1,
+                   std::string(name) + ": is not of these results, and --gather would replace it");
+    EXPECT_EQ(read_text(elsewhere / name), "mine");
+    EXPECT_FALSE(fs::exists(elsewhere / "t.csv"));
+  }
+  // What a full disk left of a crate is replaced.
+  fs::create_directory(folder_ / "crate");
+  EXPECT_EQ(sweep({"--gather", folder_ / "crate/t.csv"}).exit_code, 0);
+  fs::remove(folder_ / "crate/plan.toml");
+  EXPECT_EQ(sweep({"--gather", folder_ / "crate/t.csv"}).exit_code, 0);
+  EXPECT_EQ(read_text(folder_ / "crate/plan.toml"), text);
+}
+
+TEST_F(SweepGather, ABrokenLineIsNamed) {
+  sweep({"--backend", "cpu"});
+  fs::path lines;
+  for (const auto& entry : fs::recursive_directory_iterator(out_)) {
+    if (entry.path().filename() == "cases.jsonl") lines = entry.path();
+  }
+  const std::string whole = read_text(lines);
+  for (const char* broken : {"\"results\":[", "\"took_s\":\"\",\"x\":"}) {
+    std::string text = whole;
+    const std::string key = std::string(broken).substr(0, std::string(broken).find(':') + 1);
+    text.replace(text.find(key), key.size(), broken);
+    write_text(lines, text);
+    expect_failure(sweep({"--gather", folder_ / "t.csv"}), 1,
+                   lines.string() + ": the line of the case " + whole.substr(7, 20) + " is broken; remove it");
+  }
+  write_text(lines, whole.substr(whole.find('\n') + 1));
+  EXPECT_NE(sweep({"--backend", "cpu"}).out.find("4 cases: 1 computed"), std::string::npos);
+  EXPECT_EQ(sweep({"--gather", folder_ / "t.csv"}).exit_code, 0);
 }
 
 TEST_F(SweepGather, Hdf5HasTheSameBytesForTheSameResults) {

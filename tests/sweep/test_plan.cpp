@@ -132,6 +132,9 @@ TEST(SweepPlan, TooManyCasesAreCountedAndNotListed) {
   EXPECT_EQ(fault_of(text),
             "plan.toml: has 1,000,000,000 cases (1,000 delta x 1,000 finger-gap x 1,000 penetration); a plan has at "
             "most 1,000,000: vary less, or divide it");
+  // They are counted before the values are made: a key that is no option is found later.
+  text += "very = { from = 1, to = 2, count = 1000000 }\n";
+  EXPECT_NE(fault_of(text).find("has 1,000,000,000,000,000 cases"), std::string::npos) << fault_of(text);
   for (const char* option : {"dwell", "spot", "finger-width", "modulation-frequency"})
     text += std::string(option) + " = { from = 0.001, to = 0.01, count = 1000 }\n";
   EXPECT_NE(fault_of(text).find("more than 18,446,744,073,709,551,615 cases"), std::string::npos) << fault_of(text);

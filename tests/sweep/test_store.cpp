@@ -99,6 +99,12 @@ TEST_F(SweepStore, LinesAreThereOrNot) {
   // A line that is something else is absent, too, but not those after it.
   test::write_text(lines(), whole.substr(0, third) + std::string(40, '\0') + "\n" + whole.substr(third));
   EXPECT_EQ(Store(folder_).states().size(), 3u);
+  // A line of which a power failure has left only the ends is absent, too.
+  std::string zeros = whole;
+  zeros.replace(third + 60, 10, 10, '\0');
+  test::write_text(lines(), zeros);
+  EXPECT_EQ(Store(folder_).states().size(), 2u);
+  test::write_text(lines(), whole);
   // Another process adds a file of its own; of two results, the better one counts.
   {
     StoreWriter writer(folder_, this_run());

@@ -23,6 +23,8 @@
 #include "base/version.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "geometry/files/ply.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
@@ -130,10 +132,8 @@ TEST_F(SweepRuns, AKillLosesOneCaseAtMost) {
              "size = \"20mm,20mm\"\npixels = \"20,20\"\n[vary]\ntemperature = { from = 15, to = 25, count = 300 }\n");
   std::size_t before = 0;
   for (int kills = 0; kills < 3; ++kills) {
-    const pid_t child = fork();
-    if (child == 0) {
-      become(palpa_binary(), {"sweep", plan_, "--out", out("one"), "--backend", "cpu", "--quiet"}, {}, 1, 2);
-    }
+    const pid_t child =
+        start_program(palpa_binary(), {"sweep", plan_, "--out", out("one"), "--backend", "cpu", "--quiet"});
     // Until it has computed some more.
     for (int i = 0; i < 5000 && sweep::Store(out("one")).states().size() < before + 3; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -351,6 +351,11 @@ void collect_structures(const nlohmann::ordered_json& json, const std::string& p
 
 TEST_F(SweepRuns, PathsToListsAndObjectsAreKnownBeforeACaseIsComputed) {
   const std::string cube = source_file("assets/cube.glb"), skin = source_file("assets/finger.ply");
+  const std::string tip = folder_ / "tip.ply";
+  geometry::Mesh ball = geometry::icosphere(4e-3, 3);
+  for (Vec3& p : ball.positions)
+    p.y += 4e-3;
+  geometry::write_ply(tip, ball.positions, ball.triangles);
   const std::string touched = "scene = \"" + cube + "\"\npoints = \"" + skin + "\"\npenetration = \"3mm\"\n";
   const std::pair<const char*, std::string> plans[] = {
       {"touch", touched + "layout = \"openmpd\"\nspectrum = true\ntune = true\n"},
@@ -358,7 +363,9 @@ TEST_F(SweepRuns, PathsToListsAndObjectsAreKnownBeforeACaseIsComputed) {
       {"drive", "layout = \"openmpd\"\nfocus = [\"0,0,100mm\", \"1mm,0,100mm\"]\nspread = \"phase=0.1\"\ndraws = 20\n"},
       {"field",
        "layout = \"openmpd\"\nfocus = \"0,0,100mm\"\nplane = \"xz\"\nsize = \"2cm,2cm\"\npixels = \"3,3\"\n"
-       "spread = \"phase=0.1\"\ndraws = 20\n"}};
+       "spread = \"phase=0.1\"\ndraws = 20\n"},
+      {"simulate", "scene = \"" + cube + "\"\nfinger = \"" + tip +
+                       "\"\npenetration = \"1mm\"\nlayout = \"openmpd\"\nspread = \"phase=0.1\"\ndraws = 20\n"}};
   setup::ComputeOptions cpu;
   cpu.backend = setup::Backend::cpu;
   for (const auto& [command, options] : plans) {
@@ -406,11 +413,8 @@ TEST_F(SweepRuns, ClaimersThatAreKilledAtAnyTimeLoseNothing) {
              "size = \"20mm,20mm\"\npixels = \"30,30\"\n[vary]\ntemperature = { from = 15, to = 25, count = 120 }\n");
   std::minstd_rand random(7);
   const auto start = [&] {
-    const pid_t child = fork();
-    if (child == 0)
-      become(palpa_binary(), {"sweep", plan_, "--out", out("claim"), "--backend", "cpu", "--claim", "--quiet"}, {}, 1,
-             2);
-    return child;
+    return start_program(palpa_binary(),
+                         {"sweep", plan_, "--out", out("claim"), "--backend", "cpu", "--claim", "--quiet"});
   };
   std::array<pid_t, 2> claimers{start(), start()};
   std::uint64_t kills = 0;

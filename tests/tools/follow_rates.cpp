@@ -1,7 +1,8 @@
 // Prints how fingers flicker: hands that do not move, with each rule of hysteresis on and off. It is not a test; run it
-// by hand. Arguments: frames per film (default 45), films of fingers that move (default 18), anything: only with all
-// rules and with none. Or: motion FILMS, only fingers that move. Or: scan FRAMES, for many hands. Or: trace POSE TURN
-// TILT PRESS_MM CAMERAS, for one of them.
+// by hand. Arguments: frames per film (default 30), films of fingers that move (default 18), anything: only with all
+// rules and with none. Or: still FRAMES, only hands at rest. Or: motion FILMS, only fingers that move. Or: leave FILMS,
+// only fingers that leave. Or: scan FRAMES, for many hands. Or: trace POSE TURN TILT PRESS_MM CAMERAS, for one of them.
+// The tables of docs/touch.md come from "still 30" and "motion 9".
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,11 +37,31 @@ struct Still {
   std::uint32_t truth = 0;
 };
 
+/// The first frames of a film have little before them.
+constexpr double settled_s = 0.1;
+
 struct Flicker {
   std::map<std::uint32_t, int> counts;
-  int right = 0, changes = 0, events = 0;
-  std::vector<double> steps;
+  int frames = 0, right = 0;    ///< after the first 0.1 s
+  int changes = 0, events = 0;  ///< in all frames
+  int late_changes = 0;         ///< after the first 0.1 s
+  std::vector<double> steps;    ///< after the first 0.1 s
+
+  void add(const Flicker& other) {
+    frames += other.frames;
+    right += other.right;
+    changes += other.changes;
+    events += other.events;
+    late_changes += other.late_changes;
+    steps.insert(steps.end(), other.steps.begin(), other.steps.end());
+  }
+  double right_percent() const { return frames == 0 ? 0 : 100.0 * right / frames; }
 };
+
+double quantile(std::vector<double>& values, double share) {
+  std::ranges::sort(values);
+  return values.empty() ? 0 : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
 
 Flicker flicker_of(const Still& still, const StageSetting& setting) {
   HostStage stage(still.solids, still.cameras, setting);
@@ -54,10 +75,12 @@ Flicker flicker_of(const Still& still, const StageSetting& setting) {
     for (std::uint32_t f = 0; f < touch.finger_count; ++f)
       now[touch.fingers[f].id] = touch.fingers[f].foci;
     ++result.counts[touch.finger_count];
-    result.right += touch.finger_count == still.truth ? 1 : 0;
-    if (std::getenv("TRACE")) std::printf("%u ", touch.finger_count);
+    const bool settled = still.frames[k].time_s - still.frames[0].time_s >= settled_s;
+    result.frames += settled ? 1 : 0;
+    result.right += settled && touch.finger_count == still.truth ? 1 : 0;
     if (k > 0) {
       result.changes += touch.finger_count != count_before ? 1 : 0;
+      result.late_changes += settled && touch.finger_count != count_before ? 1 : 0;
       for (const auto& [id, foci] : now)
         result.events += before.contains(id) ? 0 : 1;
       for (const auto& [id, foci] : before) {
@@ -66,14 +89,13 @@ Flicker flicker_of(const Still& still, const StageSetting& setting) {
           ++result.events;
           continue;
         }
-        for (std::size_t n = 0; n < foci.size() && n < at->second.size(); ++n)
+        for (std::size_t n = 0; settled && n < foci.size() && n < at->second.size(); ++n)
           result.steps.push_back(glm::distance(foci[n].position, at->second[n].position));
       }
     }
     before = std::move(now);
     count_before = touch.finger_count;
   }
-  std::ranges::sort(result.steps);
   return result;
 }
 
@@ -120,23 +142,21 @@ Still rendered(const std::string& name, const palpa::test::HandScene& scene, int
           digits_in(scene, cameras)};
 }
 
-void print(const Still& still, const char* how, const StageSetting& setting) {
-  const Flicker flicker = flicker_of(still, setting);
+Flicker print(const Still& still, const char* how, const StageSetting& setting) {
+  Flicker flicker = flicker_of(still, setting);
   std::string counts;
   for (const auto& [count, times] : flicker.counts)
     counts += (counts.empty() ? "" : ", ") + std::to_string(count) + " x " + std::to_string(times);
-  const auto at = [&](double share) {
-    return flicker.steps.empty() ? 0.0
-                                 : 1e3 * flicker.steps[static_cast<std::size_t>(share * (flicker.steps.size() - 1))];
-  };
+  const auto at = [&](double share) { return 1e3 * quantile(flicker.steps, share); };
   std::printf("  %-44s %-10s truth %u: %3.0f %%, %2d changes, %2d events, foci %5.2f %5.2f %5.2f mm  (%s)\n",
-              still.name.c_str(), how, still.truth, 100.0 * flicker.right / still.frames.size(), flicker.changes,
-              flicker.events, at(0.5), at(0.99), at(1), counts.c_str());
+              still.name.c_str(), how, still.truth, flicker.right_percent(), flicker.changes, flicker.events, at(0.5),
+              at(0.99), at(1), counts.c_str());
   std::fflush(stdout);
+  return flicker;
 }
 
-constexpr std::uint32_t every_rule =
-    shader::known_few | shader::known_islands | shader::known_apart | shader::known_together | shader::known_edges;
+constexpr std::uint32_t every_rule = shader::known_few | shader::known_islands | shader::known_apart |
+                                     shader::known_together | shader::known_edges | shader::known_falling;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},
@@ -145,6 +165,7 @@ constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"not apart", every_rule & ~shader::known_apart},
     {"not one", every_rule & ~shader::known_together},
     {"no edges", every_rule & ~shader::known_edges},
+    {"lingers", every_rule & ~shader::known_falling},
 };
 
 /// Two upright fingers that move, and which of them each id of a frame has: the one whose axis is nearer.
@@ -236,10 +257,10 @@ void walks(int count) {
   }
 }
 
-/// How long after its skin a finger leaves, by the skin's speed.
+/// How long after its skin a finger leaves, by the skin's speed. The skin leaves at any time between two frames.
 void withdrawals(int count) {
   for (const auto& [how, rules] : variants) {
-    if (rules != 0 && rules != every_rule) continue;
+    if (rules != 0 && (rules & shader::known_falling) != 0 && rules != every_rule) continue;
     StageSetting setting{.follow = true, .hysteresis = rules != 0 ? Hysteresis::on : Hysteresis::off};
     setting.hysteresis_rules = rules;
     for (const double speed : {0.02, 0.1, 0.3}) {
@@ -248,8 +269,8 @@ void withdrawals(int count) {
         const double press = std::array{1e-3, 2e-3, 4e-3}[k % 3];
         const palpa::test::HandScene scene =
             fingers_scene(1 + k % 2, thick, press, std::array{0.0, 30.0, 60.0}[k / 2 % 3]);
-        const auto motion = [&](std::size_t, double t) { return Vec3(0, speed * std::max(0.0, t - 0.1), 0); };
-        const double leaves_s = 0.1 + press / speed;
+        const double begins_s = 0.1 + std::fmod(k * 0.618034, 1.0) / 90, leaves_s = begins_s + press / speed;
+        const auto motion = [&](std::size_t, double t) { return Vec3(0, speed * std::max(0.0, t - begins_s), 0); };
         const HandFilm film = make_film(scene, {.cameras = 1 + k % 3,
                                                 .frames = static_cast<std::size_t>((leaves_s + 0.1) * 90),
                                                 .noise = palpa::test::FilmNoise::full,
@@ -268,22 +289,32 @@ void withdrawals(int count) {
         }
         late.push_back(last - leaves_s);
       }
-      std::ranges::sort(late);
-      std::ranges::sort(beside);
       std::printf(
-          "  withdrawal at %3.0f mm/s, %-4s %d films: the last frame with a finger is %.0f ms late at most, %.0f ms in "
-          "the "
-          "median; foci beside the skin: %.2f mm (99 %%)\n",
-          speed * 1e3, how, count, late.back() * 1e3, late[late.size() / 2] * 1e3,
-          1e3 * beside[static_cast<std::size_t>(0.99 * (beside.size() - 1))]);
+          "  withdrawal at %3.0f mm/s, %-8s %d films: the last frame with a finger is %.1f ms late at most, %.1f ms in "
+          "99 %%, %.1f ms in the median; foci beside the skin: %.2f mm (99 %%)\n",
+          speed * 1e3, how, count, quantile(late, 1) * 1e3, quantile(late, 0.99) * 1e3, quantile(late, 0.5) * 1e3,
+          1e3 * quantile(beside, 0.99));
       std::fflush(stdout);
     }
   }
 }
 
-void run(std::size_t frames, bool brief) {
+void stills(std::size_t frames, bool brief) {
   using palpa::test::FilmNoise;
-  std::vector<Still> all = recorded();
+  std::array<Flicker, std::size(variants)> sums;
+  int films = 0;
+  const auto see = [&](const Still& still) {
+    ++films;
+    for (std::size_t v = 0; v < std::size(variants); ++v) {
+      const auto& [how, rules] = variants[v];
+      if (brief && rules != 0 && rules != every_rule) continue;
+      StageSetting setting{.follow = true, .hysteresis = rules != 0 ? Hysteresis::on : Hysteresis::off};
+      setting.hysteresis_rules = rules;
+      sums[v].add(print(still, how, setting));
+    }
+  };
+  for (const Still& still : recorded())
+    see(still);
   const std::vector<std::pair<const char*, palpa::test::HandScene>> scenes{
       {"one finger, 3 mm", fingers_scene(1, 18e-3, 3e-3, 0)},
       {"one finger, 0 mm", fingers_scene(1, 18e-3, 0, 0)},
@@ -300,18 +331,17 @@ void run(std::size_t frames, bool brief) {
       {"fist", hand_scene("fist", 5e-3, 30)},
   };
   for (const auto& [name, scene] : scenes) {
-    for (const int cameras : {1, 3}) {
+    for (const int cameras : {1, 2, 3}) {
       for (const FilmNoise noise : {FilmNoise::half, FilmNoise::full})
-        all.push_back(rendered(name, scene, cameras, noise, frames));
+        see(rendered(name, scene, cameras, noise, frames));
     }
   }
-  for (const Still& still : all) {
-    for (const auto& [how, rules] : variants) {
-      if (brief && rules != 0 && rules != every_rule) continue;
-      StageSetting setting{.follow = true, .hysteresis = rules != 0 ? Hysteresis::on : Hysteresis::off};
-      setting.hysteresis_rules = rules;
-      print(still, how, setting);
-    }
+  for (std::size_t v = 0; v < std::size(variants); ++v) {
+    Flicker& sum = sums[v];
+    if (sum.frames == 0) continue;
+    std::printf("%-10s %d films: right %.1f %%, %d changes (%d after 0.1 s), %d events, foci %.2f mm (99 %%)\n",
+                variants[v].first, films, sum.right_percent(), sum.changes, sum.late_changes, sum.events,
+                1e3 * quantile(sum.steps, 0.99));
   }
 }
 
@@ -332,12 +362,8 @@ void scan(std::size_t frames) {
           const Flicker off = flicker_of(still, setting);
           setting.hysteresis = Hysteresis::on;
           const Flicker on = flicker_of(still, setting);
-          for (const auto& [sum, one] : {std::pair(0, off), std::pair(1, on)}) {
-            sums[sum].changes += one.changes;
-            sums[sum].events += one.events;
-            sums[sum].right += one.right;
-            sums[sum].steps.insert(sums[sum].steps.end(), one.steps.begin(), one.steps.end());
-          }
+          sums[0].add(off);
+          sums[1].add(on);
           if (off.changes == 0 && on.changes == 0) continue;
           ++flicker;
           setting.hysteresis = Hysteresis::off;
@@ -349,13 +375,11 @@ void scan(std::size_t frames) {
     }
   }
   for (const int k : {0, 1}) {
-    std::ranges::sort(sums[k].steps);
     std::printf(
         "%s: %d hands, %d flicker; %d changes, %d events, the true count in %.1f %% of the frames, foci %.2f mm (99 "
         "%%)\n",
-        k == 0 ? "off" : "on", films, flicker, sums[k].changes, sums[k].events,
-        100.0 * sums[k].right / (static_cast<double>(films) * static_cast<double>(frames)),
-        1e3 * sums[k].steps[static_cast<std::size_t>(0.99 * static_cast<double>(sums[k].steps.size() - 1))]);
+        k == 0 ? "off" : "on", films, flicker, sums[k].changes, sums[k].events, sums[k].right_percent(),
+        1e3 * quantile(sums[k].steps, 0.99));
   }
 }
 
@@ -380,22 +404,23 @@ void trace(const std::string& pose, double turn, double tilt, double press, int 
 }  // namespace palpa::touch::test
 
 int main(int argc, char** argv) {
-  if (argc > 6 && std::string(argv[1]) == "trace") {
-    palpa::touch::test::trace(argv[2], std::atof(argv[3]), std::atof(argv[4]), std::atof(argv[5]) * 1e-3,
-                              std::atoi(argv[6]));
-    return 0;
+  namespace tool = palpa::touch::test;
+  const std::string what = argc > 1 ? argv[1] : "";
+  const int number = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (argc > 6 && what == "trace") {
+    tool::trace(argv[2], std::atof(argv[3]), std::atof(argv[4]), std::atof(argv[5]) * 1e-3, std::atoi(argv[6]));
+  } else if (what == "still") {
+    tool::stills(number > 0 ? static_cast<std::size_t>(number) : 30, argc > 3);
+  } else if (what == "leave") {
+    tool::withdrawals(number > 0 ? number : 18);
+  } else if (what == "motion") {
+    tool::withdrawals(number > 0 ? number : 18);
+    tool::walks(number > 0 ? number : 18);
+  } else if (what == "scan") {
+    tool::scan(number > 0 ? static_cast<std::size_t>(number) : 12);
+  } else {
+    tool::stills(argc > 1 ? std::stoul(what) : 30, argc > 3);
+    tool::walks(argc > 2 ? number : 18);
+    tool::withdrawals(argc > 2 ? number : 18);
   }
-  if (argc > 1 && std::string(argv[1]) == "motion") {
-    const int films = argc > 2 ? std::stoi(argv[2]) : 18;
-    palpa::touch::test::withdrawals(films);
-    palpa::touch::test::walks(films);
-    return 0;
-  }
-  if (argc > 1 && std::string(argv[1]) == "scan") {
-    palpa::touch::test::scan(argc > 2 ? std::stoul(argv[2]) : 12);
-    return 0;
-  }
-  palpa::touch::test::run(argc > 1 ? std::stoul(argv[1]) : 45, argc > 3);
-  palpa::touch::test::walks(argc > 2 ? std::stoi(argv[2]) : 18);
-  palpa::touch::test::withdrawals(argc > 2 ? std::stoi(argv[2]) : 18);
 }

@@ -43,6 +43,8 @@ void run() {
     std::snprintf(name, sizeof(name), "slides at %.0f mm/s", speed * 1e3);
     print(name, sliding_film(speed, false, std::min(0.3, 0.12 / speed)));
   }
+  print("a hand slides at 200 mm/s", hand_film(0.2, false, 0.3));
+  print("the same, along z", hand_film(0.2, true, 0.3));
   print("over the semi-sphere, 200 mm/s", crossing_film(0.2));
   for (const double speed : {0.02, 0.1, 0.3}) {
     char name[64];

@@ -3,11 +3,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <numbers>
 
 #include "gpu/barrier.hpp"
 #include "support/device.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::touch::test {
 
@@ -44,14 +44,6 @@ void DeviceStage::again(Touch& out, double time_s, gpu::Timestamps* times) {
   read(memory, out);
 }
 
-namespace {
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-}  // namespace
-
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
                       const StageSetting& setting, int runs, std::vector<gpu::PassTime>* times) {
   gpu::Timestamps stamps(test_device(), 16);
@@ -61,9 +53,9 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
   std::vector<gpu::PassTime> once;
   for (int run = 0; run < runs; ++run) {
     const Touch before = out;
-    const double began = cpu_ms();
+    const double began_s = palpa::test::processor_s();
     stage.again(out, 0, &stamps);
-    const double took = cpu_ms() - began;
+    const double took = (palpa::test::processor_s() - began_s) * 1e3;
     if (run > 0) expect_identical(before, out);
     if (times) {
       stamps.read(once);
@@ -86,19 +78,6 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std:
   const auto count = static_cast<std::uint32_t>(points.size());
   return touch_on_device(indexed(points), solids,
                          {.parameters = parameters, .most_points = count, .most_contacts = count}, 2);
-}
-
-geometry::Solid box(const Vec3& low, const Vec3& high, const std::string& name) {
-  geometry::Solid solid;
-  solid.name = name;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 normal(0);
-    normal[axis] = 1;
-    solid.planes.push_back({normal, high[axis]});
-    solid.planes.push_back({-normal, -low[axis]});
-  }
-  solid.bounds = {low, high};
-  return solid;
 }
 
 geometry::Solid cube() {
@@ -213,6 +192,7 @@ void expect_identical(const Touch& a, const Touch& b) {
     EXPECT_EQ(p.point_like, q.point_like) << "finger " << f;
     EXPECT_TRUE(same_bits(p.section, q.section)) << "finger " << f;
     EXPECT_EQ(p.placed, q.placed) << "finger " << f;
+    EXPECT_EQ(p.holds, q.holds) << "finger " << f;
     ASSERT_EQ(p.foci.size(), q.foci.size()) << "finger " << f;
     for (std::size_t n = 0; n < p.foci.size(); ++n) {
       EXPECT_EQ(p.foci[n].points, q.foci[n].points) << "finger " << f << " focus " << n;

@@ -94,6 +94,7 @@ void App::recall() {
   desk_.state.layers = first_state(options_, recalled.layers).layers;
   desk_.state.dark = desk_.state.dark || recalled.dark;
   if (!options_.given.contains("--fine")) desk_.state.fine = recalled.fine;
+  if (!options_.heat) desk_.state.skin_colour = recalled.skin_colour;
   desk_.state.time.slots_per_s = recalled.slots_per_s;
   desk_.panels = desk_.panels && recalled.panels;
   desk_.headings = recalled.headings;
@@ -107,6 +108,7 @@ Settings App::settings() const {
           .dark = desk_.state.dark,
           .panels = desk_.panels,
           .fine = desk_.state.fine,
+          .skin_colour = desk_.state.skin_colour,
           .slots_per_s = desk_.state.time.slots_per_s,
           .headings = desk_.headings,
           .window = window_,

@@ -22,6 +22,8 @@ namespace {
 
 /// Depth images show far more than the hand, so only skin this near to the solids is drawn.
 constexpr double skin_reach = 0.12;
+/// Snapshots with which the viewer is still starting (Patience).
+constexpr std::uint64_t first_snapshots = 10;
 
 /// About how long finding the skin takes, and how long that may wait for the run.
 constexpr double skin_s = 3e-3, most_wait_s = 0.05;
@@ -269,10 +271,11 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
   count(report);
   follow_poses(*session_);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
-  const std::chrono::milliseconds patience = looks_ > 1 ? patience_.usual : patience_.beginning;
+  const std::chrono::milliseconds patience = taken_ < first_snapshots ? patience_.beginning : patience_.usual;
   if (unseen > patience && !stop_->exchange(true)) {
-    log::error(fmt::format("the window has not answered for {} s: the array is off",
-                           std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
+    unattended_ = true;
+    log::warning(fmt::format("the window has not answered for {} s: the array is off",
+                             std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
   }
   if (wants_snapshot_.exchange(false)) publish_snapshot(report, plan);
   gaps_.planned(report.sequence);

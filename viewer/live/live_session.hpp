@@ -51,7 +51,8 @@ enum class LiveState {
 /// How long the viewer may fail to look before the array falls silent.
 struct Patience {
   std::chrono::milliseconds usual{5000};
-  /// Applies until it has looked twice: it is still starting, and drivers compile.
+  /// Applies until it has taken ten snapshots: it is still starting, and drivers compile for each picture that shows
+  /// something for the first time. Rounds without a snapshot do not count, because they draw nothing new.
   std::chrono::milliseconds beginning{60000};
 };
 
@@ -83,14 +84,13 @@ class LiveSession {
   static int under_way() { return under_way_; }
 
   /// Reports that the viewer is alive. Called once per round of its loop; see Patience.
-  void look() {
-    looked_ = Clock::now().time_since_epoch().count();
-    ++looks_;
-  }
+  void look() { looked_ = Clock::now().time_since_epoch().count(); }
 
   LiveState state() const { return state_; }
   /// Whether the run's thread has finished everything.
   bool over() const { return over_; }
+  /// Whether the run ended because nobody looked for too long; see Patience.
+  bool unattended() const { return unattended_; }
   /// Why it failed; empty if it did not.
   std::string fault() const;
   /// Throws that error again; returns if it did not fail.
@@ -99,7 +99,11 @@ class LiveSession {
   std::shared_ptr<const LiveScene> scene() const;
 
   /// Whether there is a newer snapshot(); it is valid until the next call.
-  bool take() { return wants(wants_snapshot_, snapshots_); }
+  bool take() {
+    const bool fresh = wants(wants_snapshot_, snapshots_);
+    if (fresh) ++taken_;
+    return fresh;
+  }
   const Snapshot& snapshot() { return snapshots_.front(); }
   /// The same for seen().
   bool take_seen() { return wants(wants_seen_, seen_); }
@@ -149,8 +153,9 @@ class LiveSession {
   Patience patience_;
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
+  std::atomic<bool> unattended_{false};
   std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or when it was constructed
-  std::atomic<std::uint64_t> looks_{0};
+  std::atomic<std::uint64_t> taken_{0};                                      ///< snapshots
   std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
   session::Newest<Snapshot> snapshots_;
   session::Newest<Seen> seen_;

@@ -58,13 +58,14 @@ Settings load_settings(const std::filesystem::path& file) {
   TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
   settings.dark = table.flag_or("dark", settings.dark);
   settings.panels = table.flag_or("panels", settings.panels);
-  constexpr const char* fine = "fine_pictures";
-  if (const std::string word = table.text_or(fine, std::string(word_of(fine_words, settings.fine)));
-      const std::optional<FinePictures> known = value_of(fine_words, word)) {
-    settings.fine = *known;
-  } else {
-    throw table.fault(fine, fmt::format("{} is '{}': give {}", fine, word, one_of(fine_words)));
-  }
+  const auto choice = [&](const char* key, const auto& words, auto& value) {
+    const std::string word = table.text_or(key, std::string(word_of(words, value)));
+    const auto known = value_of(words, word);
+    if (!known) throw table.fault(key, fmt::format("{} is '{}': give {}", key, word, one_of(words)));
+    value = *known;
+  };
+  choice("fine_pictures", fine_words, settings.fine);
+  choice("finger_colour", skin_colour_words, settings.skin_colour);
   settings.slots_per_s = table.number_or("slots_per_s", settings.slots_per_s, 0.5, 667);
   for (const std::string& name : texts_or_none(table, unfolded))
     settings.headings[name] = true;
@@ -108,9 +109,10 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
   std::filesystem::create_directories(file.parent_path(), fault);
   if (fault) throw failure(fmt::format("{}: cannot be created: {}", file.parent_path().string(), fault.message()));
   std::string text = fmt::format(
-      "# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nfine_pictures = \"{}\"\nslots_per_s = "
-      "{}\n",
-      settings.dark, settings.panels, word_of(fine_words, settings.fine), settings.slots_per_s);
+      "# How palpa-viewer looked when it was closed.\ndark = {}\npanels = {}\nfine_pictures = \"{}\"\n"
+      "finger_colour = \"{}\"\nslots_per_s = {}\n",
+      settings.dark, settings.panels, word_of(fine_words, settings.fine),
+      word_of(skin_colour_words, settings.skin_colour), settings.slots_per_s);
   std::vector<std::string> open, closed;
   for (const auto& [name, is_open] : settings.headings)
     (is_open ? open : closed).push_back(name);
@@ -137,6 +139,7 @@ Settings to_remember(const Settings& before, const Settings& began, const Settin
   take(out.dark, began.dark, now.dark);
   take(out.panels, began.panels, now.panels);
   take(out.fine, began.fine, now.fine);
+  take(out.skin_colour, began.skin_colour, now.skin_colour);
   take(out.slots_per_s, began.slots_per_s, now.slots_per_s);
   take(out.headings, began.headings, now.headings);
   take(out.window, began.window, now.window);

@@ -1,5 +1,5 @@
-// What is remembered between runs: the user's preferences (layers, background, panels, fine pictures, pace), where the
-// window was, and which files were opened.
+// What is remembered between runs: the user's preferences (layers, background, panels, fine pictures, what colours the
+// finger, pace), where the window was, and which files were opened.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct Settings {
   bool dark = false;
   bool panels = true;
   FinePictures fine = FinePictures::automatic;
+  SkinColour skin_colour = SkinColour::pressure;
   double slots_per_s = SlotTime{}.slots_per_s;
   std::map<std::string, bool> headings;  ///< of the panels, those that the user has folded (false) or unfolded
   std::optional<WindowPlace> window;

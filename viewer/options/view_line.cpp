@@ -13,11 +13,12 @@ namespace {
 
 /// What the view itself says.
 constexpr const char* of_view[] = {
-    "--show",       "--hide",     "--opacity",   "--explode",    "--slice",         "--slice-at",    "--dark",
-    "--slice-size", "--fine",     "--view",      "--eye",        "--target",        "--frame",       "--ortho",
-    "--slot",       "--size",     "--frames",    "--panels",     "--video",         "--pixel-ratio", "--headless",
-    "--screenshot", "--interact", "--reference", "--no-panels",  "--threshold",     "--json",        "--participant",
-    "--monitor",    "--screen",   "--stereo",    "--eyes-apart", "--barrier-pitch", "--barrier-gap", "--barrier-phase"};
+    "--show",      "--hide",       "--opacity",     "--explode",       "--slice",       "--slice-at",
+    "--dark",      "--slice-size", "--fine",        "--view",          "--eye",         "--target",
+    "--frame",     "--ortho",      "--heat",        "--slot",          "--size",        "--frames",
+    "--panels",    "--video",      "--pixel-ratio", "--headless",      "--screenshot",  "--interact",
+    "--reference", "--no-panels",  "--threshold",   "--json",          "--participant", "--monitor",
+    "--screen",    "--stereo",     "--eyes-apart",  "--barrier-pitch", "--barrier-gap", "--barrier-phase"};
 
 std::string point_text(const Vec3& p) {
   return fmt::format("{},{},{}", p.x, p.y, p.z);
@@ -78,6 +79,8 @@ std::string picture_command(const ViewerOptions& options, const setup::Given& ru
   give_layers(given, seen.state.layers);
   give_viewpoint(given, options, seen.state.viewpoint);
   give_slice(given, seen);
+  if (seen.state.layers.shows(Layer::heat) && seen.state.skin_colour != SkinColour::pressure)
+    given["--heat"] = {std::string(word_of(skin_colour_words, seen.state.skin_colour))};
   if (seen.state.dark) given["--dark"] = {};
   if (seen.state.explode > 0) given["--explode"] = {fmt::format("{:g}", seen.state.explode)};
   constexpr std::uint64_t most_frames = 300;

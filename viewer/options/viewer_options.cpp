@@ -120,6 +120,9 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.point("--slice-at", o.slice.at, "centre of the plane of --slice [the touch's centre]");
   what.quantity("--slice-size", o.slice.size_m, Quantity::length, setup::positive(10),
                 "length of the sides of the plane of --slice");
+  what.choice("--heat", o.heat, skin_colour_words,
+              "colours the finger by the pressure or by the rates of a class of its afferents [none; pressure with "
+              "--show heat]");
   what.flag("--dark", o.dark, "draws on a dark background");
   what.choice("--fine", o.fine, fine_words,
               "when pictures have four samples for each pixel; auto means, on slow devices, only while nothing moves; "
@@ -367,6 +370,8 @@ ViewState first_state(const ViewerOptions& o, const Layers& layers) {
     state.layers[layer_of("--opacity", item.substr(0, equals))].opacity = static_cast<float>(*opacity);
   }
   if (o.slice.plane || !o.slice.at.empty()) state.layers[Layer::slice].visible = true;
+  if (o.heat) state.layers[Layer::heat].visible = true;
+  state.skin_colour = o.heat.value_or(SkinColour::pressure);
   state.explode = o.explode;
   state.time.slot = o.slot;
   state.dark = o.dark;

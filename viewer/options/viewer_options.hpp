@@ -43,6 +43,7 @@ struct ViewerOptions {
   std::string shown, hidden, opacities;  ///< layers: "cameras,depth"; with opacities "solids=0.5,skin=0.2"
   double explode = 0;
   AskedSlice slice;
+  std::optional<SkinColour> heat;  ///< what colours the finger; shows the layer heat, too
   bool dark = false;
   FinePictures fine = FinePictures::automatic;
   std::uint64_t slot = 0;

@@ -149,7 +149,20 @@ void draw_sound_panel(Desk& desk) {
       tip("Out of date: the next one is being computed");
     }
   };
-  layer("pressure on the finger", Layer::heat, "Mean radiation pressure, on the mesh of --skin");
+  layer("on the finger", Layer::heat, "What the finger feels, on the mesh of --skin");
+  if (desk.state.layers.shows(Layer::heat)) {
+    ImGui::SetNextItemWidth(em(7));
+    drop_down("##heat", std::string(word_of(skin_colour_words, desk.state.skin_colour)), [&] {
+      for (const Word<SkinColour>& entry : skin_colour_words) {
+        const bool now = entry.value == desk.state.skin_colour;
+        if (ImGui::Selectable(entry.word, now)) desk.state.skin_colour = entry.value;
+        desk.places.named[std::string("heat ") + entry.word] = last_area();
+      }
+    });
+    desk.places.named["heat of"] = last_area();
+    tip("The mean radiation pressure, or the rates of a class of afferents: slowly adapting (SA1), rapidly adapting "
+        "(RA), Pacinian (PC)");
+  }
   layer("field in a plane", Layer::slice,
         "Sound pressure of the slot that is shown. Drag the middle along the arrow, the ends to turn it");
   if (!desk.state.layers.shows(Layer::slice)) return;

@@ -37,7 +37,8 @@ const char* about(Layer layer) {
     case Layer::slice:
       return "The sound pressure of the slot that is shown, in a plane";
     case Layer::heat:
-      return "The mean radiation pressure on the finger's mesh: what the skin gets from the whole schedule";
+      return "What the finger gets from the whole schedule, on its mesh: the mean radiation pressure, or the rates of "
+             "its afferents";
     case Layer::tile:
       return "The marker on top of the highest object, 10 mm wide: where a participant puts the finger";
     case Layer::grid:
@@ -62,7 +63,7 @@ const char* name_of(Layer layer) {
     case Layer::slice:
       return "field in a plane";
     case Layer::heat:
-      return "pressure";
+      return "on the finger";
     case Layer::tile:
       return "marker tile";
     default:

@@ -79,17 +79,18 @@ void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid
                         linear ? most : 1});
 }
 
-void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values) {
+void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values,
+               const std::string& title) {
   double peak = 0;
   for (const double value : values)
-    peak = std::max(peak, value);
+    peak = std::max(peak, std::isnan(value) ? 0 : value);
   const double most = round_up(peak);
   SurfaceMark skin{std::move(name), std::move(body), {}, {}};
   skin.colours.reserve(values.size());
   for (const double value : values)
     skin.colours.push_back(drawing::map_colour(value / most));
   picture.skin = std::move(skin);
-  replace_bar(picture, {Layer::heat, "mean radiation pressure on the skin, Pa", most});
+  replace_bar(picture, {Layer::heat, title, most});
 }
 
 bool hide_bar(Picture& picture, Layer layer) {

@@ -28,9 +28,11 @@ std::vector<Vec3> slice_points(const SliceState& slice, const SliceGrid& grid);
 void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid,
                 std::span<const std::complex<double>> pressures);
 
-/// Puts `body`, a closed mesh, into the picture as the skin's surface, with a bar. Its colours show the radiation
-/// pressure, given per vertex in Pa. A pressure that pulls the skin has the colour of zero.
-void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> pressure_pa);
+/// Puts `body`, a closed mesh, into the picture as the skin's surface, with a bar. Its colours show the values, given
+/// per vertex. Values below zero, such as a pressure that pulls the skin, have the colour of zero; NaN is grey. `title`
+/// is the bar's.
+void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values,
+               const std::string& title);
 
 /// Removes the layer's bar, or the plane with its bar. Returns whether there was one.
 bool hide_bar(Picture& picture, Layer layer);

@@ -5,6 +5,7 @@
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "setup/body.hpp"
+#include "setup/experiment/skin_rates.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/film.hpp"
@@ -38,9 +39,10 @@ void run_headless(const ViewerOptions& options) {
   if (state.layers.shows(Layer::heat)) {
     const Sounding now = show.sounding();
     const geometry::Mesh mesh = setup::load_body(options.skin, now.air, false);
-    const session::SkinQuestion question = skin_question(options.skin, mesh, now);
+    session::SkinQuestion question = skin_question(options.skin, mesh, now);
+    question.afferents = state.skin_colour != SkinColour::pressure;
     acoustics::BodyCache bodies;
-    show_answer(show.picture(), question, session::answer(question, bodies));
+    show_answer(show.picture(), question, setup::SkinRates().answer(question, bodies), state.skin_colour);
   }
   std::optional<FieldSlice> field;
   if (state.layers.shows(Layer::slice)) {

@@ -17,7 +17,7 @@ Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, 
   busy_ = false;
   if (state.layers.shows(Layer::heat) && now.layout && !finger_.empty()) {
     if (!heat_) heat_.emplace(finger_, now.air);
-    change |= heat_->look(now, picture);
+    change |= heat_->look(now, picture, state.skin_colour);
     busy_ = busy_ || heat_->busy();
     heed(heat_->fault());
   }

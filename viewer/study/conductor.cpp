@@ -6,8 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/append_file.hpp"
 #include "base/error.hpp"
 #include "base/version.hpp"
+#include "base/without_folders.hpp"
 #include "geometry/gltf/write.hpp"
 #include "session/links/foci_file.hpp"
 #include "setup/interrupt.hpp"
@@ -51,13 +53,22 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
                                                            .version = version_and_commit(),
                                                            .rehearsal = run.rehearse.has_value(),
                                                            .masking = masking_.name()},
-                                              [this](const study::Entry& entry) { record_.add(entry); });
+                                              [this](const study::Entry& entry) { write(entry); });
   run_number_ = sitting_->agenda().starts();
   sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
   const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");
   geometry::write_glb(scene, shapes.meshes);
   finger_.emplace(record_.folder(), run_number_);
   presentation_ = std::make_unique<Presentation>(plan, run, shapes, scene, kinds, stop, std::move(wake));
+}
+
+/// Says how long the array sounded, so that no sound is missing in the participant's dose, whatever ended it.
+void Conductor::write(study::Entry entry) {
+  if (presentation_) {
+    const double sounded_s = std::chrono::duration<double>(presentation_->gate().sounded_for()).count();
+    if (const double since_s = sounded_s - std::exchange(written_s_, sounded_s); since_s > 0) entry.sounded_s = since_s;
+  }
+  record_.add(entry);
 }
 
 /// Times of the sitting count from its start.
@@ -195,7 +206,13 @@ void Conductor::end_touch() {
         file, {.layout = scene->layout, .solid_names = scene->solid_names, .slot_s = presentation_->slot_s()});
     for (const PlayedFrame& frame : played.frames)
       foci->plan({.schedule = frame.schedule, .slots = {.from = frame.from, .until = frame.until}});
+    if (const array::Schedule& last = played.frames.back().schedule; last.voice_count > 0) {
+      // A frame without fingers says when the touch ended.
+      const array::Schedule nothing{.slot_s = presentation_->slot_s(), .time_s = last.time_s};
+      foci->plan({.schedule = nothing, .slots = {.from = played.end, .until = played.end}});
+    }
     foci->commit();
+    keep_file(file);
     stimulus.foci_file = std::filesystem::path(file).filename().string();
   }
   finger_->flush(static_cast<double>(now_ns()) * 1e-9);
@@ -217,7 +234,7 @@ void Conductor::advance() {
   const std::int64_t now = now_ns();
   if (!presentation_->fault().empty() && !std::exchange(told_fault_, true)) {
     presentation_->close();
-    sitting_->fault(presentation_->fault(), now);
+    sitting_->fault(without_folders(presentation_->fault()), now);
     follow_touch();
   }
   if (const std::optional<double> depth = presentation_->deepest_m()) {
@@ -327,6 +344,10 @@ ExperimenterView Conductor::experimenter_view() const {
       level_.loudest_db() > plan_->level.limit_db);
   add("", fmt::format("{:.0f} dB equivalent for 8 h; reflections +-{:.0f} dB; ceiling {:g}", level_.equivalent_db(),
                       study::reflections_db, plan_->level.ceiling));
+  const double sounded_s = study::sounded_s(record_.entries());
+  add("dose", sounded_s > 0 ? fmt::format("{:.0f} s of sound so far: at most {:.0f} dB equivalent for 8 h", sounded_s,
+                                          study::equivalent_db(level_.loudest_db(), sounded_s))
+                            : "no sound so far");
   std::string limits;
   for (const study::EarLimit& limit : study::ear_limits())
     limits += fmt::format("{}{:.0f} dB {} ({})", limits.empty() ? "" : "\n", limit.db, limit.who, limit.what);

@@ -64,6 +64,7 @@ class Conductor {
   void follow_touch();
   std::string next_file(const std::string& end) const;
   bool silences(study::Act act) const;
+  void write(study::Entry entry);
 
   const study::StudyPlan* plan_;
   const setup::StudyRunOptions* run_;
@@ -79,6 +80,7 @@ class Conductor {
   bool touching_ = false;      ///< a touch is under way that was begun here
   bool told_fault_ = false;    ///< the sitting knows of the presentation's fault
   std::uint32_t touches_ = 0;  ///< of this run
+  double written_s_ = 0;       ///< how much of the sound of this run is in the journal
 };
 
 }  // namespace palpa::viewer

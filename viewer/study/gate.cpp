@@ -1,5 +1,6 @@
 #include "viewer/study/gate.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -34,35 +35,73 @@ bool Gate::sounding(Clock::time_point now) const {
   return last != closed && now - Clock::time_point(Clock::duration(last)) <= std::chrono::milliseconds(100);
 }
 
-void Gate::note(std::span<const array::TransducerDrive> drive, Clock::time_point now) {
+void Gate::note(std::uint64_t slot, std::span<const array::TransducerDrive> drive, Clock::time_point now) {
   static_assert(sizeof(array::TransducerDrive) == 2 * sizeof(float));
-  if (session::sounds(drive)) {
+  const bool sounds = session::sounds(drive);
+  if (sounds) {
     last_sound_ = now.time_since_epoch().count();
     ++sounded_;
   }
   const std::lock_guard lock(mutex_);
+  count_sound(sounds, now);
   ++touch_.drives;
+  touch_.end = slot + 1;
   digest_.add({reinterpret_cast<const char*>(drive.data()), drive.size_bytes()});
+}
+
+void Gate::note_silence(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  count_sound(false, now);
+}
+
+/// With the mutex held.
+void Gate::count_sound(bool sounds, Clock::time_point now) {
+  if (counted_until_) sounded_for_ += now - *counted_until_;
+  counted_until_ = sounds ? std::optional(now) : std::nullopt;
+}
+
+Gate::Clock::duration Gate::sounded_for() const {
+  const std::lock_guard lock(mutex_);
+  return sounded_for_ + (counted_until_ ? Clock::now() - *counted_until_ : Clock::duration(0));
 }
 
 void Gate::note(const PlayedFrame& frame) {
   const std::lock_guard lock(mutex_);
   touch_.frames.push_back(frame);
+  touch_.end = std::max(touch_.end, frame.from);
 }
 
 GateLink::GateLink(std::unique_ptr<session::Link> link, Gate& gate) : link_(std::move(link)), gate_(&gate) {}
 
+GateLink::~GateLink() {
+  gate_->note_silence(Gate::Clock::now());
+}
+
 /// A board that plays by its own clock would play its last plan on.
 void GateLink::shut(std::uint64_t slot) {
-  passing_ = false;
+  gate_->unheard_since_ = Gate::closed;
   nothing_.slot_s = newest_.schedule.slot_s;
+  nothing_.time_s = newest_.schedule.time_s;
+  if (std::exchange(passing_, false)) gate_->note({.from = slot, .until = slot, .schedule = nothing_});
   link_->plan({.schedule = nothing_, .slots = {.from = slot, .until = slot}});
+}
+
+/// A board that was unplugged takes no drives, but its link waits for it.
+void GateLink::look_for_arrivals(Gate::Clock::time_point now, bool after_silence) {
+  const std::optional<session::Carried> carried = link_->carried();
+  if (!carried) return;
+  if (carried->completed.drives != std::exchange(arrived_, carried->completed.drives)) {
+    gate_->unheard_since_ = Gate::closed;
+  } else if (after_silence || gate_->unheard_since_ == Gate::closed) {
+    gate_->unheard_since_ = now.time_since_epoch().count();
+  }
 }
 
 void GateLink::plan(const session::PlayedPlan& plan) {
   newest_.from = plan.slots.from;
   newest_.until = plan.slots.until;
   copy(plan.schedule, newest_.schedule);
+  gate_->newest_s_ = plan.schedule.time_s;
   if (!gate_->is_open()) {
     withheld_.plans += plan.schedule.voice_count > 0 ? 1 : 0;
     shut(plan.slots.from);
@@ -76,15 +115,19 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
   const Gate::Clock::time_point now = Gate::Clock::now();
   if (gate_->is_open(now)) {
     // What sounds from here on began with an earlier plan.
-    if (!std::exchange(passing_, true)) gate_->note(newest_);
-    gate_->note(drive, now);
+    if (!std::exchange(passing_, true))
+      gate_->note({.from = slot, .until = newest_.until, .schedule = newest_.schedule});
+    const bool after_silence = !gate_->sounding(now);
+    gate_->note(slot, drive, now);
     link_->send(slot, drive);
+    if (session::sounds(drive)) look_for_arrivals(now, after_silence);
     return;
   }
   if (passing_) shut(slot);
   withheld_.drives += session::sounds(drive) ? 1 : 0;
   silence_.assign(drive.size(), {});
   link_->send(slot, silence_);
+  gate_->note_silence(now);
 }
 
 /// Drives and plans that the gate withheld are not lost.

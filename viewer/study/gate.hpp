@@ -32,6 +32,7 @@ struct PlayedTouch {
   /// without drives.
   std::string drives_sha256{};
   std::vector<PlayedFrame> frames{};
+  std::uint64_t end = 0;  ///< the slot after the last drive, not before the last frame
 };
 
 /// One thread opens, closes and takes; the links' output threads pass through.
@@ -51,20 +52,39 @@ class Gate {
   PlayedTouch take();
   /// Whether a drive that sounds has passed within the last 100 ms.
   bool sounding(Clock::time_point now = Clock::now()) const;
+  /// For how long drives that sound have passed without any of them arriving at the device. Zero if they arrive, if
+  /// nothing sounds, and for links that do not count.
+  Clock::duration unheard(Clock::time_point now = Clock::now()) const {
+    const Clock::rep since = unheard_since_;
+    return since == closed || !sounding(now) ? Clock::duration(0) : now - Clock::time_point(Clock::duration(since));
+  }
+  /// The capture time of the frame of the newest plan that has come, also to a closed gate, on the source's clock. A
+  /// plan reaches the gate later than others hear of its frame.
+  double newest_s() const { return newest_s_; }
+  /// Another session begins, whose source has another clock.
+  void restart() { newest_s_ = never_s; }
   /// How many drives that sound have passed altogether.
   std::uint64_t sounded() const { return sounded_; }
+  /// How long they have sounded altogether, each until the drive after it came, also a silent one.
+  Clock::duration sounded_for() const;
 
  private:
   friend class GateLink;
+  static constexpr double never_s = -1e300;
   static constexpr Clock::rep closed = Clock::time_point::min().time_since_epoch().count();
 
-  void note(std::span<const array::TransducerDrive> drive, Clock::time_point now);
+  void note(std::uint64_t slot, std::span<const array::TransducerDrive> drive, Clock::time_point now);
+  void note_silence(Clock::time_point now);
+  void count_sound(bool sounds, Clock::time_point now);
   void note(const PlayedFrame& frame);
 
-  std::atomic<Clock::rep> until_{closed}, last_sound_{closed};
+  std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, unheard_since_{closed};
+  std::atomic<double> newest_s_{never_s};
   std::atomic<std::uint64_t> sounded_{0};
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   PlayedTouch touch_;
+  Clock::duration sounded_for_{};
+  std::optional<Clock::time_point> counted_until_{};  ///< while the last drive sounds
   Sha256 digest_;
 };
 
@@ -72,6 +92,8 @@ class Gate {
 class GateLink final : public session::Link {
  public:
   GateLink(std::unique_ptr<session::Link> link, Gate& gate);
+  /// A link that is gone sounds no longer.
+  ~GateLink() override;
 
   void plan(const session::PlayedPlan& plan) override;
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
@@ -81,10 +103,12 @@ class GateLink final : public session::Link {
 
  private:
   void shut(std::uint64_t slot);
+  void look_for_arrivals(Gate::Clock::time_point now, bool after_silence);
 
   std::unique_ptr<session::Link> link_;
   Gate* gate_;
   session::Passed withheld_;
+  std::uint64_t arrived_ = 0;
   bool passing_ = false;  ///< the link's last plan and drive may sound
   PlayedFrame newest_;    ///< of the last plan
   array::Schedule nothing_;

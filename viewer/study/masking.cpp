@@ -57,7 +57,7 @@ struct Masking::Device {
 namespace {
 
 constexpr int rate_hz = 48'000, channels = 2;
-constexpr std::uint64_t most_sound_bytes = 256u << 20;
+constexpr std::uint64_t most_sound_bytes = 256u << 20, most_played_bytes = 1u << 30;
 
 /// The file's sound as the device plays it.
 std::vector<std::uint8_t> sound_of(const std::string& file) {
@@ -74,7 +74,14 @@ std::vector<std::uint8_t> sound_of(const std::string& file) {
       SDL_BuildAudioCVT(&conversion, spec.format, spec.channels, spec.freq, AUDIO_F32SYS, channels, rate_hz);
   if (needed >= 0 && bytes > 0) {
     conversion.len = static_cast<int>(bytes);
-    sound.resize(std::size_t{bytes} * static_cast<std::size_t>(std::max(conversion.len_mult, 1)));
+    const std::uint64_t needs = std::uint64_t{bytes} * static_cast<std::uint64_t>(std::max(conversion.len_mult, 1));
+    if (needs > most_played_bytes) {
+      SDL_FreeWAV(samples);
+      throw bad_input(file, fmt::format("is too long, or has too low a rate ({} Hz): as the device plays it, it would "
+                                        "need {} MiB, and at most {} are possible",
+                                        spec.freq, needs >> 20, most_played_bytes >> 20));
+    }
+    sound.resize(needs);
     std::memcpy(sound.data(), samples, bytes);
     conversion.buf = sound.data();
     if (needed > 0 && SDL_ConvertAudio(&conversion) != 0) sound.clear();

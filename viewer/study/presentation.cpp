@@ -17,6 +17,8 @@ namespace {
 constexpr std::uint64_t frames_until_placed = 3;
 /// Without a newer look at the skin, nobody knows how deep the finger is.
 constexpr std::chrono::milliseconds longest_unseen{500};
+/// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
+constexpr std::chrono::milliseconds longest_unheard{500};
 
 }  // namespace
 
@@ -106,8 +108,10 @@ void Presentation::start() {
   *stop_ = false;
   if (setup::Interrupt::signalled()) *stop_ = true;
   session_method_ = method_;
+  gate_.restart();
   placed_.reset();
   since_.reset();
+  since_s_.reset();
   newest_ = 0;
   lowest_.reset();
   seen_at_.reset();
@@ -121,6 +125,7 @@ void Presentation::place() {
   session_->place(only(*shape_, scene->solid_names));
   placed_ = shape_;
   since_.reset();
+  since_s_.reset();
   lowest_.reset();
   seen_at_.reset();
 }
@@ -131,7 +136,8 @@ void Presentation::look() {
     const bool asked = session_method_ != method_;
     if (!asked) {
       gate_.close();
-      fault_ = session_->fault().empty() ? "the source of frames has ended" : session_->fault();
+      const char* without = session_->unattended() ? "the program stood still" : "the source of frames has ended";
+      fault_ = session_->fault().empty() ? without : session_->fault();
       session_.reset();
       return;
     }
@@ -140,11 +146,19 @@ void Presentation::look() {
   if (!session_) start();
   if (!session_ || session_method_ != method_) return;
   session_->look();
+  if (gate_.unheard() > longest_unheard) {
+    gate_.close();
+    fault_ = "the array takes no drives: see whether it is plugged in and switched on";
+    session_->all_off();
+    session_method_.reset();  // another session opens the array again
+    return;
+  }
   place();
   if (session_->take()) {
     newest_ = session_->snapshot().sequence;
     rate_hz_ = session_->snapshot().numbers.rate_hz;
     if (placed_ && !since_) since_ = newest_ + frames_until_placed;
+    if (since_ && newest_ >= *since_ && !since_s_) since_s_ = session_->snapshot().time_s;
   }
   if (session_->take_seen() && since_ && session_->seen().sequence >= *since_) {
     lowest_ = lowest_point(session_->seen().skin.points, shapes_->shapes[*shape_].box);
@@ -153,8 +167,8 @@ void Presentation::look() {
 }
 
 bool Presentation::ready() const {
-  return session_ && fault_.empty() && session_method_ == method_ && placed_ == shape_ && since_ &&
-         newest_ >= *since_ && seen_at_ && Clock::now() - *seen_at_ < longest_unseen;
+  return session_ && fault_.empty() && session_method_ == method_ && placed_ == shape_ && since_ && since_s_ &&
+         gate_.newest_s() >= *since_s_ && seen_at_ && Clock::now() - *seen_at_ < longest_unseen;
 }
 
 void Presentation::open(Clock::time_point until) {

@@ -93,6 +93,7 @@ class Presentation {
   std::optional<std::size_t> session_method_, placed_;
   std::uint64_t newest_ = 0;            ///< sequence of the newest frame that was planned
   std::optional<std::uint64_t> since_;  ///< frames from here on have the shape that is placed
+  std::optional<double> since_s_;       ///< the capture time of the first of them that was looked at
   bool wanted_ = false;                 ///< a session should be under way
   std::string fault_;
   std::optional<Vec3> lowest_;

@@ -29,7 +29,7 @@ enum class Layer {
   cameras,  ///< frusta
   depth,    ///< the cameras' images, inset
   slice,    ///< the field in a plane
-  heat,     ///< the pressure on the finger
+  heat,     ///< what the finger feels, see SkinColour
   tile,     ///< the marker on top of the objects, as the participant sees it
   grid,
   legend,  ///< with axes and scale
@@ -67,6 +67,11 @@ class Layers {
   std::array<LayerState, layer_count> states_{};
 };
 
+/// What colours the finger in the layer heat: the pressure, or the rates of one class of afferents.
+enum class SkinColour { pressure, sa1, ra, pc };
+inline constexpr Word<SkinColour> skin_colour_words[] = {
+    {"pressure", SkinColour::pressure}, {"SA1", SkinColour::sa1}, {"RA", SkinColour::ra}, {"PC", SkinColour::pc}};
+
 /// The plane in which the field is shown. Its x and y axes are columns 0 and 1 of its pose; it is centred at its pose.
 struct SliceState {
   Transform T_world_slice{1.0};
@@ -92,6 +97,7 @@ struct ViewState {
   Viewpoint viewpoint;
   Layers layers;
   double explode = 0;  ///< how far convex parts are moved apart, as a share of the solid's size, 0..1
+  SkinColour skin_colour = SkinColour::pressure;
   SliceState slice;
   bool slice_handles = false;  ///< drawn, because there is a hand to take them
   SlotTime time;

@@ -55,12 +55,15 @@ void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
 void run_analyse(const AnalyseCommand& o) {
   if (o.sources.empty()) throw bad_usage("give palpa study analyse the folder of a study, or a CSV file of counts");
   setup::refuse_gpu_options(o.common, "palpa study analyse computes on the processor");
-  const Outputs outputs(outputs_of(o.common, o.outputs));
+  const std::vector<Output> files = outputs_of(o.common, o.outputs);
+  const Outputs outputs(files);
   if (o.sources.size() == 1 && !is_folder(o.sources[0])) {
     analyse_counts(o, outputs);
     return;
   }
-  const study::Analysis analysis = study::analyse(study::read_study(o.sources), o.common.seed);
+  study::Study study = study::read_study(o.sources);
+  refuse_participants_folders(o.sources, files);
+  const study::Analysis analysis = study::analyse(std::move(study), o.common.seed);
   warn_of(analysis.study.left_out);
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return analysis_text(analysis); },

@@ -31,7 +31,8 @@ void run_compare(const CompareCommand& o) {
   if (o.sources.empty())
     throw bad_usage("give palpa study compare at least two tables, such as the word paper and the folder of a study");
   setup::refuse_gpu_options(o.common, "palpa study compare computes on the processor");
-  const Outputs outputs(outputs_of(o.common, o.outputs));
+  const std::vector<Output> files = outputs_of(o.common, o.outputs);
+  const Outputs outputs(files);
   std::vector<std::string> left_out;
   std::vector<study::NamedTable> tables;
   constexpr std::size_t most_tables = 100;
@@ -40,6 +41,7 @@ void run_compare(const CompareCommand& o) {
       tables.push_back(std::move(table));
     if (tables.size() > most_tables) throw bad_usage("these are more than 100 tables: give fewer");
   }
+  refuse_participants_folders(o.sources, files);
   if (tables.size() < 2)
     throw bad_usage(
         "one table alone cannot be compared: give palpa study compare at least two, such as the word paper");

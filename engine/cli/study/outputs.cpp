@@ -2,6 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
+#include <system_error>
+
+#include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 
@@ -16,6 +20,21 @@ void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& 
 
 std::vector<Output> outputs_of(const setup::CommonOptions& common, const StudyOutputs& options) {
   return {{"--json", common.json}, {"--html", options.html}, {"--csv", options.csv}};
+}
+
+void refuse_participants_folders(const std::vector<std::string>& studies, const std::vector<Output>& outputs) {
+  namespace fs = std::filesystem;
+  std::error_code fault;
+  for (const Output& output : outputs) {
+    if (output.target.empty() || output.target == "-") continue;
+    const fs::path file = fs::weakly_canonical(output.target, fault);
+    for (const std::string& study : studies) {
+      const fs::path within = file.lexically_relative(fs::canonical(study, fault));
+      if (!within.has_parent_path() || !within.begin()->string().starts_with("sub-")) continue;
+      throw bad_usage(fmt::format("{} {}: is in the folder of a participant; give a file that is not in one",
+                                  output.option, output.target));
+    }
+  }
 }
 
 void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,

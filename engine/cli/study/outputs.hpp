@@ -23,6 +23,9 @@ struct Reports {
 };
 /// The outputs on the line, to be declared before anything is read.
 std::vector<Output> outputs_of(const setup::CommonOptions& common, const StudyOutputs& options);
+/// Throws bad_usage for an output in the folder of a participant, sub-N, of one of these studies. A report reads only
+/// the logs there, but it must not replace the other files, such as the journal, either.
+void refuse_participants_folders(const std::vector<std::string>& studies, const std::vector<Output>& outputs);
 /// Writes the reports that the line asks for, and the text if nothing else goes to stdout.
 void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,
                    const Reports& reports);

@@ -90,7 +90,7 @@ class RecordLink : public Link {
   }
 
   /// A stalled reader must not get drives long after they are over; a stalled disk must have no effect on the sound.
-  static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 23;
+  static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 25;
 
   const std::atomic<bool>* wait_unless_;
   std::size_t transducers_, record_bytes_;

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "shaders/touch/follow/follow_math.h"
+#include "shaders/touch/known/known_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/foci/foci_twin.hpp"
@@ -113,7 +114,7 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
     if (out.contacts[i].solid == finger.solid) found.contacts.push_back(i);
   }
   found.contact_count = static_cast<std::uint32_t>(found.contacts.size());
-  if (found.contact_count < std::max(parameters.min_points, 1U)) return false;
+  if (found.contact_count < shader::least_contacts(parameters.min_points, finger.holds)) return false;
   out.finger_count = 1;
   find_sections(out);
   if (!found.point_like) take_axes(finger.section, found.section);

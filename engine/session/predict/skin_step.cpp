@@ -7,6 +7,8 @@
 #include <glm/matrix.hpp>
 #include <optional>
 
+#include "sensing/skin_twin.hpp"
+
 namespace palpa::session {
 namespace {
 
@@ -16,22 +18,36 @@ constexpr double most_slope_m = 6e-3;       ///< depth between these neighbours;
 constexpr double first_reach_m = 8e-3;      ///< farther along the normal is another surface
 constexpr double last_reach_m = 2e-3;       ///< in the last of the rounds
 constexpr int rounds = 4;
+/// Skin that has come into the box was at most this far from it in the frame before.
+constexpr double most_step_m = 50e-3;
 constexpr double hold_of_centroid = 0.01;  ///< weight of the centroid's way, relative to that of all normals
 
 /// One camera's image in its own coordinates.
 struct Image {
+  std::size_t number;
   const sensing::Camera& camera;
   const sensing::CameraTable& table;
   const sensing::RayTables& tables;
   const std::vector<std::uint16_t>& depth;
 
+  std::uint16_t raw_at(std::uint32_t u, std::uint32_t v) const { return depth[std::size_t{v} * table.width + u]; }
   std::optional<Vec3> at(std::uint32_t u, std::uint32_t v) const {
     if (u >= table.width || v >= table.height) return std::nullopt;
-    const std::uint16_t raw = depth[std::size_t{v} * table.width + u];
+    const std::uint16_t raw = raw_at(u, v);
     const glm::vec2& ray = tables.rays[table.first_pixel + std::size_t{v} * table.pitch + u];
     if (raw == 0 || ray.x >= sensing::no_ray) return std::nullopt;
     const double z = raw * camera.depth_unit_m;
     return Vec3(ray.x * z, ray.y * z, z);
+  }
+  /// In the world.
+  std::optional<Vec3> place_at(std::uint32_t u, std::uint32_t v) const {
+    const std::optional<Vec3> point = at(u, v);
+    if (!point) return std::nullopt;
+    return transform_point(camera.T_world_camera, *point);
+  }
+  /// Whether the pixel with this place shows skin.
+  bool is_skin(std::uint32_t u, std::uint32_t v, const Vec3& place, std::span<const shader::SkinVolume> volumes) const {
+    return sensing::is_skin(tables, volumes, {number, u, v, raw_at(u, v), glm::vec3(place)});
   }
   /// Towards the camera.
   std::optional<Vec3> normal_at(std::uint32_t u, std::uint32_t v) const {
@@ -49,16 +65,16 @@ struct Image {
 };
 
 Image image_of(const CameraView& view, const KeptFrames& frames, std::size_t c) {
-  return {view.cameras[c], view.tables.cameras[c], view.tables, frames.images()[c].depth};
+  return {c, view.cameras[c], view.tables.cameras[c], view.tables, frames.images()[c].depth};
 }
 
 bool inside(const Box& box, const Vec3& p) {
   return glm::all(glm::greaterThanEqual(p, box.low)) && glm::all(glm::lessThanEqual(p, box.high));
 }
 
-void find_samples(const CameraView& view, const KeptFrames& now, const Box& box, std::vector<sensing::Crop>& crops,
-                  std::vector<SkinSample>& out) {
-  out.clear();
+void find_samples(const CameraView& view, const KeptFrames& now, const Box& box, SkinScratch& scratch) {
+  std::vector<sensing::Crop>& crops = scratch.crops;
+  scratch.samples.clear();
   sensing::plan_crops(view.cameras, view.tables, box, crops);
   std::size_t pixels = 0;
   for (const sensing::Crop& crop : crops)
@@ -72,12 +88,10 @@ void find_samples(const CameraView& view, const KeptFrames& now, const Box& box,
         std::min(crop.first_column + crop.blocks_per_row * sensing::block_pixels, image.table.width);
     for (std::uint32_t v = crop.first_row; v < crop.first_row + crop.rows; v += step) {
       for (std::uint32_t u = crop.first_column; u < last; u += step) {
-        const auto point = image.at(u, v);
-        if (!point) continue;
-        const Vec3 place = transform_point(image.camera.T_world_camera, *point);
-        if (!inside(box, place)) continue;
+        const auto place = image.place_at(u, v);
+        if (!place || !inside(box, *place) || !image.is_skin(u, v, *place, scratch.volumes)) continue;
         if (const auto normal = image.normal_at(u, v)) {
-          out.push_back({place, glm::dmat3(image.camera.T_world_camera) * *normal, crop.camera});
+          scratch.samples.push_back({*place, glm::dmat3(image.camera.T_world_camera) * *normal, crop.camera});
         }
       }
     }
@@ -89,7 +103,10 @@ void find_samples(const CameraView& view, const KeptFrames& now, const Box& box,
 SkinStep find_skin_step(const CameraView& view, const KeptFrames& now, const KeptFrames& before, const Box& box,
                         const Vec3& expected, const Vec3& centroid, SkinScratch& scratch) {
   if (!now.any() || !before.any()) return {};
-  find_samples(view, now, box, scratch.crops, scratch.samples);
+  scratch.volumes.clear();
+  if (view.surroundings)
+    sensing::plan_drops(*view.surroundings, {box.low - most_step_m, box.high + most_step_m}, scratch.volumes);
+  find_samples(view, now, box, scratch);
   SkinStep step{expected, 0};
   scratch.T_camera_world.clear();
   for (const sensing::Camera& camera : view.cameras)
@@ -106,15 +123,15 @@ SkinStep find_skin_step(const CameraView& view, const KeptFrames& now, const Kep
       const Vec2 pixel = sensing::project(view.cameras[sample.camera], seen);
       const Image image = image_of(view, before, sample.camera);
       if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < image.table.width && pixel.y < image.table.height)) continue;
-      const auto there = image.at(static_cast<std::uint32_t>(std::floor(pixel.x + 0.5)),
-                                  static_cast<std::uint32_t>(std::floor(pixel.y + 0.5)));
-      if (!there) continue;
-      const Vec3 old = transform_point(image.camera.T_world_camera, *there);
+      const auto u = static_cast<std::uint32_t>(std::floor(pixel.x + 0.5));
+      const auto v = static_cast<std::uint32_t>(std::floor(pixel.y + 0.5));
+      const auto old = image.place_at(u, v);
       const Vec3& n = sample.normal;
-      if (std::abs(glm::dot(n, from - old)) > reach_m) continue;
+      if (!old || std::abs(glm::dot(n, from - *old)) > reach_m) continue;
+      if (!image.is_skin(u, v, *old, scratch.volumes)) continue;
       ++count;
       normals += glm::outerProduct(n, n);
-      ways += n * glm::dot(n, sample.place - old);
+      ways += n * glm::dot(n, sample.place - *old);
     }
     step.samples = count;
     if (count < least_skin_samples) return step;

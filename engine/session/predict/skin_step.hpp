@@ -34,11 +34,12 @@ struct SkinSample {
 struct SkinScratch {
   std::vector<SkinSample> samples;
   std::vector<sensing::Crop> crops;
+  std::vector<shader::SkinVolume> volumes;
   std::vector<Transform> T_camera_world;
 };
 
 /// The way of the skin inside `box` since the frame `before`, near the `expected` one; `centroid` is the way of the
-/// contacts' centroid.
+/// contacts' centroid. What the view knows to be no skin does not count, in either frame.
 SkinStep find_skin_step(const CameraView& view, const KeptFrames& now, const KeptFrames& before, const Box& box,
                         const Vec3& expected, const Vec3& centroid, SkinScratch& scratch);
 

@@ -52,6 +52,7 @@ double gain_of(std::span<const Complex> sound, const array::Layout& layout, cons
 
 LiveFingers::LiveFingers(const SessionSetting& setting)
     : setting_(setting),
+      surroundings_(surroundings_of(setting)),
       air_(acoustics::without_absorption(setting.finger->air)),
       newest_(std::make_shared<Answer>()),
       beside_([this](const Question& question, const std::atomic<bool>& give_up) { return work(question, give_up); }) {
@@ -245,13 +246,15 @@ LiveFingers::Answer LiveFingers::work(const Question& question, const std::atomi
     known.asked_s = question.time_s;
 
     std::vector<sensing::Crop> crops;
-    std::vector<sensing::SkinPoint> skin;
+    std::vector<shader::SkinVolume> volumes;
+    sensing::SkinOfFrame skin;
     const Box box = around(tracked.contacts, FingerFit::reach_m);
     sensing::plan_crops(setting_.cameras, *rays_, box, crops);
-    sensing::find_skin(*rays_, question.images, box, crops, skin);
+    sensing::plan_drops(surroundings_, box, volumes);
+    sensing::find_skin(*rays_, question.images, box, crops, volumes, skin);
     std::vector<Vec3> points;
-    points.reserve(skin.size());
-    for (const sensing::SkinPoint& point : skin)
+    points.reserve(skin.points.size());
+    for (const sensing::SkinPoint& point : skin.points)
       points.emplace_back(point.position);
     const std::optional<FingerPose> pose = fit_->find(points, tracked.contacts, known.T_world_finger);
     answer.placed = pose.has_value();

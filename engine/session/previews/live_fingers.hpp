@@ -29,6 +29,7 @@
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
+#include "sensing/surroundings.hpp"
 #include "session/plan/finger_sounds.hpp"
 #include "session/plan/planner.hpp"
 #include "session/plan/setting.hpp"
@@ -113,6 +114,7 @@ class LiveFingers final : public FingerSounds {
   array::FreeField free_field_;
 
   // The thread's.
+  sensing::Surroundings surroundings_;  ///< as of the loop's planner
   acoustics::Air air_;
   std::optional<sensing::RayTables> rays_;
   std::optional<acoustics::TrackedFinger> finger_;

@@ -1,6 +1,7 @@
 #include "session/previews/skin_preview.hpp"
 
 #include <glm/matrix.hpp>
+#include <utility>
 
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/field/incident.hpp"
@@ -27,9 +28,9 @@ SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies, co
   return answer;
 }
 
-SkinPreview::SkinPreview()
-    : beside_([this](const SkinQuestion& question, const std::atomic<bool>& give_up) {
-        return answer(question, bodies_, &give_up);
+SkinPreview::SkinPreview(Work work)
+    : beside_([this, work = std::move(work)](const SkinQuestion& question, const std::atomic<bool>& give_up) {
+        return work(question, bodies_, &give_up);
       }) {}
 
 }  // namespace palpa::session

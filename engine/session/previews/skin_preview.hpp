@@ -6,8 +6,10 @@
 // array or the schedule changes, only the right-hand sides are recomputed. That takes 0.2 s for the paper's case.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,13 +35,17 @@ struct SkinQuestion {
   array::Layout layout;             ///< in the world
   array::DriveOptions drive;
   acoustics::Air air;
+  bool afferents = false;  ///< whether `rates` are wanted, too
 };
 
 struct SkinAnswer {
   std::uint64_t number = 0;       ///< number of the question; 0: no question yet
   acoustics::SkinPressure faces;  ///< time averages, Pa
   std::vector<double> vertices;   ///< `langevin` of `faces`, at each vertex of the mesh
-  std::string fault;              ///< the error message if there is no result; empty on success
+  /// The rates of SA1, RA and PC at each vertex, 1/s; NaN beyond the fingertip. Empty unless they were asked for, and
+  /// from answer(), which knows no afferents (setup/experiment/skin_rates.hpp).
+  std::vector<std::array<double, 3>> rates;
+  std::string fault;  ///< the error message if there is no result; empty on success
 };
 
 /// Answers on the calling thread. Throws bad_input if the finger intersects the array, GivenUp (base/parallel.hpp) soon
@@ -51,7 +57,9 @@ SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
 /// (base/activity.hpp).
 class SkinPreview {
  public:
-  SkinPreview();
+  /// Called on the preview's thread. It may throw as answer() does.
+  using Work = std::function<SkinAnswer(const SkinQuestion&, acoustics::BodyCache&, const std::atomic<bool>* give_up)>;
+  explicit SkinPreview(Work work = answer);
 
   std::uint64_t ask(SkinQuestion question) { return beside_.ask(std::move(question)); }
   std::shared_ptr<const SkinAnswer> newest() const { return beside_.newest(); }

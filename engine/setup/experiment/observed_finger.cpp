@@ -1,6 +1,7 @@
 #include "setup/experiment/observed_finger.hpp"
 
 #include <cstdint>
+#include <utility>
 
 #include "base/error.hpp"
 #include "setup/body.hpp"
@@ -30,14 +31,25 @@ std::vector<Vec3> dense_points(const geometry::Mesh& mesh, const std::vector<std
 }  // namespace
 
 ObservedFinger::ObservedFinger(const std::string& file)
-    : name_(file), air_(setup::air({}, {})), mesh_(load_body(file, air_, false)), sites_(study::sites_of(mesh_)) {
+    : name_(file), air_(setup::air({}, {})), mesh_(load_body(file, air_, false)) {
+  find_skin();
+}
+
+ObservedFinger::ObservedFinger(std::string name, const acoustics::Air& air,
+                               std::shared_ptr<const acoustics::RigidBody> body)
+    : name_(std::move(name)), air_(air), mesh_(body->mesh()), body_(std::move(body)) {
+  find_skin();
+}
+
+void ObservedFinger::find_skin() {
+  sites_ = study::sites_of(mesh_);
   if (sites_.positions.empty())
-    throw bad_input(file, "has no skin within 22 mm of the origin: a finger has its tip there, and its body along +y");
+    throw bad_input(name_, "has no skin within 22 mm of the origin: a finger has its tip there, and its body along +y");
   skin_ = dense_points(mesh_, sites_.faces);
 }
 
 const acoustics::RigidBody& ObservedFinger::body() {
-  if (!body_) body_.emplace(mesh_, air_.wave_number());
+  if (!body_) body_ = std::make_shared<const acoustics::RigidBody>(mesh_, air_.wave_number());
   return *body_;
 }
 

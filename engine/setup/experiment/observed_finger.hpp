@@ -2,6 +2,7 @@
 // arrays move around it, so that its equations are solved once.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ class ObservedFinger {
   /// A closed mesh with its tip at the origin and its body along +y. Throws as load_body does, and bad_input if there
   /// is no skin near the origin.
   explicit ObservedFinger(const std::string& file);
+  /// The same of a mesh with its equations. `name` is for messages.
+  ObservedFinger(std::string name, const acoustics::Air& air, std::shared_ptr<const acoustics::RigidBody> body);
 
   const std::string& name() const { return name_; }
   const geometry::Mesh& mesh() const { return mesh_; }
@@ -35,12 +38,14 @@ class ObservedFinger {
   const study::SkinLoad& load(study::Delays delays);
 
  private:
+  void find_skin();
+
   std::string name_;
   acoustics::Air air_;
   geometry::Mesh mesh_;
   study::SkinSites sites_;
   std::vector<Vec3> skin_;
-  std::optional<acoustics::RigidBody> body_;
+  std::shared_ptr<const acoustics::RigidBody> body_;
   std::optional<study::SkinLoad> waves_, at_once_;
 };
 

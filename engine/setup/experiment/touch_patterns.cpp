@@ -13,6 +13,7 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/field/incident.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 
@@ -59,65 +60,81 @@ session::Plan plan_of(const ObservedMethod& observed, const TouchedScene& scene,
 
 }  // namespace
 
+std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T_world_finger,
+                                      const array::Layout& layout, std::span<const session::Plan> plans,
+                                      array::Directivity directivity, const std::atomic<bool>* give_up) {
+  const array::Layout around = array::transformed(layout, glm::inverse(T_world_finger));
+  acoustics::check_clear_of(finger.name(), finger.mesh(), around);
+  std::vector<TouchPattern> patterns(plans.size());
+  const acoustics::RigidBody& body = finger.body();
+  const std::size_t vertices = body.mesh().positions.size(), transducers = layout.transducers.size();
+  // Each drive once, with the places of its maps.
+  std::vector<array::TransducerDrive> drives;
+  std::vector<std::pair<std::size_t, std::uint32_t>> users;  // plan and map
+  for (std::size_t p = 0; p < plans.size(); ++p) {
+    const session::Plan& plan = plans[p];
+    study::PressurePattern& pattern = patterns[p].pattern;
+    pattern.slot_s = plan.schedule.slot_s;
+    pattern.modulation_hz = plan.cycle.modulation_hz;
+    pattern.modulation = plan.cycle.modulation;
+    const std::size_t own = drives.size() / transducers;
+    for (std::uint32_t slot = 0; slot < plan.cycle.length; ++slot) {
+      const auto drive = plan.drive(slot, transducers);
+      std::size_t same = own;
+      while (same < drives.size() / transducers &&
+             std::memcmp(&drives[same * transducers], drive.data(), drive.size_bytes()) != 0)
+        ++same;
+      if (same == drives.size() / transducers) {
+        drives.insert(drives.end(), drive.begin(), drive.end());
+        users.emplace_back(p, static_cast<std::uint32_t>(same - own));
+      }
+      pattern.slots.push_back(static_cast<std::uint32_t>(same - own));
+    }
+    pattern.maps.resize(drives.size() / transducers - own);
+  }
+  const acoustics::Incident incident(around, finger.air(), directivity);
+  constexpr std::size_t together = 32;
+  acoustics::Waves waves;
+  for (std::size_t begin = 0; begin < users.size(); begin += together) {
+    const std::size_t count = std::min(together, users.size() - begin);
+    const acoustics::Strengths strengths =
+        acoustics::strengths_of(std::span(drives).subspan(begin * transducers, count * transducers));
+    incident.at(body.points(), body.normals(), strengths, waves, give_up);
+    stop_if(give_up);
+    const std::vector<std::complex<float>> unknowns = body.solve(waves, give_up);
+    for (std::size_t i = 0; i < count; ++i) {
+      acoustics::SkinPressure pressure;
+      acoustics::add_pressure(body, std::span(unknowns).subspan(i * vertices, vertices), finger.air(), 1, pressure);
+      const auto [plan, map] = users[begin + i];
+      for (const std::uint32_t face : finger.sites().faces)
+        patterns[plan].pattern.maps[map].push_back(static_cast<float>(pressure.langevin[face]));
+      patterns[plan].crest_n = std::max(patterns[plan].crest_n, glm::length(pressure.langevin_load.force));
+    }
+  }
+  return patterns;
+}
+
 std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedScene& scene,
                                          const study::FingerPlace& place, std::span<const ObservedMethod> methods) {
   std::vector<Vec3> world;
-  const Transform T_finger_world = glm::inverse(pose_of(finger, scene, place, world));
+  const Transform T_world_finger = pose_of(finger, scene, place, world);
   const TouchInput skin = skin_points(finger.name(), world);
   std::vector<TouchPattern> patterns(methods.size());
   std::vector<bool> done(methods.size(), false);
-  const acoustics::RigidBody& body = finger.body();
-  const std::size_t vertices = body.mesh().positions.size();
   for (std::size_t first = 0; first < methods.size(); ++first) {
     if (done[first]) continue;
-    const array::Layout* const layout = methods[first].layout;
-    const array::Layout around = array::transformed(*layout, T_finger_world);
-    acoustics::check_clear_of(finger.name(), finger.mesh(), around);
-    const std::size_t transducers = layout->transducers.size();
-    // Each drive once, with the places of its maps.
-    std::vector<array::TransducerDrive> drives;
-    std::vector<std::pair<std::size_t, std::uint32_t>> users;  // method and map
+    std::vector<std::size_t> own;  // methods with the same layout
+    std::vector<session::Plan> plans;
     for (std::size_t m = first; m < methods.size(); ++m) {
-      if (methods[m].layout != layout) continue;
+      if (methods[m].layout != methods[first].layout) continue;
       done[m] = true;
-      const session::Plan plan = plan_of(methods[m], scene, skin);
-      study::PressurePattern& pattern = patterns[m].pattern;
-      pattern.slot_s = plan.schedule.slot_s;
-      pattern.modulation_hz = plan.cycle.modulation_hz;
-      pattern.modulation = plan.cycle.modulation;
-      const std::size_t own = drives.size() / transducers;
-      for (std::uint32_t slot = 0; slot < plan.cycle.length; ++slot) {
-        const auto drive = plan.drive(slot, transducers);
-        std::size_t same = own;
-        while (same < drives.size() / transducers &&
-               std::memcmp(&drives[same * transducers], drive.data(), drive.size_bytes()) != 0)
-          ++same;
-        if (same == drives.size() / transducers) {
-          drives.insert(drives.end(), drive.begin(), drive.end());
-          users.emplace_back(m, static_cast<std::uint32_t>(same - own));
-        }
-        pattern.slots.push_back(static_cast<std::uint32_t>(same - own));
-      }
-      pattern.maps.resize(drives.size() / transducers - own);
+      own.push_back(m);
+      plans.push_back(plan_of(methods[m], scene, skin));
     }
-    const acoustics::Incident incident(around, finger.air(), array::Directivity::t4010a1);
-    constexpr std::size_t together = 32;
-    acoustics::Waves waves;
-    for (std::size_t begin = 0; begin < users.size(); begin += together) {
-      const std::size_t count = std::min(together, users.size() - begin);
-      const acoustics::Strengths strengths =
-          acoustics::strengths_of(std::span(drives).subspan(begin * transducers, count * transducers));
-      incident.at(body.points(), body.normals(), strengths, waves);
-      const std::vector<std::complex<float>> unknowns = body.solve(waves);
-      for (std::size_t i = 0; i < count; ++i) {
-        acoustics::SkinPressure pressure;
-        acoustics::add_pressure(body, std::span(unknowns).subspan(i * vertices, vertices), finger.air(), 1, pressure);
-        const auto [method, map] = users[begin + i];
-        for (const std::uint32_t face : finger.sites().faces)
-          patterns[method].pattern.maps[map].push_back(static_cast<float>(pressure.langevin[face]));
-        patterns[method].crest_n = std::max(patterns[method].crest_n, glm::length(pressure.langevin_load.force));
-      }
-    }
+    std::vector<TouchPattern> found =
+        patterns_of(finger, T_world_finger, *methods[first].layout, plans, array::Directivity::t4010a1);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      patterns[own[i]] = std::move(found[i]);
   }
   return patterns;
 }

@@ -1,12 +1,15 @@
 // The pressure on a finger over time, for one place of the finger and several methods.
 #pragma once
 
+#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "array/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
+#include "session/links/plan.hpp"
 #include "setup/experiment/observed_finger.hpp"
 #include "study/afferents/finger_place.hpp"
 #include "study/afferents/pressure_pattern.hpp"
@@ -31,6 +34,14 @@ struct TouchPattern {
   study::PressurePattern pattern;  ///< without maps if nothing is touched
   double crest_n = 0;              ///< the largest force of a map on the whole finger
 };
+
+/// One for each plan: the radiation pressure of each of its drives (Langevin) on the faces of the finger's sites. The
+/// plans are for this layout, which is in the world, and their drives are listed; a plan without drives has no maps.
+/// Throws bad_input if the finger stands within the array, GivenUp (base/parallel.hpp) soon after `give_up` became
+/// true.
+std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T_world_finger,
+                                      const array::Layout& layout, std::span<const session::Plan> plans,
+                                      array::Directivity directivity, const std::atomic<bool>* give_up = nullptr);
 
 /// One for each method: foci and drives as in a live run, and the radiation pressure of each drive (Langevin) on the
 /// faces of the finger's sites. The finger is turned about its own axis and moved to `place`. Methods with the same

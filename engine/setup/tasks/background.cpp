@@ -145,7 +145,7 @@ BackgroundResult learn_background(const BackgroundTask& task, std::span<const se
     rig.cameras[i].background = std::make_shared<sensing::Background>(std::move(background));
     sensing::write_background(files[i], rig.cameras[i]);
   }
-  if (!task.out.empty()) write_file(task.out, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
+  if (!task.out.empty()) write_rig(task.out, rig);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
 #include <numbers>
 #include <utility>
 
@@ -12,6 +13,9 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "geometry/files/stl.hpp"
+#include "geometry/gltf/write.hpp"
 #include "sensing/target.hpp"
 #include "setup/frames.hpp"
 #include "setup/target_mount.hpp"
@@ -128,6 +132,7 @@ CalibrateResult calibrate(const CalibrateTask& task, std::span<const session::So
   result.cameras = calibrate_cameras(posed.rig.cameras, source->cameras(), seen, result.T_world_target, posed.rig.file);
   for (std::size_t i = 0; i < result.cameras.size(); ++i) {
     posed.rig.cameras[i].T_world_camera = result.cameras[i].T_world_camera;
+    posed.rig.cameras[i].residual_m = result.cameras[i].found.fit.rms_m;
     warn_of_scale(result.cameras[i], source->cameras()[i].depth_unit_m);
     warn_of_distance(result.cameras[i]);
   }
@@ -147,6 +152,20 @@ geometry::Mesh target_in_world(const TargetPlace& place, const PlacedLayout& pla
   return mesh;
 }
 
+void check_target_file(const std::string& file, const TargetPlace& place) {
+  const std::string kind = std::filesystem::path(file).extension();
+  if (kind != ".stl" && kind != ".glb") throw bad_usage("--target " + file + ": give a file that ends in .stl or .glb");
+  if (kind == ".stl" && (!place.at.empty() || place.turn_deg != 0))
+    throw bad_usage(
+        "--at and --turn place a model in the world, so they go with .glb: a printer's .stl lies as it is printed");
+}
+
+void write_target(const std::string& file, const TargetPlace& place, const PlacedLayout& placed) {
+  if (file.ends_with(".stl")) return geometry::write_stl(file, target_to_print(placed.layout));
+  const geometry::SceneMesh node{"target", target_in_world(place, placed)};
+  geometry::write_glb(file, std::span(&node, 1));
+}
+
 sensing::Rig rig_to_write(const PosedRig& posed, const RigOptions& options) {
   sensing::Rig rig = posed.rig;
   if (options.layout.empty()) return rig;
@@ -154,6 +173,21 @@ sensing::Rig rig_to_write(const PosedRig& posed, const RigOptions& options) {
   const bool built_in = std::ranges::find(known, options.layout) != known.end();
   rig.array = {built_in ? options.layout : std::filesystem::absolute(options.layout).string(), {}, {}};
   return rig;
+}
+
+sensing::Rig nudged_rig(const PosedRig& posed, const RigOptions& options, const std::string& name, const Vec3& offset) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(offset[axis]) <= farthest_nudge_m) continue;
+    throw bad_usage(fmt::format("{}: {:g} mm along {} is more than a nudge, at most {:g} mm: correct the rig instead",
+                                name, offset[axis] * 1e3, "xyz"[axis], farthest_nudge_m * 1e3));
+  }
+  sensing::Rig rig = rig_to_write(posed, options);
+  rig.array->T_world_layout = glm::translate(Transform(1.0), -offset) * posed.T_world_layout;
+  return rig;
+}
+
+void write_rig(const std::string& file, const sensing::Rig& rig) {
+  write_file(file, "# By palpa calibrate.\n\n" + sensing::to_toml(rig));
 }
 
 }  // namespace palpa::setup

@@ -1,5 +1,6 @@
 // The computation of `palpa calibrate`, except for --nudge: the poses of a rig's cameras from their frames of the
-// calibration target, and the target itself. The method is in setup/calibration.hpp. Metres, world frame.
+// calibration target, the target itself, and the rig of an array that was nudged. The method is in
+// setup/calibration.hpp. Metres, world frame.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +62,21 @@ geometry::Mesh target_to_print(const array::Layout& layout);
 /// The same, in its place in the world.
 geometry::Mesh target_in_world(const TargetPlace& place, const PlacedLayout& placed);
 
+/// Throws bad_usage, naming the command's options, if the target cannot be written as that file: it ends in .stl for a
+/// printer, where the target has no place, or in .glb.
+void check_target_file(const std::string& file, const TargetPlace& place);
+/// Writes the target as check_target_file() allows: as it is printed, in millimetres, or in its place in the world.
+void write_target(const std::string& file, const TargetPlace& place, const PlacedLayout& placed);
+
 /// The rig. If RigOptions::layout is given, it has that array instead of its own.
 sensing::Rig rig_to_write(const PosedRig& posed, const RigOptions& options);
+/// The limit of a nudge along each axis, metres.
+inline constexpr double farthest_nudge_m = 0.05;
+/// The same, for sound that is in the right place if `offset` (metres, world) is added to every focus, as
+/// session::Session::set_aim() does: its array is moved by this offset in the opposite direction. Throws bad_usage,
+/// naming `name`, if a coordinate of the offset exceeds the limit.
+sensing::Rig nudged_rig(const PosedRig& posed, const RigOptions& options, const std::string& name, const Vec3& offset);
+/// Writes the rig as a TOML file, for --rig.
+void write_rig(const std::string& file, const sensing::Rig& rig);
 
 }  // namespace palpa::setup

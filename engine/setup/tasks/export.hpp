@@ -22,6 +22,8 @@ namespace palpa::setup {
 struct ExportTask : FrameOptions {
   std::string foci;    ///< file, .csv or .json (session/links/foci_file.hpp); empty: none
   std::string drives;  ///< file in the format of the link record:FILE; empty: none
+  /// A file of foci to play again instead of the frames of a source; see export_played.hpp.
+  std::string played;
 };
 /// Throws bad_usage, naming the command's options, if they do not fit together, if the source would never end, or if
 /// there is no output. `own_links`: the caller has its own links, so no output file is needed.

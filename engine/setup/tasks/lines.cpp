@@ -105,17 +105,18 @@ void add_options(CLI::App& app, SimulateLine& o) {
   add_rig_options(app, o.task.rig);
   add_drive_options(app, o.task.drive, FingerMesh::known);
   add_air_options(app, o.task.air);
+  add_spread_options(app, o.task.spread);
 }
 
 void settle(SimulateLine& o) {
   o.task.compute = o.common;
   check(o.task);
   if (o.figure6) {
-    if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene ||
+    if (!o.scene.empty() || !o.csv.empty() || !o.vtu.empty() || o.gltf_scene || !o.task.spread.text.empty() ||
         o.task.touch.method.method != touch::Method{})
       throw bad_usage(
-          "--figure6 computes the paper's objects by every method: --scene, --method, --csv and --vtu belong to a "
-          "single touch");
+          "--figure6 computes the paper's objects by every method: --scene, --method, --csv, --vtu and --spread belong "
+          "to a single touch");
     if (o.solids.surface != geometry::SurfaceKind::mesh || o.solids.parts || o.solids.internal_faces)
       throw bad_usage("--surface, --parts and --internal-faces go with --scene: --figure6 uses the meshes themselves");
     return;

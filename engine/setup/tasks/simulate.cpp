@@ -38,6 +38,7 @@ void check(const SimulateTask& options) {
   if (!(std::abs(options.penetration_m) <= most_penetration_m))
     throw bad_usage("--penetration: out of range, give a length from -10 m to 10 m");
   refuse_idle_humidity(options.air);
+  check(options.spread, options.drive.medium);
   if (options.skin == Skin::cameras) return;
   if (options.noise_free) throw bad_usage("--noise-free goes with --skin cameras");
   refuse_finger_width(options.touch, "--skin cameras");
@@ -235,6 +236,18 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   result.langevin = acoustics::spot_of(result.body, result.pressure.langevin);
   result.squared = acoustics::spot_of(result.body, result.pressure.squared);
   result.load = acoustics::about(result.tip, result.pressure.langevin_load);
+  if (!o.spread.text.empty()) {
+    watch.lap_ms();
+    result.spread = spread_of_pressure({.sounds = sounds,
+                                        .layout = rig.layout,
+                                        .directivity = o.drive.directivity,
+                                        .medium = o.drive.medium,
+                                        .air = o.air,
+                                        .body = sound->body,
+                                        .tip = result.tip},
+                                       parse_spread(o.spread.text), draws_of(o.spread, o.compute.seed));
+    result.times.emplace_back("spread", watch.lap_ms());
+  }
   if (o.bare_elongation)
     result.bare_elongation = session::bare_elongation(sounds, incident, one.touch.fingers[0].section.centroid);
   return result;

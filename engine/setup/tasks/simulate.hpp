@@ -19,6 +19,7 @@
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "setup/options.hpp"
+#include "setup/spread.hpp"
 #include "setup/tasks/simulate_result.hpp"
 
 namespace palpa::setup {
@@ -31,7 +32,7 @@ inline constexpr double most_penetration_m = 10;
 
 /// The defaults are the command line's.
 struct SimulateTask {
-  ComputeOptions compute;       ///< its seed is used for the cameras' noise
+  ComputeOptions compute;       ///< its seed is used for the cameras' noise and for random arrays
   double penetration_m = 3e-3;  ///< depth of the finger's lowest point below the solids' top
   Skin skin = Skin::vertices;
   bool noise_free = false;       ///< cameras without the sensor's noise
@@ -41,6 +42,7 @@ struct SimulateTask {
   RigOptions rig;  ///< gives the array
   DriveOptionsGroup drive;
   AirOptions air;
+  SpreadOptions spread;
 };
 /// Throws bad_usage if the options do not fit together; warns of unusual values.
 void check(const SimulateTask& options);

@@ -83,6 +83,7 @@ void add_members(JsonWriter& json, const SimulateResult& result) {
   json.member("torque_Nm", result.load.torque);
   if (!result.fingers.empty()) add_in_time(json, result);
   add_solution(json, result.effort);
+  if (result.spread) add_spread(json, *result.spread);
   json.key("timing_ms").begin_object();
   for (const auto& [stage, ms] : result.times)
     json.member(stage, ms);

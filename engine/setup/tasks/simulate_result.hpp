@@ -12,6 +12,7 @@
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "session/plan/scheduler.hpp"
+#include "setup/tasks/simulate_spread.hpp"
 #include "setup/touch_run.hpp"
 #include "touch/foci/method.hpp"
 
@@ -33,6 +34,7 @@ struct SimulateResult {
   std::optional<Vec3> far_force;          ///< the force by momentum in the air (acoustics/bodies/far_force.hpp)
   /// If requested: the elongation of the same sound's spot without the finger.
   std::optional<double> bare_elongation;
+  std::optional<SimulateSpread> spread;  ///< with --spread
   /// With --spectrum or --tune: one for each touching patch of skin.
   std::vector<session::ScheduledFinger> fingers;
   std::vector<std::string> touched;          ///< the solid of each of `fingers`

@@ -31,6 +31,8 @@ struct EventRow {
   EventStatus status = EventStatus::answered;
   std::string method{}, shape{}, answer{};  ///< empty where the file has n/a
   std::optional<double> response_s{};
+
+  bool operator==(const EventRow&) const = default;
 };
 
 struct EventsFile {

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view prefix = "sub-", events_end = "_events.tsv";
-constexpr std::size_t most_files = 100;  // of one participant
+constexpr std::size_t most_files = 1000;  // of one participant
 
 /// One log of a participant, and the finger's depths in its answered trials.
 struct Session {
@@ -85,6 +85,33 @@ std::vector<Folder> participants_in(const std::string& place, std::vector<std::s
   return found;
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Whether a name comes before another one, if digits in them count as numbers: run-99 before run-100.
+bool comes_before(std::string_view a, std::string_view b) {
+  while (!a.empty() && !b.empty()) {
+    if (!is_digit(a.front()) || !is_digit(b.front())) {
+      if (a.front() != b.front()) return a.front() < b.front();
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+      continue;
+    }
+    const auto take_number = [](std::string_view& text) {
+      while (text.size() > 1 && text.front() == '0' && is_digit(text[1]))
+        text.remove_prefix(1);
+      const auto end = std::ranges::find_if_not(text, is_digit);
+      const std::string_view number = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+      text.remove_prefix(number.size());
+      return number;
+    };
+    const std::string_view one = take_number(a), other = take_number(b);
+    if (one != other) return std::pair(one.size(), one) < std::pair(other.size(), other);
+  }
+  return a.size() < b.size();
+}
+
 bool counts(const EventRow& row) {
   return row.kind == BlockKind::trial && row.status == EventStatus::answered;
 }
@@ -99,6 +126,7 @@ void read_courses(const fs::path& events, Session& session, std::vector<std::str
   for (const EventRow& row : session.events.rows) {
     if (counts(row)) times.push_back({row.onset_s, row.duration_s.value_or(0)});
   }
+  if (times.empty()) return;
   try {
     FingerFile file = read_finger(recording, times);
     session.courses = std::move(file.courses);
@@ -121,7 +149,11 @@ void read_participant(Folder& folder) {
     return;
   }
   std::size_t files = 0;
-  for (const fs::path& path : entries_of(inside)) {
+  std::vector<fs::path> entries = entries_of(inside);
+  std::ranges::stable_sort(entries, [](const fs::path& a, const fs::path& b) {
+    return comes_before(a.filename().native(), b.filename().native());
+  });
+  for (const fs::path& path : entries) {
     const std::string name = path.filename().string();
     if (!name.ends_with(events_end)) continue;
     if (++files > most_files) throw bad_input(inside.string(), fmt::format("has more than {} logs", most_files));
@@ -138,6 +170,13 @@ void read_participant(Folder& folder) {
     } catch (const Error& error) {
       if (error.code() != Exit::bad_input) throw;
       folder.left_out.push_back(fmt::format("{}; the log is left out", error.what()));
+      continue;
+    }
+    const auto copied = std::ranges::find_if(
+        folder.sessions, [&](const Session& other) { return other.events.rows == session.events.rows; });
+    if (copied != folder.sessions.end() && !session.events.rows.empty()) {
+      folder.left_out.push_back(
+          fmt::format("{}: has the same rows as {}; the log is left out", session.events.name, copied->events.name));
       continue;
     }
     folder.left_out.insert(folder.left_out.end(), session.events.faults.begin(), session.events.faults.end());

@@ -49,12 +49,12 @@ void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) 
   if (pair.holm) rows.push_back({"after Holm's correction for all pairs", shown_p(*pair.holm)});
   rows.push_back({"correlation of the accuracies (Pearson)", shown(pair.pearson)});
   rows.push_back({"correlation of their ranks (Spearman)", shown(pair.spearman)});
-  if (!pair.order.a_first.empty() && !pair.order.b_first.empty()) {
-    rows.push_back({fmt::format("mean difference of the {} who began with {}", pair.order.a_first.size(), a),
+  if (pair.order.test) {
+    rows.push_back({fmt::format("mean difference of the {} who had {} before {}", pair.order.a_first.size(), a, b),
                     shown(mean(pair.order.a_first))});
-    rows.push_back({fmt::format("mean difference of the {} who began with {}", pair.order.b_first.size(), b),
+    rows.push_back({fmt::format("mean difference of the {} who had {} before {}", pair.order.b_first.size(), b, a),
                     shown(mean(pair.order.b_first))});
-    rows.push_back({"effect of the order (rank-sum test)", shown_p(pair.order.test.p)});
+    rows.push_back({"effect of the order (rank-sum test)", shown_p(pair.order.test->p)});
   }
   page.table("All tests are two-sided and over participants.", rows);
   add_difference(page, a, b, analysis.study.shapes, pair.tables);

@@ -96,8 +96,8 @@ void put_pairs(JsonWriter& json, const Analysis& analysis) {
     json.key("order").begin_object();
     put(json, "differences_a_first", pair.order.a_first);
     put(json, "differences_b_first", pair.order.b_first);
-    put(json, "rank_sum", pair.order.test.sum);
-    put(json, "p", pair.order.test.p);
+    put(json, "rank_sum", pair.order.test ? std::optional(pair.order.test->sum) : std::nullopt);
+    put(json, "p", pair.order.test ? std::optional(pair.order.test->p) : std::nullopt);
     json.end_object();
     put(json, "tables", pair.tables);
     json.end_object();

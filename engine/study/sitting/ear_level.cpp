@@ -56,9 +56,9 @@ double EarLevel::loudest_db() const {
   return std::max(db[0], db[1]);
 }
 
-double EarLevel::equivalent_db() const {
+double equivalent_db(double level_db, double sounding_s) {
   constexpr double day_s = 8 * 3600;
-  return loudest_db() + 10 * std::log10(std::max(sounding_s, 1e-9) / day_s);
+  return level_db + 10 * std::log10(std::max(sounding_s, 1e-9) / day_s);
 }
 
 EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {

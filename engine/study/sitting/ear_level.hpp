@@ -16,6 +16,10 @@
 
 namespace palpa::study {
 
+/// The level that a sound of 8 hours with the same energy has as one of `level_db` that lasts `sounding_s`:
+/// level + 10 log10(sounding / 8 h).
+double equivalent_db(double level_db, double sounding_s);
+
 /// Levels are sound pressure levels of the tone: 20 log10(p / sqrt(2) / 20 uPa) for the peak pressure p.
 struct EarLevel {
   std::array<double, 2> db{};  ///< left, right: the loudest, at the plan's ceiling
@@ -24,8 +28,8 @@ struct EarLevel {
   double sounding_s = 0;       ///< how long the array may sound in a participant's sitting
 
   double loudest_db() const;
-  /// The level that a sound of 8 hours with the same energy has: loudest + 10 log10(sounding / 8 h).
-  double equivalent_db() const;
+  /// The same of a whole sitting at the loudest level.
+  double equivalent_db() const { return study::equivalent_db(loudest_db(), sounding_s); }
 };
 
 /// What reflections may add or take away.

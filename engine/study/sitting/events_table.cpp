@@ -7,10 +7,12 @@
 #include <utility>
 
 #include "base/json_writer.hpp"
+#include "base/without_folders.hpp"
 #include "study/files/events_file.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
 #include "study/files/tsv.hpp"
+#include "study/sitting/ear_level.hpp"
 
 namespace palpa::study {
 namespace {
@@ -155,6 +157,10 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
     if (entry.level_db) json.member("PredictedPeakDb", *entry.level_db);
     if (entry.dose_db) json.member("PredictedEquivalentDb", *entry.dose_db);
     json.member("LimitDb", plan.level.limit_db);
+    if (const double sounding_s = sounded_s(run); sounding_s > 0) {
+      json.member("SoundedSeconds", sounding_s);
+      if (entry.level_db) json.member("SoundedEquivalentDb", equivalent_db(*entry.level_db, sounding_s));
+    }
     if (!entry.text.empty()) json.member("OverrideSignedBy", entry.text);
     json.end_object();
   }
@@ -211,7 +217,7 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
         .member("dwell_s", method.dwell_s)
         .member("modulation_hz", method.modulation_hz)
         .member("delta_m", method.delta_m)
-        .member("layout", method.layout);
+        .member("layout", without_folders(method.layout));
     if (method.stride) json.member("stride", *method.stride);
     if (entry.stimulus) {
       json.member("ceiling", entry.stimulus->ceiling);

@@ -54,6 +54,7 @@ Entry entry_of(const Json& object) {
   entry.masking = number_or<std::string>(object, "masking", "");
   entry.accepted = number_or(object, "accepted", false);
   entry.depth_frames = number_or(object, "depth_frames", false);
+  entry.sounded_s = maybe_number(object, "sounded_s");
   entry.deep_s = maybe_number(object, "deep_s");
   entry.level_db = maybe_number(object, "level_db");
   entry.dose_db = maybe_number(object, "dose_db");
@@ -78,6 +79,13 @@ void write_stimulus(JsonWriter& json, const Stimulus& stimulus) {
 
 }  // namespace
 
+double sounded_s(std::span<const Entry> entries) {
+  double sum = 0;
+  for (const Entry& entry : entries)
+    sum += entry.sounded_s.value_or(0);
+  return sum;
+}
+
 std::string head_line(const JournalHead& head) {
   JsonWriter json;
   json.begin_object(JsonWriter::Style::compact)
@@ -100,6 +108,7 @@ std::string entry_line(const Entry& entry, std::string_view before) {
   if (!entry.masking.empty()) json.member("masking", entry.masking);
   if (entry.kind == EntryKind::consent)
     json.member("accepted", entry.accepted).member("depth_frames", entry.depth_frames);
+  if (entry.sounded_s) json.member("sounded_s", *entry.sounded_s);
   if (entry.deep_s) json.member("deep_s", *entry.deep_s);
   if (entry.level_db) json.member("level_db", *entry.level_db);
   if (entry.dose_db) json.member("dose_db", *entry.dose_db);

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -64,6 +65,7 @@ struct Stimulus {
 struct Entry {
   EntryKind kind = EntryKind::start;
   std::int64_t at_ns = 0;               ///< on a clock that only goes forward, from the last start
+  std::optional<double> sounded_s{};    ///< how long the array has sounded since the entry before, if it has
   std::optional<std::uint32_t> step{};  ///< index into the participant's order
   std::string text{};                   ///< answer, chosen shape, reason; of a start: its UTC time
   std::string version{};                ///< of a start: palpa's
@@ -77,6 +79,9 @@ struct Entry {
   std::optional<double> dose_db{};      ///< of level: equivalent for the plan's minutes
   bool operator==(const Entry&) const = default;
 };
+
+/// How long the array sounded altogether, seconds.
+double sounded_s(std::span<const Entry> entries);
 
 std::string head_line(const JournalHead& head);
 /// `before`: the digits of the line before.

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/append_file.hpp"
 #include "base/error.hpp"
 #include "study/files/study_folder.hpp"
 #include "study/plan/order.hpp"
@@ -26,10 +27,27 @@ std::optional<std::uint32_t> number_in(std::string_view name) {
   return number;
 }
 
+/// If there is a folder with the number, takes its path.
+void find_existing(const fs::path& study, ParticipantFolder& folder) {
+  std::optional<fs::path> found;
+  std::error_code fault;
+  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
+    if (number_in(at->path().filename().string()) != folder.number) continue;
+    if (found) {
+      throw bad_input(at->path().string(), fmt::format("also has the number {}, as {} has: give each participant a "
+                                                       "number of their own",
+                                                       folder.number, found->string()));
+    }
+    found = at->path();
+  }
+  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
+  if (found) folder.path = *found;
+}
+
 }  // namespace
 
 std::string ParticipantFolder::name() const {
-  return fmt::format("sub-{:02}", number);
+  return path.filename().string();
 }
 
 fs::path ParticipantFolder::journal() const {
@@ -56,31 +74,25 @@ bool ParticipantFolder::withdrawn() const {
 ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number) {
   if (number == 0 || number > most_participant_number)
     throw bad_usage(fmt::format("participants have numbers from 1 to {}", most_participant_number));
-  ParticipantFolder folder{.number = number, .path = {}};
-  folder.path = study / folder.name();
+  ParticipantFolder folder{.number = number, .path = study / fmt::format("sub-{:02}", number)};
   std::error_code fault;
   if (fs::exists(study, fault) && !fs::is_directory(study, fault))
     throw bad_input(study.string(), "is not a folder: give the folder of a study");
+  if (fs::is_directory(study, fault)) find_existing(study, folder);
   if (const fs::file_status there = fs::symlink_status(folder.path, fault);
       fs::exists(there) && !fs::is_directory(there))
     throw bad_input(folder.path.string(), "is not a folder");
-  if (!fs::is_directory(study, fault)) return folder;
-  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
-    const std::string other = at->path().filename().string();
-    if (other != folder.name() && number_in(other) == number) {
-      throw bad_input(at->path().string(), fmt::format("also has the number {}, as {} has: give each participant a "
-                                                       "number of their own",
-                                                       number, folder.path.string()));
-    }
-  }
-  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
   return folder;
 }
 
 void make_folders(const ParticipantFolder& folder) {
   std::error_code fault;
-  fs::create_directories(folder.beh(), fault);
+  const bool made = fs::create_directories(folder.beh(), fault);
   if (fault) throw failure(fmt::format("{}: cannot be created: {}", folder.beh().string(), fault.message()));
+  if (!made) return;
+  const fs::path study = folder.path.parent_path();
+  for (const fs::path& place : {folder.path, study, study.parent_path()})
+    sync_folder(place);
 }
 
 }  // namespace palpa::study

@@ -12,7 +12,7 @@ struct ParticipantFolder {
   std::uint32_t number = 0;
   std::filesystem::path path;
 
-  std::string name() const;                 ///< "sub-07"
+  std::string name() const;                 ///< "sub-07", or "sub-7" if its folder has this name
   std::filesystem::path journal() const;    ///< sub-07/sub-07_journal.jsonl
   std::filesystem::path tombstone() const;  ///< sub-07/sub-07_withdrawn.json
   std::filesystem::path beh() const;
@@ -21,9 +21,9 @@ struct ParticipantFolder {
   bool withdrawn() const;
 };
 
-/// The participant's folder in the study's, whether it exists or not. Throws bad_usage for a number that is not 1 to
-/// most_participant_number, bad_input if the study's folder is a file, the participant's folder is a link, or another
-/// folder has the same number, such as sub-7 beside sub-07.
+/// The participant's folder in the study's: the one that has the number, such as sub-7, or sub-07 if there is none.
+/// Throws bad_usage for a number that is not 1 to most_participant_number, bad_input if the study's folder is a file,
+/// the participant's folder is a link, or two folders have the same number, such as sub-7 and sub-07.
 ParticipantFolder participant_folder(const std::filesystem::path& study, std::uint32_t number);
 
 /// Creates what is missing of it. Throws failure().

@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include <ctime>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -14,7 +16,10 @@
 namespace palpa::study {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::uint64_t most_journal_bytes = 64u << 20;
+constexpr const char* end_of_log = "_events.tsv";
 
 }  // namespace
 
@@ -46,6 +51,7 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
       throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_->name(),
                                   entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
     }
+    refuse_unknown_logs(runs_of(journal.entries).size());
     file_->cut(journal.whole);
     entries_ = std::move(journal.entries);
     digits_ = std::move(journal.last_digits);
@@ -97,6 +103,21 @@ void Record::add(const Entry& entry) {
   }
 }
 
+void Record::refuse_unknown_logs(std::size_t runs) const {
+  std::error_code fault;
+  for (fs::directory_iterator at(folder_.beh(), fault), end; !fault && at != end; at.increment(fault)) {
+    const std::string name = at->path().filename().string();
+    bool known = !name.ends_with(end_of_log);
+    for (std::uint32_t run = 1; run <= runs; ++run)
+      known = known || at->path() == folder_.file(run, end_of_log);
+    if (known) continue;
+    throw bad_input(file_->name(), fmt::format("does not contain the run of {}: restore the journal, or give this "
+                                               "participant another number",
+                                               at->path().string()));
+  }
+  if (fault) throw bad_input(folder_.beh().string(), "cannot be read: " + fault.message());
+}
+
 void Record::write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const {
   const std::string table = events_table(*plan_, steps_, entries);
   // The sidecar first: without a checksum, it fits any table.
@@ -105,7 +126,7 @@ void Record::write_log(std::uint32_t run, std::span<const Entry> entries, bool e
                events_sidecar(*plan_, folder_.number, entries, table, with_checksum));
   };
   sidecar(false);
-  write_file(folder_.file(run, "_events.tsv"), table);
+  write_file(folder_.file(run, end_of_log), table);
   write_file(folder_.file(run, "_stimuli.json"), stimuli_json(*plan_, steps_, entries));
   if (ended) sidecar(true);
 }

@@ -60,9 +60,36 @@ std::optional<Correlation> pearson(std::span<const double> x, std::span<const do
   return correlation_of(std::clamp(xy / std::sqrt(xx * yy), -1.0, 1.0), x.size());
 }
 
+namespace {
+
+/// The share of all orders of these ranks in which they agree, or are reversed.
+double share_of_agreeing_orders(const Ranks& ranks) {
+  std::vector<double> sorted = ranks.of;
+  std::ranges::sort(sorted);
+  const std::size_t n = sorted.size();
+  double share = 1;
+  bool symmetric = true;
+  for (std::size_t i = 0, run = 0; i < n; ++i) {
+    run = i > 0 && sorted[i] == sorted[i - 1] ? run + 1 : 1;
+    share *= static_cast<double>(run) / static_cast<double>(i + 1);
+    symmetric = symmetric && sorted[i] + sorted[n - 1 - i] == static_cast<double>(n) + 1;
+  }
+  return symmetric ? 2 * share : share;
+}
+
+}  // namespace
+
 std::optional<Correlation> spearman(std::span<const double> x, std::span<const double> y) {
   const Ranks x_ranks = midranks(x), y_ranks = midranks(y);
-  return pearson(x_ranks.of, y_ranks.of);
+  std::optional<Correlation> found = pearson(x_ranks.of, y_ranks.of);
+  if (!found) return found;
+  bool same = true, reversed = true;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    same = same && x_ranks.of[i] == y_ranks.of[i];
+    reversed = reversed && x_ranks.of[i] + y_ranks.of[i] == static_cast<double>(x.size()) + 1;
+  }
+  if (same || reversed) *found = {.r = same ? 1.0 : -1.0, .p = share_of_agreeing_orders(x_ranks)};
+  return found;
 }
 
 Correlation correlation_of(double r, std::size_t pairs) {

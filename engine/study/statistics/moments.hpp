@@ -26,12 +26,13 @@ std::optional<double> cohens_d(std::span<const double> values);
 
 struct Correlation {
   double r = 0;
-  double p = 0;                        ///< two-sided, by Student's t
+  double p = 0;                        ///< two-sided, by Student's t (spearman: or exact)
   std::optional<Interval> interval{};  ///< 95 %, by Fisher's z; only for more than three pairs and |r| < 1
 };
 /// Pearson's correlation; empty for fewer than three pairs, and if one of the samples does not vary.
 std::optional<Correlation> pearson(std::span<const double> x, std::span<const double> y);
-/// Pearson's correlation of the midranks.
+/// Pearson's correlation of the midranks. If these agree or are reversed, Student's t is infinite: p is then the share
+/// of all orders of the ranks in which they do.
 std::optional<Correlation> spearman(std::span<const double> x, std::span<const double> y);
 /// p and interval of a Pearson correlation that is known from elsewhere.
 Correlation correlation_of(double r, std::size_t pairs);

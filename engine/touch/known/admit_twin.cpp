@@ -34,8 +34,7 @@ struct Claims {
                shader::known_never,
                0,
                static_cast<std::uint32_t>(samples.size()),
-               0,
-               0};
+               {}};
       const std::uint32_t k = of[f].known;
       if (k != none && (heir[k] == none || of[f].contacts > of[heir[k]].contacts)) heir[k] = f;
     }
@@ -45,7 +44,7 @@ struct Claims {
     const std::uint32_t k = of[f].known != none ? of[f].known : of[f].near;
     if (k == none || heir[k] == none || heir[k] == f) return none;
     const bool same = of[f].known == k && of[f].samples > 0;
-    return shader::small_beside(of[f].contacts, known.table->fingers[k].contacts, same) ? k : none;
+    return shader::small_beside(of[f].contacts, known.table->fingers[k].fall.contacts, same) ? k : none;
   }
 };
 
@@ -59,9 +58,11 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
   std::uint32_t islands_now = 0, kept = 0;
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
     Finger& finger = out.fingers[f];
-    const bool is_known = known.has(shader::known_few) && claims.of[f].known != none;
-    bool stays = finger.contact_count >= shader::least_contacts(parameters.min_points, is_known);
-    const bool faint = claims.of[f].known == none && shader::small_alone(finger.contact_count, parameters.min_points);
+    const std::uint32_t claimed = claims.of[f].known;
+    const bool goes_on = known.has(shader::known_few) && claimed != none &&
+                         next_fall(table.fingers[claimed].fall, finger.contact_count).falls == 0;
+    bool stays = finger.contact_count >= shader::least_contacts(parameters.min_points, goes_on);
+    const bool faint = claimed == none && shader::small_alone(finger.contact_count, parameters.min_points);
     if (stays && known.has(shader::known_islands) && (faint || claims.beside(known, f) != none)) {
       const glm::vec3& first = out.contacts[finger.contacts.front()].position;
       Island island{first.x, first.y, first.z, finger.solid, 0, 0, 0, 0};
@@ -76,9 +77,10 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
     if (!stays) continue;
     if (kept != f) std::swap(out.fingers[kept], finger);
     stay[kept] = claims.of[f];
-    if (const std::uint32_t k = claims.of[f].known; k != none) {
-      stay[kept].parting_us = next_parting_us(table.fingers[k], table.doubts[k], known.elapsed_us);
-      stay[kept].meeting_us = next_meeting_us(table.fingers[k], table.doubts[k], known.elapsed_us);
+    if (claimed != none) {
+      stay[kept].parting_us = next_parting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
+      stay[kept].meeting_us = next_meeting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
+      stay[kept].fall = table.fingers[claimed].fall;
     }
     ++kept;
   }

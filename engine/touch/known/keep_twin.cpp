@@ -32,28 +32,29 @@ void set_reach(const std::vector<SkinSample>& samples, shader::KnownFinger& fing
 }  // namespace
 
 void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
-                  std::uint32_t rules, const Touch& touch, shader::KnownTable& table) {
+                  std::uint32_t rules, Touch& touch, shader::KnownTable& table) {
   const auto width = static_cast<float>(parameters.finger_width_m);
   table.count = touch.finger_count;
   table.reaching = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    const Finger& finger = touch.fingers[f];
+    Finger& finger = touch.fingers[f];
     const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
     const auto in_shell = static_cast<std::uint32_t>(
         std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
     shader::KnownFinger& kept = table.fingers[f];
     kept = {finger.solid,
-            in_shell,
             std::max(static_cast<std::uint32_t>(samples.size()), 1U),
+            0,
             claims[f].parting_us,
             tracks.tracks[f].velocity,
             claims[f].meeting_us,
-            0,
-            0,
-            0,
+            (rules & shader::known_falling) != 0 ? next_fall(claims[f].fall, in_shell) : shader::Fall{in_shell, 0, 0},
             {},
             {}};
-    if ((rules & shader::known_edges) != 0 && shader::starves(in_shell, parameters.min_points) && !samples.empty())
+    const bool falls = kept.fall.falls != 0;
+    finger.holds = (rules & shader::known_few) != 0 && !falls;
+    if ((rules & shader::known_edges) != 0 && !falls && shader::starves(in_shell, parameters.min_points) &&
+        !samples.empty())
       set_reach(samples, kept);
     table.reaching += kept.centre.w > 0 ? 1 : 0;
     if (samples.empty()) {  // its place instead

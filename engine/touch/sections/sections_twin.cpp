@@ -81,6 +81,7 @@ void find_sections(Touch& out) {
     const Moments moments = moments_of(finger, out.contacts, local);
     const shader::Axes axes = principal_axes(moments.covariance);
     finger.id = id++;
+    finger.holds = false;
     finger.section.centroid = to_vec(local.origin) + to_vec(local.mean);
     finger.section.axes = {to_vec(axes.w1), to_vec(axes.w2), to_vec(axes.w3)};
     finger.section.eigenvalues = {axes.l1, axes.l2, axes.l3};

@@ -322,7 +322,7 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
       if (raw >= camera.first_depth && shader::is_near(at, depth_of(raw))) ++near;
     }
   }
-  return near >= shader::split_company;
+  return near >= PALPA_TUNED(company, shader::split_company);
 }
 
 bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {

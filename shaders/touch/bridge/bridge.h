@@ -2,6 +2,12 @@
 #ifndef PALPA_SHADERS_BRIDGE_H
 #define PALPA_SHADERS_BRIDGE_H
 #include "shaders/shared/shared.h"
+
+// A constant of the rules, or what is compared with it. tests/tools/split_sensitivity.cpp scales it by its name.
+#ifndef PALPA_TUNED
+#define PALPA_TUNED(name, value) value
+#endif
+
 PALPA_SHADER_BEGIN
 
 PALPA_CONST bridge_group = 64u;

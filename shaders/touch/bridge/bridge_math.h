@@ -7,13 +7,13 @@ PALPA_SHADER_BEGIN
 
 // Pixels to either side that give the skin's normal. A larger step in depth than this is the edge of another object.
 PALPA_CONST bridge_normal_pixels = 2u;
-#define PALPA_BRIDGE_STEP 4e-3f
+#define PALPA_BRIDGE_STEP PALPA_TUNED(rim, 4e-3f)
 // A place is empty if a camera has seen something farther away than the place by at least this much.
-#define PALPA_BRIDGE_CLEAR 4e-3f
+#define PALPA_BRIDGE_CLEAR PALPA_TUNED(clear, 4e-3f)
 // No pixel's ray leans this far. Tables hold a larger value if there is no ray.
 #define PALPA_BRIDGE_NO_RAY 1e17f
 // Contacts that are farther apart than the nearest ones by this much no longer face each other.
-#define PALPA_BRIDGE_FACING 2e-3f
+#define PALPA_BRIDGE_FACING PALPA_TUNED(nearest, 2e-3f)
 
 PALPA_FN Float3 rotated(vec4 x, vec4 y, vec4 z, Float3 v) {
   PALPA_EXACT Float3 r;
@@ -203,8 +203,8 @@ PALPA_FN bool too_wide(float low, float high, float line_square, float finger_wi
   return width > product(finger_width, sqrt(line_square));
 }
 
-#define PALPA_BRIDGE_AWAY (-0.1f)
-#define PALPA_BRIDGE_TOWARDS 0.3f
+#define PALPA_BRIDGE_AWAY PALPA_TUNED(away, -0.1f)
+#define PALPA_BRIDGE_TOWARDS PALPA_TUNED(towards, 0.3f)
 // Patches that were one finger in the frame before stay one up to these limits, and in a finger that is wider by the
 // first factor.
 #define PALPA_BRIDGE_STILL_ONE 1.2f
@@ -231,7 +231,7 @@ PALPA_FN BridgePair facing_verdict(Evidence e, bool were_one) {
 PALPA_CONST bridge_most_empty = 6u;
 PALPA_CONST bridge_still_empty = 24u;  // for patches that were one
 PALPA_FN bool too_empty(uint empty, uint looked, bool were_one) {
-  return empty * 64u > looked * (were_one ? bridge_still_empty : bridge_most_empty);
+  return empty * 64u > looked * (were_one ? bridge_still_empty : PALPA_TUNED(empty, bridge_most_empty));
 }
 
 PALPA_SHADER_END

@@ -193,7 +193,7 @@ struct FingerRecord {
   uint held_low;  // a bit per focus: its sector has become empty only recently
   uint held_high;
   uint beyond;  // contacts beyond the shell's edges
-  uint unused0;
+  uint holds;   // the next frame needs only half of min_points for it
 };
 PALPA_CHECK_SIZE(FingerRecord, 160);
 PALPA_CHECK_OFFSET(FingerRecord, start, 20);

@@ -16,18 +16,24 @@ PALPA_CONST known_islands = 2u;   // a small island waits: beside a known finger
 PALPA_CONST known_apart = 4u;     // known fingers stay apart
 PALPA_CONST known_together = 8u;  // a known finger stays one
 PALPA_CONST known_edges = 16u;    // contacts of a known finger that is about to end reach beyond the shell's edges
+PALPA_CONST known_falling = 32u;  // known_few and known_edges do not hold a finger that leaves
+
+// How a finger loses its contacts, see known_math.h.
+struct Fall {
+  uint contacts;  // in the shell
+  uint from;      // before it began to lose them, frame after frame; 0: it does not lose them
+  uint falls;     // 1: it leaves
+};
 
 // A finger of the frame before.
 struct KnownFinger {
   uint solid;
-  uint contacts;
   uint samples;
+  uint unused0;
   uint parting_us;  // since it last looked like several fingers, or known_never
   vec4 velocity;    // of its track
   uint meeting_us;  // for how long it has looked like one with another
-  uint unused0;
-  uint unused1;
-  uint unused2;
+  Fall fall;
   vec4 centre;  // of its samples; w: the square of its reach around them, 0 if it does not reach beyond the edges
   vec4 inward;  // unit: the mean of its skin's outward normals, which point into the solid
 };
@@ -76,10 +82,9 @@ struct Claim {
   uint parting_us;  // as of the known finger, after this frame
   uint meeting_us;
   uint samples;  // 0: its pixels give no normals
-  uint unused1;
-  uint unused2;
+  Fall fall;     // of the known finger; zeros if there is none
 };
-PALPA_CHECK_SIZE(Claim, 32);
+PALPA_CHECK_SIZE(Claim, 36);
 
 struct KnownPush {
   uint most_contacts;

@@ -23,7 +23,7 @@ uint beside(uint f) {
   const uint k = claims[f].known != known_none ? claims[f].known : claims[f].near;
   if (k == known_none || heir[k] == known_none || heir[k] == f) return known_none;
   const bool same = claims[f].known == k && claims[f].samples > 0u;
-  return small_beside(claims[f].contacts, known.fingers[k].contacts, same) ? k : known_none;
+  return small_beside(claims[f].contacts, known.fingers[k].fall.contacts, same) ? k : known_none;
 }
 
 void main() {
@@ -44,9 +44,10 @@ void main() {
     const uint first = fingers[f].first;
     const uint solid = fingers[f].solid;
     const uint size = fingers[f].contacts;
-    const bool is_known = !restart && (push.rules & known_few) != 0u && claims[f].known != known_none;
-    bool stays = size >= least_contacts(push.min_points, is_known);
-    const bool faint = claims[f].known == known_none && small_alone(size, push.min_points);
+    const uint claimed = claims[f].known;
+    const bool goes_on = (push.rules & known_few) != 0u && claimed != known_none && next_fall(known.fingers[claimed].fall, size).falls == 0u;
+    bool stays = size >= least_contacts(push.min_points, goes_on);
+    const bool faint = claimed == known_none && small_alone(size, push.min_points);
     if (stays && !restart && (push.rules & known_islands) != 0u && (faint || beside(f) != known_none)) {
       Island island = Island(contacts[first].x, contacts[first].y, contacts[first].z, solid, 0u, 0u, 0u, 0u);
       for (uint k = 0u; k < islands_before; ++k) {
@@ -61,12 +62,13 @@ void main() {
     fingers[kept].first = first;
     fingers[kept].solid = solid;
     fingers[kept].contacts = size;
-    const uint k = claims[f].known;
     claims[kept].parting_us = known_never;
     claims[kept].meeting_us = 0u;
-    if (k != known_none) {
-      claims[kept].parting_us = next_parting_us(known.fingers[k], known.doubts[k], push.elapsed_us);
-      claims[kept].meeting_us = next_meeting_us(known.fingers[k], known.doubts[k], push.elapsed_us);
+    claims[kept].fall = Fall(0u, 0u, 0u);
+    if (claimed != known_none) {
+      claims[kept].parting_us = next_parting_us(known.fingers[claimed], known.doubts[claimed], push.elapsed_us);
+      claims[kept].meeting_us = next_meeting_us(known.fingers[claimed], known.doubts[claimed], push.elapsed_us);
+      claims[kept].fall = known.fingers[claimed].fall;
     }
     ++kept;
   }

@@ -51,6 +51,6 @@ void main() {
     for (uint s = 0u; s < count_taken; ++s) {
       if (near_finger[s] != known_none && near_square[s] < best.square) best = NearestKnown(near_finger[s], near_square[s]);
     }
-    claims[finger] = Claim(majority, best.finger, fingers[finger].contacts, known_never, 0u, count_taken, 0u, 0u);
+    claims[finger] = Claim(majority, best.finger, fingers[finger].contacts, known_never, 0u, count_taken, Fall(0u, 0u, 0u));
   }
 }

@@ -50,10 +50,12 @@ void main() {
   if (thread == 0u) {
     const uint inside_shell = fingers[finger].contacts - beyond;
     fingers[finger].beyond = beyond;
-    KnownFinger kept = KnownFinger(fingers[finger].solid, inside_shell, max(count_taken, 1u), claims[finger].parting_us,
-                                   tracks.tracks[finger].velocity, claims[finger].meeting_us, 0u, 0u, 0u, vec4(0.0),
-                                   vec4(0.0));
-    if ((push.rules & known_edges) != 0u && starves(inside_shell, push.min_points) && count_taken > 0u) {
+    Fall fall = next_fall(claims[finger].fall, inside_shell);
+    if ((push.rules & known_falling) == 0u) fall = Fall(inside_shell, 0u, 0u);
+    fingers[finger].holds = (push.rules & known_few) != 0u && fall.falls == 0u ? 1u : 0u;
+    KnownFinger kept = KnownFinger(fingers[finger].solid, max(count_taken, 1u), 0u, claims[finger].parting_us,
+                                   tracks.tracks[finger].velocity, claims[finger].meeting_us, fall, vec4(0.0), vec4(0.0));
+    if ((push.rules & known_edges) != 0u && fall.falls == 0u && starves(inside_shell, push.min_points) && count_taken > 0u) {
       Float3 place = Float3(0.0, 0.0, 0.0), normal = place;
       for (uint s = 0u; s < count_taken; ++s) {
         place = plus(place, minus(positions[s], positions[0]));

@@ -92,6 +92,21 @@ PALPA_FN bool same_island(Island a, Island b) {
   return square <= product(PALPA_ISLAND_REACH, PALPA_ISLAND_REACH);
 }
 
+// A finger that leaves has fewer contacts in each frame, while those of a finger at rest go up and down. A finger falls
+// if it has lost at least an eighth of its contacts in two frames in a row, and no more than a quarter is left of those
+// with which it began. It falls until it has more than this quarter again.
+PALPA_FN Fall next_fall(Fall before, uint contacts) {
+  Fall now;
+  now.contacts = contacts;
+  now.from = before.from;
+  now.falls = before.from > 0u && 4u * contacts <= before.from ? 1u : 0u;
+  if (before.falls != 0u && now.falls != 0u) return now;
+  const bool loses = 8u * contacts <= 7u * before.contacts;
+  if (!loses) now.falls = 0u;
+  now.from = !loses ? 0u : before.from > 0u ? before.from : before.contacts;
+  return now;
+}
+
 // The number of contacts that a finger needs.
 PALPA_FN uint least_contacts(uint min_points, bool known) {
   const uint least = min_points > 1u ? min_points : 1u;

@@ -97,6 +97,7 @@ void main() {
     fingers[finger].held_low = 0u;
     fingers[finger].held_high = 0u;
     fingers[finger].beyond = 0u;
+    fingers[finger].holds = 0u;
     fingers[finger].mean = vec4(mean.x, mean.y, mean.z, 0.0);
     fingers[finger].lean = vec4(product(totals[6], share), product(totals[7], share), product(totals[8], share), 0.0);
   }

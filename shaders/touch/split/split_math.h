@@ -6,20 +6,20 @@
 PALPA_SHADER_BEGIN
 
 // The least depth of a valley: metres, and an addition per square metre of distance, as a depth camera's noise grows.
-#define PALPA_SPLIT_VALLEY 1e-3f
-#define PALPA_SPLIT_NOISE 5e-3f
+#define PALPA_SPLIT_VALLEY PALPA_TUNED(valley, 1e-3f)
+#define PALPA_SPLIT_NOISE PALPA_TUNED(noise, 5e-3f)
 // A gap without data of this width also counts as a valley.
-#define PALPA_SPLIT_HOLE 2e-3f
+#define PALPA_SPLIT_HOLE PALPA_TUNED(hole, 2e-3f)
 // The inside of a finger lies below its skin by this share of its greatest width. Samples whose insides are nearer than
 // the next constant belong to one finger. Two fingers' insides are at least the last constant apart.
-#define PALPA_SPLIT_INSIDE 0.36f
-#define PALPA_SPLIT_SAME 0.3f
-#define PALPA_SPLIT_APART 0.45f
+#define PALPA_SPLIT_INSIDE PALPA_TUNED(inside, 0.36f)
+#define PALPA_SPLIT_SAME PALPA_TUNED(same, 0.3f)
+#define PALPA_SPLIT_APART PALPA_TUNED(apart, 0.45f)
 #define PALPA_SPLIT_STILL_APART 0.3f
 // Clusters of a known finger are examined from this share of the greatest width of a finger on.
 #define PALPA_SPLIT_KNOWN_WIDE 0.8f
 // Skin turned towards other skin by more than this cosine faces that skin.
-#define PALPA_SPLIT_FACING 0.4f
+#define PALPA_SPLIT_FACING PALPA_TUNED(facing, 0.4f)
 // Limits for the pairs of two parts that one camera sees: a group grows while less than 3/8 show two fingers,
 PALPA_CONST split_most_eighths = 3u;
 // and parts are fingers if a valley is seen in at least half.
@@ -41,7 +41,7 @@ PALPA_FN bool is_near(float at, float other) {
 // Whether a surface supports a cluster with this many firm samples.
 // A known finger needs half of that.
 PALPA_FN bool supported(uint seen, uint firm, bool known) {
-  return (known ? 4u : 2u) * firm >= seen;
+  return (known ? 4u : 2u) * firm >= PALPA_TUNED(firm, seen);
 }
 
 // A contact as one camera sees it.
@@ -187,7 +187,7 @@ struct SplitLink {
 };
 
 PALPA_FN bool can_grow(SplitLink link) {
-  return link.known > 0u && 8u * link.two < split_most_eighths * link.known;
+  return link.known > 0u && 8u * link.two < PALPA_TUNED(grow, split_most_eighths) * link.known;
 }
 
 PALPA_FN bool surer(SplitLink link, SplitLink other) {
@@ -199,7 +199,7 @@ PALPA_FN bool surer(SplitLink link, SplitLink other) {
 PALPA_FN bool are_fingers(SplitLink link, float square, float finger_width, bool apart) {
   const float least = product(apart ? PALPA_SPLIT_STILL_APART : PALPA_SPLIT_APART, finger_width);
   if (square < product(least, least)) return false;
-  return apart ? 4u * link.two >= link.known : link.two > 0u && 2u * link.two >= link.known;
+  return apart ? 4u * link.two >= link.known : link.two > 0u && 2u * link.two >= PALPA_TUNED(votes, link.known);
 }
 
 PALPA_SHADER_END

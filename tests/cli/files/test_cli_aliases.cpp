@@ -60,6 +60,9 @@ class CliAliases : public testing::Test {
     write_text(folder_ / "drive.csv", "index,x,y,z,nx,ny,nz,amplitude,phase\n0,0,0,-0.1,0,0,1,1,0\n");
     write_text(folder_ / "touch.json",
                R"({"fingers":[{"foci_m":[[0,0,0.1]]}],"schedule":{"order":[0],"dwell_s":0.0015}})");
+    write_text(folder_ / "played.json",
+               R"({"slot_s":0.0015,"frames":[{"slot":0,"time_s":0,"fingers":[{"id":0,"solid":"","foci_m":[[0,0,0.1]],)"
+               R"("order":[0],"dwell_s":0.0015,"modulation_hz":0,"gain":1}]}]})");
     write_text(folder_ / "boards/board_A.pat", "A 256 128\n");
     write_text(folder_ / "boards/sonicsurface.txt", "0\n");
     write_participant(folder_ / "study", 1, {{"m", 20}});
@@ -208,6 +211,12 @@ class CliAliases : public testing::Test {
          {json_, events_, {"--foci", "", ".json"}}},
         {{"export", "--scene", scene, "--layout", layout, "--source", take, "--events", path("new")},
          take_files,
+         {{"--drives", "", ""}}},
+        {{"export", "--played", path("played.json"), "--layout", layout, "--drives", path("new")},
+         {"played.json", "layout.toml"},
+         {json_}},
+        {{"export", "--played", path("played.json"), "--layout", layout},
+         {"played.json", "layout.toml"},
          {{"--drives", "", ""}}},
         {{"link", "test", "--layout", layout}, {}, {json_, link_}},
         {{"link", "test", "--layout", layout}, {"layout.toml"}, {link_}},

@@ -14,6 +14,7 @@
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::test {
 namespace {
@@ -26,7 +27,7 @@ std::string asset(const std::string& name) {
 
 void expect_modest(const Result& result) {
   // Sanitizers make everything slower and fatter.
-  EXPECT_LT(result.processor_s, instrumented() ? 20 : 3);
+  EXPECT_LT(result.processor_s, instrumented() ? 20 : slowest);
   if (!instrumented()) {
     EXPECT_LT(result.peak_mib, 1024);
   }

@@ -5,17 +5,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -23,7 +22,6 @@ namespace palpa::test {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 
 class CliPipes : public testing::Test {
  protected:
@@ -63,11 +61,7 @@ class CliPipes : public testing::Test {
     return one;
   }
   static bool says(const Waiting& one, const std::string& part) {
-    for (int i = 0; i < 3000; ++i) {
-      if (read_text(one.said).find(part) != std::string::npos) return true;
-      std::this_thread::sleep_for(10ms);
-    }
-    return false;
+    return begins([&] { return read_text(one.said).find(part) != std::string::npos; });
   }
 
   fs::path folder_ = scratch_folder("pipes");

@@ -13,6 +13,7 @@
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "session/links/record_link.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
@@ -32,15 +33,6 @@ constexpr double a_second = 1.5;
 
 std::string cube() {
   return source_file("assets/cube.glb").string();
-}
-
-/// Waits for a condition, up to the time that the first loop on a machine needs to compile the shaders. Returns whether
-/// it became true.
-bool becomes(const std::function<bool()>& so) {
-  for (int i = 0; i < 12'000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-    if (so()) return true;
-  }
-  return false;
 }
 
 /// The cube under another name.
@@ -169,20 +161,26 @@ TEST(CliSilence, NobodyReadsItsDrives) {
   const auto while_it_waits = [&] {
     ends("late", [](LiveRun& run, int reader) {
       int bytes = 0;  // two drives fill the pipe
-      EXPECT_TRUE(becomes([&] { return ioctl(reader, FIONREAD, &bytes) == 0 && bytes > 60'000; }));
+      EXPECT_TRUE(begins([&] { return ioctl(reader, FIONREAD, &bytes) == 0 && bytes > 60'000; }));
       run.wait(0.3);
     });
   };
   side_by_side({before_it_sounds, while_it_waits});
 }
 
-/// With a disk in `folder` that answers until hang() is called.
+/// With a disk in `folder` that answers until hang() is called. Something must have been written to it after that.
 struct HungDisk {
   fs::path folder;
+  ~HungDisk() { EXPECT_TRUE(fs::exists(folder / "held")) << "no write to " << folder << " was held up"; }
   std::vector<std::pair<std::string, std::string>> environment() const {
-    return {{"LD_PRELOAD", PALPA_HUNG_DISK}, {"HUNG_DISK", folder.string()}};
+    // A path in LD_PRELOAD would end at a space.
+    const fs::path library = PALPA_HUNG_DISK;
+    return {{"LD_PRELOAD", library.filename().string()},
+            {"LD_LIBRARY_PATH", library.parent_path().string()},
+            {"HUNG_DISK", folder.string()}};
   }
   void hang() const { write_text(folder / "hangs", ""); }
+  void answer() const { fs::remove(folder / "hangs"); }
 };
 
 TEST(CliSilence, TheDiskOfItsRecordingDoesNotAnswer) {
@@ -232,13 +230,46 @@ TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
     const fs::path drives = disk.folder / "drives";
     LiveRun run(with({"--scene", cube(), "--link", "record:" + drives.string()}, small_frames()),
                 {.environment = disk.environment()});
-    EXPECT_TRUE(becomes([&] { return fs::exists(drives) && fs::file_size(drives) > 10'000'000; })) << "too few drives";
+    EXPECT_TRUE(begins([&] { return fs::exists(drives) && fs::file_size(drives) > 10'000'000; })) << "too few drives";
     disk.hang();
     run.wait(after_s);
     run.signal(SIGTERM);
     EXPECT_LT(run.wait(10).after_s, a_second);
   };
   side_by_side({[&] { ends(soon, 0.05); }, [&] { ends(later, 1.5); }});
+}
+
+TEST(CliSilence, ADiskThatPausesLosesNothing) {
+  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
+  Stage steady("silence-steady-disk"), pausing("silence-pausing-disk");
+  // Drives of a small array: what waits for the disk has room in memory, even if the driver compiles its shaders first.
+  const auto line = [](const Stage& stage) {
+    return with({"--scene", cube(), "--layout", "openmpd", "--frames", "100", "--every-frame", "--events",
+                 (stage.folder / "events").string(), "--event-move", "0", "--link",
+                 "record:" + (stage.folder / "drives").string()},
+                small_frames());
+  };
+  const auto without_pause = [&] {
+    LiveRun run(line(steady));
+    EXPECT_EQ(run.wait(60).exit_code, 0);
+  };
+  const auto with_pause = [&] {
+    const HungDisk disk{fs::canonical(pausing.folder)};
+    const Unread messages = Unread::file((disk.folder / "messages").string());
+    const fs::path drives = disk.folder / "drives";
+    LiveRun run(line(pausing), {.err = &messages, .environment = disk.environment()});
+    EXPECT_TRUE(begins([&] { return fs::exists(drives) && fs::file_size(drives) > 100'000; })) << "too few drives";
+    disk.hang();
+    EXPECT_FALSE(run.wait(4).ended) << "it did not wait for its disk: " << read_text(disk.folder / "messages");
+    disk.answer();
+    EXPECT_EQ(run.wait(60).exit_code, 0) << read_text(disk.folder / "messages");
+  };
+  side_by_side({without_pause, with_pause});
+  EXPECT_EQ(read_text(pausing.folder / "events"), read_text(steady.folder / "events"));
+  const session::DriveRecording recording = session::read_drive_recording(pausing.folder / "drives");
+  ASSERT_FALSE(recording.drives.empty());
+  for (const array::TransducerDrive& drive : recording.drives.back().drive)
+    ASSERT_EQ(drive.amplitude, 0);
 }
 
 TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {

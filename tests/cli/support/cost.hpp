@@ -12,14 +12,16 @@
 #include "geometry/gltf/write.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::test {
 
 class Cost : public testing::Test {
  protected:
   std::filesystem::path folder_ = scratch_folder("cost");
-  /// Processor time in limits of docs/limits.md, which are of elapsed time: work that two cores share may take twice.
-  double limits_ = 2;
+  /// Processor time in limits of docs/limits.md, which are of elapsed time on a quick machine: work that two cores
+  /// share may take twice as much.
+  double limits_ = 2 * slowest;
 
   Result touch(const std::filesystem::path& scene) const {
     return within_limit({"touch", "--scene", scene.string(), "--points", source_file("assets/finger.ply").string(),

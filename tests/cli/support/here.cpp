@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPA_ADDRESS_SANITIZER
 #include <sanitizer/common_interface_defs.h>
 #endif
 
@@ -77,7 +77,7 @@ class Redirected {
 
 /// Sends reports of a sanitizer to the real stderr: the kept output of a line would be lost when the process ends.
 void let_sanitizers_report_outside() {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPA_ADDRESS_SANITIZER
   static const std::intptr_t outside = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   __sanitizer_set_report_fd(reinterpret_cast<void*>(outside));
 #endif

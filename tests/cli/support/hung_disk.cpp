@@ -1,5 +1,6 @@
-// Preloaded into a program: a disk that stops responding. Once a file $HUNG_DISK/hangs exists, a write to a file below
-// $HUNG_DISK blocks for ever. Signals do not help, as with a network file system that is gone.
+// Preloaded into a program: a disk that stops responding. As long as a file $HUNG_DISK/hangs exists, a write to a file
+// below $HUNG_DISK blocks. Signals do not help, as with a network file system that is gone. The first write that blocks
+// makes the file $HUNG_DISK/held.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>
@@ -26,7 +27,11 @@ bool hangs(int descriptor) {
 extern "C" ssize_t write(int descriptor, const void* bytes, size_t size) {
   using Write = ssize_t (*)(int, const void*, size_t);
   static const auto real = reinterpret_cast<Write>(dlsym(RTLD_NEXT, "write"));
+  if (hangs(descriptor)) {
+    const std::string held = std::string(std::getenv("HUNG_DISK")) + "/held";
+    close(open(held.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  }
   while (hangs(descriptor))
-    sleep(1000);
+    usleep(20'000);
   return real(descriptor, bytes, size);
 }

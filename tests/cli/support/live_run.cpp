@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
-#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,18 +18,6 @@ namespace palpa::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-[[noreturn]] void become_palpa(const std::vector<std::string>& arguments, const LiveOptions& options) {
-  const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (options.foreground) {
-    setsid();
-    ioctl(options.err->end(), TIOCSCTTY, 0);
-  }
-  Environment environment = options.environment;
-  environment.push_back(where_assets_are());
-  become(options.program.empty() ? palpa_binary() : options.program, arguments, environment,
-         options.out ? options.out->end() : nothing, options.err ? options.err->end() : nothing);
-}
 
 /// Whether its first thread has ended, and with it the program. What comes after that is the system's, which takes the
 /// memory down in the name of the thread that is last: Mesa's for its cache has the lowest priority.
@@ -94,9 +81,13 @@ LiveRun::LiveRun(const std::vector<std::string>& arguments, const LiveOptions& o
   std::vector<std::string> line;
   if (options.program.empty()) line.emplace_back(options.command);
   line.insert(line.end(), arguments.begin(), arguments.end());
-  child_ = fork();
-  EXPECT_GE(child_, 0);
-  if (child_ == 0) become_palpa(line, options);
+  const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  StartOptions start{options.environment, nothing, nothing, options.foreground};
+  start.environment.push_back(where_assets_are());
+  if (options.out) start.out = options.out->end();
+  if (options.err) start.err = options.err->end();
+  child_ = start_program(options.program.empty() ? palpa_binary() : options.program, line, start);
+  close(nothing);
 }
 
 LiveRun::~LiveRun() {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,7 +15,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include "base/text.hpp"
 #include "support/shared_data.hpp"
@@ -45,6 +48,22 @@ bool read_both(const std::array<int, 2>& pipes, const std::array<std::string*, 2
   return true;
 }
 
+/// This process's environment with these values, each as NAME=VALUE. The last value of a name counts.
+std::vector<std::string> environment_with(const Environment& added) {
+  std::map<std::string, std::string> values;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string text = *entry;
+    const std::size_t equals = text.find('=');
+    if (equals != text.npos) values[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  for (const auto& [name, value] : added)
+    values[name] = value;
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : values)
+    texts.push_back(name + '=' + value);
+  return texts;
+}
+
 }  // namespace
 
 std::vector<std::string> Result::err_lines() const {
@@ -55,22 +74,45 @@ std::vector<std::string> Result::err_lines() const {
   return lines;
 }
 
-void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-            const Environment& environment, int out, int err) {
-  const int in = open("/dev/null", O_RDONLY);
-  dup2(in, STDIN_FILENO);
-  dup2(out, STDOUT_FILENO);
-  dup2(err, STDERR_FILENO);
-  // A shell starts programs with these at their default.
-  std::signal(SIGPIPE, SIG_DFL);
-  std::signal(SIGXFSZ, SIG_DFL);
-  for (const auto& [name, value] : environment)
-    setenv(name.c_str(), value.c_str(), 1);
+std::string Result::err_without_lateness() const {
+  std::string rest;
+  for (const std::string& line : err_lines()) {
+    if (line.starts_with("palpa: warning: overloaded: ") ||
+        line.find(" after their capture, late or in bursts: ") != line.npos)
+      continue;
+    rest += line + "\n";
+  }
+  return rest;
+}
+
+pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                    const StartOptions& options) {
+  // Everything that allocates happens before the fork. If another thread holds a lock of the heap at the moment of the
+  // fork, nobody releases it in the child, and AddressSanitizer does not take care of this.
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments)
     argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  execv(program.c_str(), argv.data());
+  std::vector<std::string> texts = environment_with(options.environment);
+  std::vector<char*> environment;
+  for (std::string& text : texts)
+    environment.push_back(text.data());
+  environment.push_back(nullptr);
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no fork");
+  if (child > 0) return child;
+
+  if (options.foreground) {
+    setsid();
+    ioctl(options.err, TIOCSCTTY, 0);
+  }
+  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(options.out, STDOUT_FILENO);
+  dup2(options.err, STDERR_FILENO);
+  // A shell starts programs with these at their default.
+  std::signal(SIGPIPE, SIG_DFL);
+  std::signal(SIGXFSZ, SIG_DFL);
+  execve(argv[0], argv.data(), environment.data());
   _exit(127);
 }
 
@@ -84,13 +126,9 @@ Result run_program(const std::filesystem::path& program, const std::vector<std::
     out[0] = -1;
   }
   const auto begin = Clock::now();
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no fork");
-  if (child == 0) {
-    const bool to_file = !options.stdout_file.empty();
-    become(program, arguments, options.environment,
-           to_file ? open(options.stdout_file.c_str(), O_WRONLY | O_CLOEXEC) : out[1], err[1]);
-  }
+  const int file = options.stdout_file.empty() ? -1 : open(options.stdout_file.c_str(), O_WRONLY | O_CLOEXEC);
+  const pid_t child = start_program(program, arguments, {options.environment, file >= 0 ? file : out[1], err[1]});
+  if (file >= 0) close(file);
   close(out[1]);
   close(err[1]);
   Result result;

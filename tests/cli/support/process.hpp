@@ -1,6 +1,8 @@
 // Runs the real programs like a shell does, and keeps their output.
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -29,14 +31,22 @@ struct Result {
 
   /// The lines of stderr.
   std::vector<std::string> err_lines() const;
+  /// stderr without the warnings that a live run gives where a slow or busy machine has frames late.
+  std::string err_without_lateness() const;
 };
 
 /// `arguments` without the program's own name. If it is one of palpa's, the result is checked by expect_orderly.
 Result run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                    const RunOptions& options = {});
-/// In a forked child: becomes a program as a shell would start it, with an empty stdin.
-[[noreturn]] void become(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                         const Environment& environment, int out, int err);
+struct StartOptions {
+  Environment environment;
+  int out = 1;              ///< the program's stdout
+  int err = 2;              ///< its stderr
+  bool foreground = false;  ///< stderr is its terminal, and it runs in the foreground
+};
+/// Starts a program as a shell would, with an empty stdin, and returns its process.
+pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                    const StartOptions& options = {});
 /// Tells palpa where its assets are: a build folder may lie outside the source tree, where palpa does not find them by
 /// itself.
 Environment::value_type where_assets_are();

@@ -70,6 +70,8 @@ const Effects driven{{{"--amplitude", "uniform"}}, {{"--constraint", "uniform"}}
                      {{"--temperature", "30"}},    {{"--sound-speed", "350m/s"}}, {{"--frequency", "41kHz"}}};
 const Effects solved{{{"--solver", "greedy"}, {"--method", "multi-focus"}}};
 const Effects heard{{{"--directivity", "omni"}}};
+const Effects varied{{{"--spread", "phase=0.1"}}, {{"--draws", "30"}, {"--spread", "phase=0.1"}}};
+const Effects sounding = joined<EffectiveOption>({driven, heard, varied});
 
 ReviewedLine of_touch() {
   const std::vector<std::string> line{"touch",         "--scene", asset("cube.glb"), "--points", asset("finger.ply"),
@@ -164,6 +166,7 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
                                     {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
                                     {{"--spot", "4mm"}, "--spot goes with --tune"},
                                     {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"},
+                                    {{"--played", "played.json"}, "has no effect with --played"},
                                     {{"--predict", "auto"}, "give --predict-latency"}}}),
        // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
        // nothing of it is predicted. The boards are out of the cube's reach; tests of surroundings try --keep-boards.
@@ -272,14 +275,11 @@ std::vector<ReviewedLine> of_drive(const std::string& scratch) {
                                         {{"--draws", "50"}, "--draws goes with --spread"}}}),
            .untried = "--touch",
            .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/drive.json"}),
-           .effective = joined<EffectiveOption>({driven,
-                                                 heard,
+           .effective = joined<EffectiveOption>({sounding,
                                                  {{{"--solver", "greedy"}},
                                                   {{"--layout", "autd3"}},
                                                   {{"--focus", "0,0,9cm"}},
                                                   {{"--csv", "OUT/drive.csv"}},
-                                                  {{"--spread", "phase=0.1"}},
-                                                  {{"--draws", "50"}, {"--spread", "phase=0.1"}},
                                                   {{"--transfer", "finger", "--mesh", above}}}})},
           {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
            .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}}};
@@ -299,8 +299,7 @@ ReviewedLine of_field() {
                 {{"--air-pressure", "90kPa", "--no-absorption"}, "--air-pressure sets how much air absorbs"}}}),
           .untried = "--drive --plane --points",
           .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/field.json", "--csv", "OUT/field.csv"}),
-          .effective = joined<EffectiveOption>({driven,
-                                                heard,
+          .effective = joined<EffectiveOption>({sounding,
                                                 {{{"--solver", "greedy"}},
                                                  {{"--layout", "autd3"}},
                                                  {{"--focus", "0,0,9cm"}},
@@ -309,8 +308,6 @@ ReviewedLine of_field() {
                                                  {{"--csv", "OUT/other.csv"}},
                                                  {{"--vtu", "OUT/field.vtu"}},
                                                  {{"--png", "OUT/field.png"}},
-                                                 {{"--spread", "phase=0.1"}},
-                                                 {{"--draws", "50"}, {"--spread", "phase=0.1"}},
                                                  {{"--no-absorption"}},
                                                  {{"--humidity", "20"}},
                                                  {{"--air-pressure", "90kPa"}}}})};
@@ -367,15 +364,15 @@ std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
                 parts,
                 {{{"--noise-free"}, "--noise-free goes with --skin cameras"},
                  {{"--finger-width", "10mm"}, "--finger-width goes with --skin cameras"},
+                 {{"--draws", "50"}, "--draws goes with --spread"},
                  {{"--humidity", "20", "--no-absorption"}, "--humidity sets how much air absorbs"}}}),
            .untried =
                "--scene --gltf-scene --finger --finger-gap --min-points --skin --figure6 --force --surface --cluster "
                "--stride --modulation --rig",
            .tried_as = with(line, {"--layout", "openmpd", "--json", "OUT/felt.json"}),
            .effective = joined<EffectiveOption>({placed,
-                                                 driven,
                                                  solved,
-                                                 heard,
+                                                 sounding,
                                                  {{{"--delta", "1mm"}},
                                                   {{"--foci", "6"}},
                                                   {{"--tune"}},
@@ -397,6 +394,7 @@ std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
                     {{"--csv", "x.csv"}, "--figure6 computes the paper's objects"},
                     {{"--vtu", "x.vtu"}, "--figure6 computes the paper's objects"},
                     {{"--method", "ellipse"}, "--figure6 computes the paper's objects"},
+                    {{"--spread", "phase=0.1"}, "--figure6 computes the paper's objects"},
                     {{"--surface", "parts"}, "go with --scene"},
                     {{"--parts", "3"}, "go with --scene"}}}};
 }
@@ -488,6 +486,7 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
          .untried = "--suite --runs --csv --gpu --validation"}},
        of_studies(),
        of_export(scratch),
+       of_played(scratch),
        of_calibrate(),
        of_drive(scratch),
        of_scatter(scratch),

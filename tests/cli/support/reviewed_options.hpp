@@ -30,7 +30,8 @@ struct ReviewedLine {
 /// word OUT stands for an empty folder.
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch);
 
-/// Those of `palpa study`, and of `palpa emulate`.
+/// Those of `palpa export --played`, of `palpa study`, and of `palpa emulate`.
+std::vector<ReviewedLine> of_played(const std::string& scratch);
 std::vector<ReviewedLine> of_studies();
 std::vector<ReviewedLine> of_emulate();
 

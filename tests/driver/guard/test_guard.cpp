@@ -334,7 +334,7 @@ TEST(Guard, ALinkThatIsDroppedLeavesSilence) {
 }
 
 TEST(Guard, ADriveCostsLittleOnBothSides) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(PALPA_ADDRESS_SANITIZER) || defined(PALPA_THREAD_SANITIZER)
   GTEST_SKIP() << "skipped: an instrumented build is slow";
 #endif
   Rig rig(3984);

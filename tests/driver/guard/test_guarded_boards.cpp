@@ -117,7 +117,7 @@ TEST(GuardedBoards, AGuardsMemoryStaysInMemory) {
     for (std::string line; std::getline(status, line);)
       if (line.starts_with("VmLck:")) locked = line;
   }
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(PALPA_ADDRESS_SANITIZER) && !defined(PALPA_THREAD_SANITIZER)
   EXPECT_FALSE(locked.ends_with(" 0 kB")) << locked;
 #endif
   link->finish();

@@ -71,7 +71,7 @@ TEST(OpenMpdCost, ADriveOfSixteenBoardsLeavesWithinAMillisecondAndAllocatesNothi
   std::sort(times.begin(), times.end());
   RecordProperty("median_us", static_cast<int>(1e6 * times[1000]));
   RecordProperty("p99_us", static_cast<int>(1e6 * times[1980]));
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(PALPA_ADDRESS_SANITIZER) && !defined(PALPA_THREAD_SANITIZER)
   // The emulators take their bytes on the same thread. The median, because other tests run at the same time.
   EXPECT_LT(times[1000], 1e-3);
 #endif

@@ -16,6 +16,7 @@
 #include "cli/support/process.hpp"
 #include "driver/openmpd/emulation.hpp"
 #include "driver/openmpd/openmpd_files.hpp"
+#include "support/begins.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
@@ -166,9 +167,7 @@ TEST(OpenMpdRun, ALoopThatIsKilledLeavesSilence) {
     LiveOptions options;
     options.environment = emulation.environment();
     LiveRun loop(run_to("openmpd:EMU1", "openmpd"), options);
-    for (int i = 0; i < 1500 && !sounded(wire_of(trace)); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    EXPECT_TRUE(sounded(wire_of(trace)));
+    EXPECT_TRUE(begins([&] { return sounded(wire_of(trace)); }));
     loop.signal(SIGKILL);
     EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
   }

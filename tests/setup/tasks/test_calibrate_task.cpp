@@ -49,8 +49,10 @@ TEST(CalibrateTask, ARehearsalIsTheCommands) {
   EXPECT_TRUE(all);
   EXPECT_EQ(result.frames, 3u);
   ASSERT_EQ(result.rig.cameras.size(), result.cameras.size());
-  for (std::size_t i = 0; i < result.cameras.size(); ++i)
+  for (std::size_t i = 0; i < result.cameras.size(); ++i) {
     EXPECT_EQ(result.rig.cameras[i].T_world_camera, result.cameras[i].T_world_camera);
+    EXPECT_EQ(result.rig.cameras[i].residual_m, result.cameras[i].found.fit.rms_m);
+  }
   EXPECT_EQ(setup::to_json(result), command_json({"calibrate", "--rig", task.rig.rig, "--frames", "3", "--seed", "3",
                                                   "--at", "0,0,1cm", "--turn", "15"}));
 }

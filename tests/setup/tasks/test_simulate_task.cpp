@@ -76,6 +76,11 @@ TEST(SimulateTask, HasTheCommandsBytes) {
   options.drive.transfer = setup::TransferChoice::finger;
   expect_same_json(to_json(simulate(options)), command({"--spectrum", "--tune", "--transfer", "finger"}));
   options = options_of("openmpd");
+  options.spread = {.text = "phase=0.2,temperature=1", .draws = 20};
+  options.compute.seed = 3;
+  expect_same_json(to_json(simulate(options)),
+                   command({"--spread", "phase=0.2,temperature=1", "--draws", "20", "--seed", "3"}));
+  options = options_of("openmpd");
   options.skin = setup::Skin::cameras;
   options.compute.seed = 7;
   options.touch.method.method = touch::Method::single_focus;
@@ -126,6 +131,9 @@ TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
   options.penetration_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--penetration: out of range");
   options.penetration_m = 3e-3;
+  options.spread.draws = 50;
+  EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--draws goes with --spread");
+  options.spread.draws.reset();
   options.touch.spot_m = 4e-3;
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--spot goes with");
 }

@@ -348,6 +348,7 @@ TEST(AppSettings, OfALineAreNotRemembered) {
   const fs::path folder = test::scratch_folder("viewer-app-settings"), file = folder / "viewer.toml";
   Settings before;
   before.layers[Layer::grid].visible = false;
+  before.skin_colour = SkinColour::sa1;
   save_settings(file, before);
   std::atomic<bool> stop{false};
   ViewerOptions options;
@@ -360,6 +361,7 @@ TEST(AppSettings, OfALineAreNotRemembered) {
   App app(options, {300, 200}, std::move(around));
   EXPECT_TRUE(app.desk().state.layers.shows(Layer::sections));
   EXPECT_FALSE(app.desk().state.layers.shows(Layer::grid)) << "of this the line said nothing";
+  EXPECT_EQ(app.desk().state.skin_colour, SkinColour::sa1);
   EXPECT_TRUE(app.finish(1));
   EXPECT_EQ(load_settings(file), before);
 }

@@ -10,8 +10,10 @@
 
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "setup/load.hpp"
 #include "setup/touch_schedule.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "viewer/hands/slice_hand.hpp"
 #include "viewer/live/played.hpp"
 #include "viewer/picture/field_marks.hpp"
@@ -75,6 +77,40 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_TRUE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(picture.skin) << "nobody touches";
   EXPECT_TRUE(picture.bars.empty());
+}
+
+TEST(Heat, ShowsTheRatesOfAClassOfAfferents) {
+  Played played;
+  played.now.layout = std::make_shared<const array::Layout>(setup::load_posed_layout("openmpd"));
+  played.move({0, 0, 0});
+  played.now.tip = Vec3(0);
+  Heat heat(ball(), played.now.air);
+  Picture picture;
+  SkinColour colour = SkinColour::pressure;
+  const auto rests = [&] {
+    heat.look(played.now, picture, colour);
+    return !heat.busy();
+  };
+  const auto title = [&] { return picture.bars.empty() ? std::string() : picture.bars[0].title; };
+  ASSERT_TRUE(soon(rests));
+  EXPECT_CONTAINS(title(), "pressure");
+  colour = SkinColour::pc;
+  heat.look(played.now, picture, colour);
+  EXPECT_TRUE(heat.busy()) << "rates are computed only if they are asked for";
+  ASSERT_TRUE(soon(rests));
+  EXPECT_EQ(heat.fault(), "");
+  EXPECT_CONTAINS(title(), "PC: mean rate");
+  const std::vector<drawing::Colour> pacinian = picture.skin->colours;
+  for (const auto& [next, words] : {std::pair(SkinColour::ra, "RA: mean rate"), {SkinColour::pressure, "pressure"}}) {
+    colour = next;
+    EXPECT_TRUE(heat.look(played.now, picture, colour).skin) << words << " is there already";
+    EXPECT_FALSE(heat.busy());
+    EXPECT_CONTAINS(title(), words);
+  }
+  double difference = 0;
+  for (std::size_t v = 0; v < pacinian.size(); ++v)
+    difference = std::max<double>(difference, std::abs(picture.skin->colours[v].r - pacinian[v].r));
+  EXPECT_GT(difference, 0.1);
 }
 
 TEST(Heat, OfAFileThatIsNoFingerFails) {

@@ -22,7 +22,9 @@ namespace palpa::test {
 struct Heard {
   std::atomic<std::uint64_t> drives{0}, sounding{0};
   std::atomic<int> opened{0};
-  std::atomic<bool> breaks{false};  ///< set by a test: the link fails
+  std::atomic<bool> breaks{false};    ///< set by a test: the link fails
+  std::atomic<bool> swallows{false};  ///< set by a test: drives no longer arrive
+  std::atomic<std::uint64_t> arrived{0};
   std::atomic<bool> last_sounds{false}, finished{false};
   std::atomic<float> loudest{0};  ///< amplitude in the last drive that sounds
 
@@ -43,12 +45,12 @@ class HeardLink final : public session::Link {
     ++heard_->drives;
     heard_->last_sounds = sounds;
     heard_->sounding += sounds ? 1 : 0;
+    heard_->arrived += sounds && !heard_->swallows ? 1 : 0;
   }
   void finish() override { heard_->finished = true; }
-  /// It loses nothing.
   std::optional<session::Carried> carried() const override {
-    const session::Passed all{.drives = heard_->sounding};
-    return session::Carried{.guard = {}, .submitted = all, .completed = all};
+    return session::Carried{
+        .guard = {}, .submitted = {.drives = heard_->sounding}, .completed = {.drives = heard_->arrived}};
   }
 
  private:

@@ -17,6 +17,7 @@ TEST(Settings, ComeBackAsTheyWere) {
   settings.dark = true;
   settings.panels = false;
   settings.fine = FinePictures::never;
+  settings.skin_colour = SkinColour::ra;
   settings.slots_per_s = 12.5;
   settings.layers[Layer::sections] = {true, 0.25F};
   settings.layers[Layer::solids].visible = false;
@@ -40,19 +41,21 @@ TEST(Settings, WhatALineSaysIsForItsRunAlone) {
   now.layers[Layer::slice].opacity = 0.25F;
   now.dark = false;
   now.slots_per_s = 12;
+  now.skin_colour = SkinColour::pc;
   Settings expected = before;
   expected.layers[Layer::solids].opacity = 0.5F;
   expected.layers[Layer::slice].opacity = 0.25F;
   expected.slots_per_s = 12;
+  expected.skin_colour = SkinColour::pc;
   EXPECT_EQ(to_remember(before, began, now), expected);
   EXPECT_EQ(to_remember(expected, began, now), expected) << "asked once more";
 }
 
 TEST(Settings, ABrokenFileIsToldWithItsLine) {
   const auto file = test::scratch_folder("viewer-settings-broken") / "viewer.toml";
-  for (const char* text :
-       {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n", "fine_pictures = \"often\"\n",
-        "[layers.solids]\nopacity = 2\n", "[window]\nx = 1\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
+  for (const char* text : {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n",
+                           "fine_pictures = \"often\"\n", "finger_colour = \"SA2\"\n", "[layers.solids]\nopacity = 2\n",
+                           "[window]\nx = 1\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
     std::ofstream(file) << text;
     try {
       load_settings(file);

@@ -130,9 +130,11 @@ TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
   std::vector<double> pressure;
   for (const Vec3& at : box.positions)
     pressure.push_back(at.x > 0 ? 600 : -100);  // pulled elsewhere: the colour of zero
-  show_heat(picture, "finger", box, pressure);
+  show_heat(picture, "finger", box, pressure, "pressure, Pa");
   ASSERT_TRUE(picture.skin);
   EXPECT_EQ(picture.bars.at(0).layer, Layer::heat);
+  EXPECT_EQ(picture.bars.at(0).title, "pressure, Pa");
+  EXPECT_EQ(picture.bars.at(0).most, 600);
   ViewState state = test::bare_view();
   const Pixels skin = draw(picture, state);
   state.layers[Layer::heat].visible = true;

@@ -247,6 +247,14 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
   }
   EXPECT_GT(dark, 2000u);
   EXPECT_GT(light, 200u);
+  // The rates of its afferents, with the same colours.
+  std::vector<std::string> rates(touch.begin(), touch.end() - 2);
+  const std::string other = (folder / "rates.png").string();
+  for (const char* colour : {"pressure", "PC"}) {
+    const auto again = viewer(test::with(rates, {"--layout", "autd3", "--heat", colour, "--screenshot", other}));
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(drawing::read_png(other).rgba == pixels.rgba, colour == std::string("pressure")) << colour;
+  }
   test::expect_failure(viewer_here(touch), 2, "--show heat goes with --layout or --rig");
   test::expect_failure(viewer_here(host_touch({"--layout", "autd3", "--show", "heat"})), 2, "--skin");
 }

@@ -13,6 +13,7 @@
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
+#include "support/time_limits.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "viewer_here.hpp"
 
@@ -59,8 +60,8 @@ TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
     const auto run = headless_viewer({"--scene", scene, "--headless", "--size", "640x400", "--hide", "legend",
                                       "--screenshot", shots.back(), "--quiet"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
-    // Twice the limit in docs/limits.md, for busy machines.
-    EXPECT_LT(run.processor_s, 2 * (1 + static_cast<double>(std::filesystem::file_size(scene)) / 1e6));
+    // The limit in docs/limits.md is of elapsed time, and two cores share the work.
+    EXPECT_LT(run.processor_s, 2 * test::slowest * (1 + static_cast<double>(std::filesystem::file_size(scene)) / 1e6));
     EXPECT_LT(run.peak_mib, 1e9 / (1 << 20));
   }
   EXPECT_EQ(drawing::read_png(shots[0]).rgba, drawing::read_png(shots[1]).rgba);

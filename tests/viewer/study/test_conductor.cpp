@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "base/sha256.hpp"
+#include "setup/played_foci.hpp"
 #include "sitting_bench.hpp"
 #include "study/files/study_folder.hpp"
 #include "support/file_size_limit.hpp"
@@ -37,6 +39,11 @@ class ConductorTest : public testing::Test {
   bool sounds() { return bench_->conductor().presentation().gate().sounding(); }
   bool touches_and_sounds() {
     return bench_->reaches(Screen::touching) && bench_->goes_until([&] { return sounds(); }, false);
+  }
+  static std::string dose(test::SittingBench& bench) {
+    const ExperimenterView view = bench.conductor().experimenter_view();
+    return std::ranges::find_if(view.lines, [](const StateLine& line) { return line.name == std::string_view("dose"); })
+        ->value;
   }
   fs::path beh(const std::string& end, int run = 1) const {
     return folder_ / "study/sub-01/beh" / ("sub-01_task-shapes_run-0" + std::to_string(run) + end);
@@ -114,6 +121,12 @@ TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
       }
     }
     EXPECT_GT(fingers, 1u);
+    // palpa export can play it again: the file says when each foci begin and when the touch ends.
+    const session::PlayedFoci played =
+        setup::load_played_foci(beh("").parent_path() / touch["foci_file"].get<std::string>());
+    EXPECT_EQ(played.frames.back().schedule.voice_count, 0u);
+    EXPECT_GE(played.frames.back().slot - played.frames.front().slot, touch["drives"].get<std::uint64_t>())
+        << "slots that were late were skipped";
   }
   // The depth of the finger, as the analysis reads it.
   const study::Study study = study::read_study(std::vector<std::string>{(folder_ / "study").string()});
@@ -142,7 +155,9 @@ TEST_F(ConductorTest, AnyKeyOfTheParticipantSilences) {
 }
 
 TEST_F(ConductorTest, PauseAndStopSilence) {
+  const auto begin = std::chrono::steady_clock::now();
   test::SittingBench& bench = long_touches();
+  EXPECT_EQ(dose(bench), "no sound so far");
   ASSERT_TRUE(touches_and_sounds());
   bench.press(key_of('p'), true);
   EXPECT_EQ(bench.sitting().screen(), Screen::paused);
@@ -153,6 +168,13 @@ TEST_F(ConductorTest, PauseAndStopSilence) {
   EXPECT_EQ(bench.sitting().screen(), Screen::stopped);
   EXPECT_TRUE(bench.is_silent());
   EXPECT_NE(test::read_text(beh("_events.tsv")).find("paused by the experimenter"), std::string::npos);
+  const json level = json::parse(test::read_text(beh("_events.json")))["SoundLevel"];
+  const double sounded_s = level["SoundedSeconds"];
+  EXPECT_GT(sounded_s, 0) << "touches that were broken off, too";
+  EXPECT_LT(sounded_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  EXPECT_NEAR(level["SoundedEquivalentDb"], level["PredictedPeakDb"].get<double>() + 10 * std::log10(sounded_s / 28800),
+              1e-3);
+  EXPECT_CONTAINS(dose(bench), "dB equivalent");
 }
 
 TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
@@ -201,6 +223,22 @@ TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
   std::this_thread::sleep_for(1200ms);
   ASSERT_TRUE(bench.reaches(Screen::paused, false));
   EXPECT_NE(bench.sitting().reason().find("stood still"), std::string::npos);
+}
+
+/// The link of a board that was unplugged does not fail: it waits for the board.
+TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  bench.heard()->swallows = true;
+  ASSERT_TRUE(bench.reaches(Screen::paused, false));
+  EXPECT_CONTAINS(bench.sitting().reason(), "the array takes no drives");
+  EXPECT_TRUE(bench.is_silent());
+  EXPECT_EQ(bench.sitting().agenda().voided(), 1u);
+  EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "\tvoid\t");
+  bench.heard()->swallows = false;
+  bench.press(Key::space, true);
+  ASSERT_TRUE(touches_and_sounds()) << "it is plugged in again";
+  EXPECT_EQ(bench.heard()->opened, 2);
 }
 
 TEST_F(ConductorTest, TheArrowKeysChangeTheShapeOfTheFreeExploration) {

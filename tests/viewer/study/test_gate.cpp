@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "base/sha256.hpp"
@@ -87,6 +88,46 @@ TEST_F(GateTest, ClosesByItself) {
   EXPECT_EQ(told_.voices.back(), 0u);
 }
 
+TEST_F(GateTest, MeasuresForHowLongItSounds) {
+  plan(0);
+  send(0);
+  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(gate_.sounded_for(), Gate::Clock::duration(0)) << "it was closed";
+  gate_.open(later());
+  const Gate::Clock::time_point begin = Gate::Clock::now();
+  send(1);
+  std::this_thread::sleep_for(20ms);
+  EXPECT_GE(gate_.sounded_for(), 20ms) << "the array keeps the drive";
+  send(2);
+  std::this_thread::sleep_for(20ms);
+  send(3, 0);
+  const Gate::Clock::duration sounded = gate_.sounded_for();
+  EXPECT_GE(sounded, 40ms);
+  EXPECT_LE(sounded, Gate::Clock::now() - begin);
+  std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(gate_.sounded_for(), sounded) << "the last drive was silent";
+  send(4);
+  gate_.close();
+  std::this_thread::sleep_for(5ms);
+  send(5);
+  const Gate::Clock::duration closed = gate_.sounded_for();
+  EXPECT_GE(closed, sounded + 5ms) << "until silence was sent";
+  std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(gate_.sounded_for(), closed);
+}
+
+TEST_F(GateTest, ALinkThatIsGoneSoundsNoLonger) {
+  gate_.open(later());
+  drive_[0].amplitude = 1;
+  {
+    GateLink link(std::make_unique<ToldLink>(told_), gate_);
+    link.send(0, drive_);
+  }
+  const Gate::Clock::duration sounded = gate_.sounded_for();
+  std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(gate_.sounded_for(), sounded);
+}
+
 TEST_F(GateTest, KeepsWhatWasPlayed) {
   plan(0);
   send(0);
@@ -99,13 +140,31 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
   send(3);
   const PlayedTouch played = gate_.take();
   EXPECT_EQ(played.drives, 2u);
-  ASSERT_EQ(played.frames.size(), 2u) << "the plan under way when the gate opened, and the next one";
-  EXPECT_EQ(played.frames[0].from, 0u);
+  ASSERT_EQ(played.frames.size(), 3u) << "the plan under way when the gate opened, the next one, and silence";
+  EXPECT_EQ(played.frames[0].from, 1u) << "from here on it sounds";
   EXPECT_EQ(played.frames[1].from, 2u);
   EXPECT_EQ(played.frames[1].schedule.voices[0].foci, schedule_.voices[0].foci);
+  EXPECT_EQ(played.frames[2].from, 3u);
+  EXPECT_EQ(played.frames[2].schedule.voice_count, 0u);
+  EXPECT_EQ(played.end, 3u);
   const float floats[] = {0.25F, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(played.drives_sha256, sha256({reinterpret_cast<const char*>(floats), sizeof floats}));
   EXPECT_EQ(gate_.take().drives, 0u) << "taken";
+}
+
+TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
+  auto heard = std::make_shared<test::Heard>();
+  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
+  drive_[0].amplitude = 1;
+  gate_.open(later());
+  link.send(7, drive_);
+  link.plan({.schedule = schedule_, .slots = {.from = 20, .until = 30}});
+  gate_.close();
+  const PlayedTouch played = gate_.take();
+  EXPECT_EQ(played.drives, 1u);
+  ASSERT_FALSE(played.frames.empty());
+  EXPECT_EQ(played.frames.back().from, 20u);
+  EXPECT_EQ(played.end, 20u);
 }
 
 /// A run warns of drives that were lost on their way, but these were not to arrive.
@@ -122,6 +181,45 @@ TEST_F(GateTest, WhatItWithholdsIsNotLost) {
   ASSERT_TRUE(link.carried());
   EXPECT_EQ(link.carried()->completed.drives, 3u);
   EXPECT_EQ(link.carried()->submitted.drives, 3u);
+}
+
+TEST_F(GateTest, KnowsForHowLongNothingArrives) {
+  auto heard = std::make_shared<test::Heard>();
+  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
+  drive_[0].amplitude = 1;
+  gate_.open(later());
+  link.send(0, drive_);
+  EXPECT_EQ(gate_.unheard(), 0ns) << "it has arrived";
+  heard->swallows = true;
+  bool told = false;
+  for (int i = 0; i < 1000 && !told; ++i) {  // a thread that stands still between the two lines is not meant here
+    link.send(1, drive_);
+    told = gate_.unheard(Gate::Clock::now() + 50ms) >= 50ms;
+  }
+  EXPECT_TRUE(told);
+  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 1h), 0ns) << "nothing has sounded for long";
+  heard->swallows = false;
+  link.send(2, drive_);
+  EXPECT_EQ(gate_.unheard(), 0ns);
+  heard->swallows = true;
+  link.send(3, drive_);
+  gate_.close();
+  link.send(4, drive_);
+  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns) << "nothing is to arrive";
+  // A link that does not count.
+  gate_.open(later());
+  send(0);
+  send(1);
+  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns);
+}
+
+TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
+  EXPECT_LT(gate_.newest_s(), 0);
+  schedule_.time_s = 3.5;
+  plan(0);
+  EXPECT_EQ(gate_.newest_s(), 3.5) << "also while it is closed";
+  gate_.restart();
+  EXPECT_LT(gate_.newest_s(), 0);
 }
 
 TEST_F(GateTest, StandsBeforeLinksOfEveryKind) {

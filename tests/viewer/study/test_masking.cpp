@@ -29,15 +29,16 @@ std::string fault_of(const std::string& kind, Exit code) {
 }
 
 /// A WAV file of 8-bit samples, one channel.
-std::string wav(std::uint32_t samples) {
+std::string wav(std::uint32_t samples, std::uint32_t rate_hz = 8000) {
   const auto number = [](std::uint32_t value, int bytes) {
     std::string text;
     for (int i = 0; i < bytes; ++i)
       text += static_cast<char>(value >> (8 * i) & 0xff);
     return text;
   };
-  return "RIFF" + number(36 + samples, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) + number(8000, 4) +
-         number(8000, 4) + number(1, 2) + number(8, 2) + "data" + number(samples, 4) + std::string(samples, '\x40');
+  return "RIFF" + number(36 + samples, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) +
+         number(rate_hz, 4) + number(rate_hz, 4) + number(1, 2) + number(8, 2) + "data" + number(samples, 4) +
+         std::string(samples, '\x40');
 }
 
 TEST(Masking, OffNeedsNoDevice) {
@@ -66,6 +67,8 @@ TEST(Masking, PlaysNoiseOrAFile) {
   }
   test::write_text(folder / "text.wav", "no sound at all");
   EXPECT_CONTAINS(fault_of((folder / "text.wav").string(), Exit::bad_input), "no WAV file");
+  test::write_text(folder / "slow.wav", wav(1'000'000, 1));
+  EXPECT_CONTAINS(fault_of((folder / "slow.wav").string(), Exit::bad_input), "too low a rate (1 Hz)");
   test::write_text(folder / "empty.wav", wav(0));
   EXPECT_CONTAINS(fault_of((folder / "empty.wav").string(), Exit::bad_input), "empty.wav");
 }

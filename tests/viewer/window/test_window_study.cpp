@@ -93,26 +93,32 @@ TEST_F(WindowStudy, AWholeStudyIsKilledTwiceAndHasTheSameAnalysis) {
   options.program = PALPA_VIEWER_BINARY;
   const std::string said = (folder / "said").string();
   const fs::path journal = folder / "study/sub-01/sub-01_journal.jsonl";
-  std::size_t steps = 0;
-  for (int kills = 0; kills < 3; ++kills) {
+  std::size_t starts = 0;
+  int kills = 0;
+  // A program that has stood still during a touch pauses, and the rehearsal then stops. A slow machine can cause that.
+  // The same command continues, as after a kill.
+  constexpr std::size_t most_starts = 12;
+  while (entries_in(journal, "\"finish\"") == 0 && starts < most_starts) {
     const Unread err = Unread::file(said);
     options.err = &err;
+    const std::size_t steps = entries_in(journal, "\"begin\"") + 4;
     LiveRun run(line(plan, {"--link", "openmpd:EMU1"}), options);
-    if (kills < 2) {
-      steps += 4;
-      for (int i = 0; i < 6000 && entries_in(journal, "\"begin\"") < steps; ++i)
-        std::this_thread::sleep_for(10ms);
-      ASSERT_GE(entries_in(journal, "\"begin\""), steps) << read_text(said);
-      run.signal(SIGKILL);
-      run.wait(10);
-      steps = entries_in(journal, "\"begin\"");
+    ++starts;
+    LiveRun::End end;
+    for (int i = 0; i < 6000 && !end.ended && (kills == 2 || entries_in(journal, "\"begin\"") < steps); ++i)
+      end = run.wait(10e-3);
+    if (end.ended) {
+      EXPECT_EQ(end.exit_code, 0) << read_text(said);
       continue;
     }
-    const LiveRun::End end = run.wait(60);
-    ASSERT_TRUE(end.ended);
-    EXPECT_EQ(end.exit_code, 0) << read_text(said);
+    ASSERT_LT(kills, 2) << "the last run does not end: " << read_text(said);
+    ASSERT_GE(entries_in(journal, "\"begin\""), steps) << read_text(said);
+    run.signal(SIGKILL);
+    run.wait(10);
+    ++kills;
   }
-  EXPECT_EQ(entries_in(journal, "\"start\""), 3u);
+  EXPECT_EQ(kills, 2);
+  EXPECT_EQ(entries_in(journal, "\"start\""), starts);
   EXPECT_EQ(entries_in(journal, "\"finish\""), 1u);
   // The same participant without windows and kills.
   const Result whole = palpa({"study", "rehearse", plan.string(), "--participant", "1", "--out",
@@ -148,12 +154,14 @@ class SoundingStudy {
     geometry::write_ply(pressed, finger.positions, finger.triangles);
     run_.emplace(line(plan, {"--link", "openmpd:EMU1", "--source", "synthetic:" + pressed}), options);
   }
-  /// Waits until a touch has been under way for a moment. That it sounded is checked at the end: the trace is long.
+  /// Waits until a touch is under way and the boards sound.
   bool touches() {
     const fs::path journal = folder_ / "study/sub-01/sub-01_journal.jsonl";
     for (int i = 0; i < 6000 && entries_in(journal, "\"begin\"") == 0; ++i)
       std::this_thread::sleep_for(10ms);
-    std::this_thread::sleep_for(300ms);
+    // The trace grows by some megabytes per second, so it is not read more often.
+    for (int i = 0; i < 60 && heard_in(folder_ / "trace").last_sounding == 0; ++i)
+      std::this_thread::sleep_for(500ms);
     return entries_in(journal, "\"begin\"") > 0;
   }
   LiveRun& run() { return *run_; }

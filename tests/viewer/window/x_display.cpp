@@ -1,6 +1,7 @@
 #include "x_display.hpp"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -59,18 +60,20 @@ constexpr int pixmaps = 2;  // XGetImage: whole pixels
 XServer::XServer() {
   int ready[2];
   if (pipe(ready) != 0) return;
+  const std::string descriptor = std::to_string(ready[1]);
+  const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
   process_ = fork();
   if (process_ == 0) {
     close(ready[0]);
-    const std::string descriptor = std::to_string(ready[1]);
     // It must not live longer than the test, and must not hold up a program that reads the test's output.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    freopen("/dev/null", "w", stdout);
-    freopen("/dev/null", "w", stderr);
+    dup2(nothing, STDOUT_FILENO);
+    dup2(nothing, STDERR_FILENO);
     execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1280x720x24", "-nolisten", "tcp",
            nullptr);
     _exit(127);
   }
+  close(nothing);
   close(ready[1]);
   // Writes its number and a newline once it accepts clients.
   std::string number;

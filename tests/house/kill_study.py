@@ -1,0 +1,380 @@
+#!/usr/bin/env python3
+"""kill_study.py [--kills N] [--seed S] [--bin FOLDER]: a study that is killed at random moments, and continued.
+
+A scripted participant goes through a study with `palpa study run --rehearse`: two windows under Xvfb, touches of 50 ms,
+an emulated OpenMPD board. At a random moment the program or the guard of its board gets SIGKILL, and the same command
+is started again, until the participant has finished. Each time, the board must fall silent, none of the processes may
+be left, the journal must be as docs/study.md promises, and what there is must be analysed. At the end, each step of the
+plan must be complete exactly once, and the analysis must be that of a study that nobody interrupts.
+
+kill.py does the same beside its other cases, with short studies.
+"""
+import argparse
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+import journals
+from judged import faults_of_messages, name_of_end
+from watched import Clock, processes
+from wires import Trace
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SILENT_S = 0.15     # as in kill.py, after a death
+ENDED_S = 3.0       # a program whose guard was killed starts another one, pauses, and is stopped by the scripted people
+WHOLE_S = 600       # a program that nobody kills; a busy machine is no fault
+PLAN = """title = "Killed"
+[[shape]]
+name = "cube"
+model = "{assets}/cube.glb"
+[[shape]]
+name = "pyramid"
+model = "{assets}/pyramid.glb"
+[[method]]
+name = "single-focus"
+layout = "openmpd"
+[[method]]
+name = "cross-section"
+layout = "openmpd"
+[study]
+participants = 4
+trials_per_shape = {trials}
+touch_s = 0.05
+[run]
+masking = "off"
+[level]
+limit_db = 140
+[[block]]
+kind = "familiarise"
+[[block]]
+kind = "free"
+touch_s = 0.1
+[[block]]
+kind = "practice"
+shapes = ["cube"]
+feedback = true
+[[block]]
+kind = "trial"
+[[block]]
+kind = "same-different"
+between_s = 0.05
+[[block]]
+kind = "rest"
+rest_s = 0.05
+once = true
+"""
+
+
+def lowered_finger(by_m):
+    """The bytes of assets/finger.ply, lowered, so that the finger of a synthetic source is in the object all the time."""
+    data = bytearray((ROOT / "assets/finger.ply").read_bytes())
+    at = data.index(b"end_header\n") + 11
+    for _ in range(int(re.search(rb"element vertex (\d+)", data)[1])):
+        x, y, z = struct.unpack_from("<fff", data, at)
+        struct.pack_into("<fff", data, at, x, y - by_m, z)
+        at += 12
+    return bytes(data)
+
+
+class Display:
+    """An Xvfb of its own; `name` is None if there is none."""
+
+    def __init__(self):
+        self.name = self.process = None
+        read, write = os.pipe()
+        try:
+            self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x720x24", "-nolisten", "tcp"], pass_fds=[write],
+                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            os.close(write)
+            write = None
+            number = b""
+            while not number.endswith(b"\n") and (more := os.read(read, 16)):  # it ends if nobody reads all of it
+                number += more
+            self.name = f":{number.decode().strip()}" if number else None
+        except FileNotFoundError:
+            pass
+        finally:
+            for end in (read, write):
+                if end is not None:
+                    os.close(end)
+
+    def close(self):
+        if self.process:
+            self.process.terminate()
+            self.process.wait()
+
+
+class KilledStudies:
+    """One participant after the other, in the study's folder. Call close() at the end."""
+
+    def __init__(self, seed, folder, palpa, trials):
+        self.random, self.folder, self.palpa = random.Random(f"{seed}:study"), folder, str(palpa)
+        self.clock, self.faults, self.participant, self.emulator, self.trace = Clock(), [], 0, None, None
+        self.kills, self.startup_s, self.line = {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
+        folder.mkdir()
+        self.plan, self.study = folder / "plan.toml", folder / "study"
+        self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials))
+        small, paper = (ROOT / "tests/cli/support/small_rig.toml").read_text(), (ROOT / "assets/rigs/paper.toml").read_text()
+        screen = paper[paper.index("[screen]"):].partition("\n\n")[0]
+        (folder / "rig.toml").write_text(small[:small.index("[array]")] + screen + "\n")
+        (folder / "pressed.ply").write_bytes(lowered_finger(6e-3))
+        self.display = Display()
+        mark = f"{os.getpid()}-{folder}"
+        self.mark = f"PALPA_KILL_STUDY={mark}".encode()
+        self.environment = dict(os.environ, PALPA_KILL_STUDY=mark, XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off", DISPLAY=self.display.name or "",
+                                WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
+
+    def available(self):
+        return self.display.name is not None
+
+    def fault(self, text):
+        self.faults.append(f"participant {self.participant}, {sum(self.kills.values())} kills: {text}")
+
+    # ---- one participant after the other ----
+    def sub(self):
+        return self.study / f"sub-{self.participant:02}"
+
+    def next_participant(self):
+        self.participant += 1
+        self.line = [self.palpa, "study", "run", str(self.plan), "--participant", str(self.participant), "--out", str(self.study), "--rig",
+                     str(self.folder / "rig.toml"), "--backend", "cpu", "--rehearse", "0.5", "--size", "400x300", "--hold", "2s", "--link",
+                     "openmpd:EMU1", "--source", f"synthetic:{self.folder / 'pressed.ply'}", "--quiet"]
+        self.before, self.counted = b"", (0, 0)
+        wire = self.folder / "wire.jsonl"
+        wire.unlink(missing_ok=True)
+        self.emulator = subprocess.Popen([self.palpa, "emulate", "openmpd", "--serial", "EMU1", "--trace", wire, "--json", self.folder / "board.json"],
+                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                         env=dict(self.environment, PALPA_KILL_STUDY="emulator"), start_new_session=True)
+        self.emulator.stdout.readline()
+        self.trace = Trace("openmpd", wire)
+        self.sounded = False
+
+    def sounds(self):
+        now = self.trace.look()
+        self.sounded = self.sounded or now
+        return now
+
+    def end_participant(self):
+        """What must be true when a participant has finished."""
+        self.check_silence("the end")
+        if not self.sounded:
+            self.fault("the board never sounded")
+        self.emulator.send_signal(signal.SIGTERM)
+        self.emulator.wait(20)
+        self.emulator.stdout.close()
+        self.emulator = None
+        process = self.start()  # writes the logs if it was killed between the journal's last line and the logs
+        process.wait(WHOLE_S)
+        if process.returncode != 2 or b"has finished" not in (self.folder / "stderr").read_bytes():
+            self.fault(f"a participant who has finished: {name_of_end(process.returncode)}, {(self.folder / 'stderr').read_text()[-300:]}")
+        walk = self.walk()
+        if walk is None:
+            return
+        if not walk.finished or len(walk.answers) != len(walk.rounds):
+            self.fault(f"{len(walk.answers)} of {len(walk.rounds)} steps are complete")
+        for fault in journals.faults_of_files(self.sub() / "beh", walk, True):
+            self.fault(fault)
+        whole = self.folder / "whole"
+        subprocess.run([self.palpa, "study", "rehearse", self.plan, "--participant", str(self.participant), "--out", whole, "--accuracy", "0.5", "--quiet"],
+                       env=self.environment, check=True, stdin=subprocess.DEVNULL, timeout=WHOLE_S)
+        if self.analysis(self.study) != self.analysis(whole):
+            self.fault(f"the analyses of {self.study} and {whole} differ")
+
+    def analysis(self, study):
+        """The results of a study, or None if no trial is answered yet."""
+        done = subprocess.run([self.palpa, "study", "analyse", study, "--json", "-"], env=self.environment, capture_output=True, stdin=subprocess.DEVNULL,
+                              timeout=WHOLE_S)
+        for fault in faults_of_messages(done.stderr, done.returncode):
+            self.fault(f"the analysis: {fault}")
+        if done.returncode:
+            if done.returncode != 4 or b"nothing can be analysed" not in done.stderr and b"no participants" not in done.stderr:
+                self.fault(f"the analysis ends with {name_of_end(done.returncode)}: {done.stderr.decode()[:300]}")
+            return None
+        result = json.loads(done.stdout)
+        for line in result["left_out"]:
+            if not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
+                self.fault(f"the analysis leaves out: {line}")
+        return journals.results_of(result)
+
+    # ---- the journal ----
+    def journal(self):
+        try:
+            return (self.sub() / f"{self.sub().name}_journal.jsonl").read_bytes()
+        except FileNotFoundError:
+            return b""
+
+    def lines(self):
+        """The number of lines of the journal. Reads only what is new: this is called again and again."""
+        try:
+            with open(self.sub() / f"{self.sub().name}_journal.jsonl", "rb") as file:
+                if os.fstat(file.fileno()).st_size < self.counted[0]:  # a line that was cut off was removed
+                    self.counted = 0, 0
+                file.seek(self.counted[0])
+                new = file.read()
+        except FileNotFoundError:
+            return 0
+        self.counted = self.counted[0] + len(new), self.counted[1] + new.count(b"\n")
+        return self.counted[1]
+
+    def walk(self):
+        try:
+            return journals.Walk((self.sub() / f"{self.sub().name}_order.csv").read_text(), journals.entries_of(self.journal()))
+        except ValueError as fault:
+            self.fault(str(fault))
+        except FileNotFoundError as fault:
+            if b"\n" in self.journal():  # otherwise it was killed before
+                self.fault(str(fault))
+        return None
+
+    def check_after_kill(self):
+        now = self.journal()
+        if not now.startswith(self.before.rpartition(b"\n")[0]):
+            self.fault("the journal has lost lines")
+        self.before = now
+        walk = self.walk() if now.count(b"\n") > 1 else None
+        if walk is None:
+            return
+        for fault in walk.faults:
+            self.fault(fault)
+        for fault in journals.faults_of_files(self.sub() / "beh", walk, False):
+            self.fault(fault)
+        self.analysis(self.study)
+
+    # ---- kills ----
+    def start(self):
+        with open(self.folder / "stderr", "wb") as err:
+            return subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=err, cwd=self.folder, env=self.environment,
+                                    start_new_session=True)
+
+    def check_silence(self, why):
+        if self.clock.until(lambda: not self.sounds(), SILENT_S) is None:
+            self.fault(f"the board still sounds {SILENT_S} s and a margin after {why}")
+
+    def wait_for_moment(self, process):
+        """The next moment to kill: while palpa or its viewer begins, or some lines later in the journal."""
+        draw, begin, lines = self.random, time.monotonic(), self.lines()
+        how = draw.random()
+        until = draw.uniform(0, 0.05) if how < 0.1 else draw.uniform(0, self.startup_s) if how < 0.25 else None
+        wanted, more = lines + draw.randrange(2, 40), draw.uniform(0, 0.06)
+        known = False
+        while process.poll() is None:
+            now = time.monotonic() - begin
+            count = self.lines()
+            if not known and count > lines:
+                known, self.startup_s = True, now
+            if (until is not None and now >= until) or (until is None and count >= wanted):
+                break
+            if now > WHOLE_S:
+                self.fault(f"nothing happens for {WHOLE_S} s")
+                break
+            self.clock.sleep(0.002)
+            self.sounds()
+        if until is None:
+            self.clock.sleep(more)
+
+    def attempt(self):
+        """Starts the program and kills it. Whether the participant has finished."""
+        process = self.start()
+        self.wait_for_moment(process)
+        guards = [pid for pid, name in processes(self.mark).items() if name == "palpa-guard"] if self.random.random() < 0.25 else []
+        victim = "viewer"
+        if process.poll() is None:
+            try:
+                name = pathlib.Path(f"/proc/{process.pid}/comm").read_text()
+                victim = "guard" if guards else "viewer" if "viewer" in name else "palpa"
+                os.kill(guards[0] if guards else process.pid, signal.SIGKILL)
+                self.kills[victim] += 1
+            except (ProcessLookupError, FileNotFoundError):
+                pass  # it has just ended
+        if not guards:
+            process.wait()
+        self.check_silence(f"SIGKILL of the {victim}")
+        if guards and self.clock.until(lambda: process.poll() is not None, ENDED_S) is None:
+            # A guard that was ending anyway is not missed.
+            process.kill()
+            process.wait()
+            self.check_silence("SIGKILL of the viewer")
+        return self.ended(process)
+
+    def ended(self, process):
+        if self.clock.until(lambda: not processes(self.mark), ENDED_S) is None:
+            left = processes(self.mark)
+            self.fault(f"processes are left: {left}")
+            for pid in left:
+                os.kill(pid, signal.SIGKILL)
+        code = process.returncode
+        if code not in (0, 1, -signal.SIGKILL):
+            self.fault(f"the program ends with {name_of_end(code)}: {(self.folder / 'stderr').read_text()[-300:]}")
+        elif code >= 0:
+            for fault in faults_of_messages((self.folder / "stderr").read_bytes(), code):
+                self.fault(fault)
+        self.check_silence("its end")
+        self.check_after_kill()
+        walk = self.walk() if b"\n" in self.journal() else None
+        return walk is not None and walk.finished
+
+    def run(self, goes_on):
+        """Kills while `goes_on(kills)`; then lets the participant finish."""
+        while goes_on(sum(self.kills.values())) and len(self.faults) < 5:
+            self.next_participant()
+            finished, left = False, 3  # a program whose windows stand still for 5 s on a busy machine ends, too
+            while not finished and left and len(self.faults) < 5:
+                if goes_on(sum(self.kills.values())):
+                    finished = self.attempt()
+                    continue
+                process, left = self.start(), left - 1
+                process.wait(WHOLE_S)
+                finished = self.ended(process)
+                if not finished and not left:
+                    self.fault(f"the participant does not finish: {(self.folder / 'stderr').read_text()[-300:]}")
+            if finished:
+                self.end_participant()
+
+    def close(self):
+        if self.emulator:
+            self.emulator.kill()
+            self.emulator.wait()
+            self.emulator.stdout.close()
+        self.display.close()
+
+    def summary(self):
+        each = ", ".join(f"{count} of the {victim}" for victim, count in self.kills.items())
+        return f"{sum(self.kills.values())} kills of a study ({each}), {self.participant} participants; {len(self.faults)} faults"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--trials", type=int, default=100, help="per shape and method: enough for all kills")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+    chosen = parser.parse_args()
+    work = pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107 bytes
+    studies = KilledStudies(chosen.seed, work / "study", chosen.bin.resolve() / "palpa", chosen.trials)
+    try:
+        if not studies.available():
+            print("kill: there is no Xvfb: studies are left out")
+            return 0
+        begin = time.monotonic()
+        studies.run(lambda kills: kills < chosen.kills)
+    finally:
+        studies.close()
+    for fault in studies.faults:
+        print(fault)
+    print(f"kill: seed {chosen.seed}, {studies.summary()}, {time.monotonic() - begin:.0f} s" + (f"; files in {work}" if studies.faults else ""))
+    if not studies.faults:
+        shutil.rmtree(work)
+    return int(bool(studies.faults))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
