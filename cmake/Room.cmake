@@ -59,17 +59,21 @@ function(palpa_test_computes)
 endfunction()
 
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS]
-# [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER. ctest
+# [LIVE] [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER. ctest
 # runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME builds
 # that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of
 # any room that it links. COST is the approximate time of long tests in seconds. ctest starts these first; after a first
 # run, it knows the times itself. WAITS: the test mostly waits for clocks and for programs that wait; two such tests run
-# in the place of one that computes. NEEDS: additional targets that must be built.
+# in the place of one that computes. LIVE: its outcome depends on how fast the machine is, because it needs real
+# processes, clocks, terminals or windows; it gets the label live, and only ./dev test live runs it. NEEDS: additional targets that must be built.
 function(palpa_test NAME)
-  cmake_parse_arguments(TEST "ALONE;WAITS" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
+  cmake_parse_arguments(TEST "ALONE;WAITS;LIVE" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
   # A build that looks for data races builds nothing else.
   if(PALPA_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST TEST_LABELS)
     return()
+  endif()
+  if(TEST_LIVE)
+    list(APPEND TEST_LABELS live)
   endif()
   cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
   set(program tests_${folder})
