@@ -47,9 +47,12 @@ for name; do
   fi
 done
 
+# What the legs of an earlier run computed from the same sources is compared, too.
 digests=build/digests
-rm -rf "$digests"
+tree=$(tests/house/tree.sh)
+[[ -n $tree && -f $digests/tree && $(<"$digests/tree") == "$tree" ]] || rm -rf "$digests"
 mkdir -p "$digests" build/logs
+echo "$tree" >"$digests/tree"
 summary=()
 
 # The targets of the tests of a label. They have the tests' names. A sanitizer thus builds only what it runs.
@@ -83,9 +86,11 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   built=$((SECONDS - begin))
   [[ $label == - ]] || filter=(-L "^$label\$")
+  rm -rf "${digests:?}/$name"
   mkdir "$digests/$name"
   if ! env "$@" PALPA_DIGESTS="$PWD/$digests/$name" tests/house/suite.sh "$preset" "${filter[@]}" \
     >"$log" 2>&1; then
+    rm -r "${digests:?}/$name"
     cat "$log"
     echo "matrix: $name fails"
     return 1
