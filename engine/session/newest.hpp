@@ -6,6 +6,8 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "session/clock.hpp"
+
 namespace palpa::session {
 
 /// Three values of T rotate through the roles of writer's value, waiting value and reader's value. Each side owns its
@@ -13,6 +15,9 @@ namespace palpa::session {
 template <typename T>
 class Newest {
  public:
+  /// All waits are by this clock, which must outlive the object.
+  explicit Newest(const Clock& clock = real_clock()) : clock_(clock) {}
+
   /// To be called before either side begins: applies `prepare` to all three values, e.g. to reserve memory.
   template <typename Prepare>
   void each(Prepare prepare) {
@@ -32,7 +37,7 @@ class Newest {
       replaced = fresh_;
       fresh_ = true;
     }
-    arrived_.notify_one();
+    clock_.wake(arrived_);
     return replaced;
   }
 
@@ -42,8 +47,8 @@ class Newest {
       const std::lock_guard lock(mutex_);
       closed_ = true;
     }
-    arrived_.notify_all();
-    taken_.notify_all();
+    clock_.wake(arrived_);
+    clock_.wake(taken_);
   }
   bool closed() {
     const std::lock_guard lock(mutex_);
@@ -54,12 +59,12 @@ class Newest {
   /// front() is then unchanged.
   bool take(std::chrono::duration<double> timeout = {}) {
     std::unique_lock lock(mutex_);
-    if (timeout.count() > 0) arrived_.wait_for(lock, timeout, [this] { return fresh_ || closed_; });
+    if (timeout.count() > 0) clock_.wait(arrived_, lock, timeout.count(), [this] { return fresh_ || closed_; });
     if (!fresh_) return false;
     std::swap(front_, waiting_);
     fresh_ = false;
     lock.unlock();
-    taken_.notify_one();
+    clock_.wake(taken_);
     return true;
   }
   /// The reader's value. Only the reading thread touches it.
@@ -68,10 +73,11 @@ class Newest {
   /// For writers that must not replace an unread value: waits until the value has been taken or the timeout passes.
   bool wait_taken(std::chrono::duration<double> timeout) {
     std::unique_lock lock(mutex_);
-    return taken_.wait_for(lock, timeout, [this] { return !fresh_ || closed_; });
+    return clock_.wait(taken_, lock, timeout.count(), [this] { return !fresh_ || closed_; });
   }
 
  private:
+  const Clock& clock_;
   std::array<T, 3> values_{};
   std::size_t back_ = 0, waiting_ = 1, front_ = 2;
   std::mutex mutex_;

@@ -1,9 +1,7 @@
 #include "fakes.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 namespace palpa::test {
 
@@ -31,11 +29,11 @@ array::Schedule touching(const Vec3& centre, double modulation_hz) {
 bool FakeSource::next(sensing::FrameSet& out, double) {
   if (given == count) return false;
   if (before) before(given);
-  std::this_thread::sleep_for(std::chrono::duration<double>(period_s));
+  clock->sleep_until(clock->now() + period_s);
   out.frames.resize(1);
   out.frames[0].depth.assign(4, 500);
   out.sequence = given;
-  const double now_s = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const double now_s = clock->now();
   if (given == 0) begin_s = now_s;
   out.time_s = (given < reset_at ? 100.0 : 1.0) + (now_s - begin_s) * clock_rate;
   ++given;

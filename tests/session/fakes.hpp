@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "sensing/depth_source.hpp"
+#include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/plan/planner.hpp"
 
@@ -20,6 +21,7 @@ array::Schedule touching(const Vec3& centre, double modulation_hz = 0);
 
 struct FakeSource : sensing::DepthSource {
   std::vector<sensing::Camera> rig{sensing::Camera{.name = "fake", .width = 2, .height = 2, .fx = 1, .fy = 1}};
+  const session::Clock* clock = &session::real_clock();
   std::uint64_t count = 10;  ///< frames until the end
   double period_s = 0.002;
   double clock_rate = 1;                      ///< seconds on the source's clock per second of time

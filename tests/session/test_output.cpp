@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <thread>
+#include <functional>
 
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
+#include "stepped_clock.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {
@@ -221,22 +222,24 @@ TEST(Output, AReservedScratchNeverGrows) {
   }
 }
 
+/// To be called for each drive: asks for the end from `time_s` on.
+std::function<void(bool)> stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
+  return [=, &clock, &stop](bool) {
+    if (clock.now() >= time_s) stop = true;
+  };
+}
+
 TEST(Output, SendsSilenceLastWhenStopped) {
   Output out;
   test::SpyLink link;
   Newest<Plan> plans;
-  const Clock clock;
+  const test::SteppedClock clock;
   plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  std::thread stopper([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    stop = true;
-  });
-  play(link, plans, out.setting, clock, Ending{stop}, stats);
-  stopper.join();
-  ASSERT_GT(link.slots.size(), 3u);
+  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.06, clock, stop));
+  EXPECT_EQ(link.slots.size(), 42u) << "of slots 0 to 40, and the silence";
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
   EXPECT_EQ(link.plans.back().voices, 0u);
@@ -248,75 +251,50 @@ TEST(Output, SendsSilenceLastWhenStopped) {
 TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   Output out;
   out.setting.hold_s = 0.03;
-  const Clock clock;
-  struct TimedLink : test::SpyLink {
-    explicit TimedLink(const Clock& clock) : clock_(clock) {}
-    void plan(const PlayedPlan& plan) override {
-      if (plans.empty()) plan_s = clock_.now();
-      SpyLink::plan(plan);
-    }
-    double plan_s = 0;  ///< of the first plan
-   private:
-    const Clock& clock_;
-  } link(clock);
+  const test::SteppedClock clock;
+  test::SpyLink link;
   Newest<Plan> plans;
-  const double seen_s = clock.now();
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), seen_s);
+  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
   const Plan& plan = plans.back();
   const std::vector<const void*> there{&plan.schedule, plan.drives.data()};
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  std::thread stopper([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(80));
-    stop = true;
-  });
-  play(link, plans, out.setting, clock, Ending{stop}, stats);
-  stopper.join();
+  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.08, clock, stop));
   ASSERT_EQ(link.plans.size(), 3u) << "the plan, that it expired, the end";
   const test::SpyLink::Played& played = link.plans[0];
   EXPECT_EQ(played.voices, 1u);
   EXPECT_EQ((std::vector<const void*>{played.schedule, played.drives}), there) << "it was copied";
   EXPECT_EQ(played.slots.cycle.length, 10u);
   EXPECT_EQ(played.slots.from, 0u);
-  // From the time at which the plan was seen. Slots are counted from when there was room for them, at the latest from
-  // the plan's arrival.
-  EXPECT_GE(static_cast<double>(played.slots.until),
-            std::floor((seen_s + out.setting.hold_s - link.plan_s) / out.setting.slot_s));
-  EXPECT_LE(played.slots.until, 20u);
+  EXPECT_EQ(played.slots.until, 20u) << "30 ms are 20 slots";
   EXPECT_EQ(link.plans[1].voices, 0u);
-  // In time, except that a thread that the machine woke too late is silent in the slot in which it wakes.
-  const double late_s = stats.jitter_s.quantile(1);
-  EXPECT_GE(static_cast<double>(link.plans[1].slots.from) + std::ceil(late_s / out.setting.slot_s),
-            static_cast<double>(played.slots.until));
+  EXPECT_EQ(link.plans[1].slots.from, 20u);
   EXPECT_EQ(link.plans[2].voices, 0u);
 }
 
 TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
+  const test::SteppedClock clock;
   struct DawdlingLink : test::SpyLink {
+    const test::SteppedClock& clock;
+    explicit DawdlingLink(const test::SteppedClock& by) : clock(by) {}
     void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-      if (slots.size() == 10) std::this_thread::sleep_for(std::chrono::milliseconds(60));
+      if (slots.size() == 10) clock.sleep(0.06);
       SpyLink::send(slot, drive);
     }
   };
   Output out;
   out.setting.hold_s = 10;
-  DawdlingLink link;
+  DawdlingLink link(clock);
   Newest<Plan> plans;
-  const Clock clock;
   plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  std::thread stopper([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(150));
-    stop = true;
-  });
-  play(link, plans, out.setting, clock, Ending{stop}, stats);
-  stopper.join();
+  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.15, clock, stop));
   ASSERT_GT(link.slots.size(), 12u);
-  EXPECT_GE(link.slots[11] - link.slots[10], 38u) << "60 ms are 40 slots";
-  EXPECT_GE(stats.skipped_slots, 38u);
+  EXPECT_EQ(link.slots[11] - link.slots[10], 40u) << "60 ms are 40 slots";
+  EXPECT_EQ(stats.skipped_slots, 39u);
 }
 
 TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {

@@ -14,13 +14,11 @@
 #include "session/loop/loop.hpp"
 #include "session/loop/slow_solver.hpp"
 #include "session/watch/effort.hpp"
+#include "stepped_clock.hpp"
 #include "support/captured.hpp"
-#include "support/side_by_side.hpp"
 
 namespace palpa::session {
 namespace {
-
-using namespace std::chrono_literals;
 
 /// The number of early starts among `frames` that all arrive while another is in progress. With an early start, it
 /// takes `early_s` to their drives; with waiting, `waiting_s`.
@@ -56,23 +54,23 @@ TEST(EarlyStart, TriesNothingThatCouldBeOverBeforeItSounds) {
 
 /// Two frames in progress on a device that processes one after the other.
 struct SharedPlanner : test::FakePlanner {
-  using Clock = std::chrono::steady_clock;
-  Clock::duration takes = 20ms;
+  const test::SteppedClock* clock = nullptr;
+  double takes_s = 0.02;
   struct Flight {
     SkinFrame frame;
-    Clock::time_point done;
+    double done_s;
   };
   std::deque<Flight> flights;
-  Clock::time_point free_from{};
+  double free_from_s = 0;
 
   bool can_start() const override { return flights.size() < 2; }
   bool busy() const override { return !flights.empty(); }
   void start(const SkinFrame& frame) override {
-    free_from = std::max(free_from, Clock::now()) + takes;
-    flights.push_back({frame, free_from});
+    free_from_s = std::max(free_from_s, clock->now()) + takes_s;
+    flights.push_back({frame, free_from_s});
   }
   bool step(Plan& plan, FrameReport& report) override {
-    std::this_thread::sleep_until(flights.front().done);
+    clock->sleep_until(flights.front().done_s);
     FakePlanner::start(flights.front().frame);
     flights.pop_front();
     return FakePlanner::step(plan, report);
@@ -81,6 +79,7 @@ struct SharedPlanner : test::FakePlanner {
 
 template <typename SomePlanner>
 struct Loop {
+  test::SteppedClock clock;
   test::FakeSource source;
   SomePlanner planner;
   test::SpyLink link;
@@ -89,7 +88,8 @@ struct Loop {
   RunOptions options;
   LoopStats stats;
 
-  void run() { run_loop(source, planner, link, setting, stop, options, stats); }
+  Loop() { source.clock = &clock; }
+  void run() { run_loop(source, planner, link, setting, stop, options, stats, clock); }
   std::uint64_t plans_with_fingers() const {
     return static_cast<std::uint64_t>(
         std::count_if(link.plans.begin(), link.plans.end(), [](const auto& plan) { return plan.voices > 0; }));
@@ -97,15 +97,16 @@ struct Loop {
 };
 
 TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
-  test::side_by_side(2, std::vector{0, 1}, [](int every_frame) {
+  for (const bool every_frame : {false, true}) {
     Loop<SharedPlanner> loop;
-    loop.source.count = every_frame != 0 ? 60 : 400;
-    loop.options.every_frame = every_frame != 0;
+    loop.planner.clock = &loop.clock;
+    loop.source.count = every_frame ? 60 : 400;
+    loop.options.every_frame = every_frame;
     loop.run();
     // Two at a time on the device would take 40 ms each.
     EXPECT_LT(loop.stats.frame_to_plan_s.quantile(0.5), 0.035) << every_frame;
     EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives) << every_frame;
-  });
+  }
 }
 
 TEST(Overload, PlansThatWereReplacedAreCounted) {
@@ -135,9 +136,9 @@ TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
   loop.source.count = 300;
   loop.source.period_s = 0;
   loop.options.every_frame = true;
-  loop.setting.output.hold_s = 2;   // a thread may be delayed for longer than the usual hold
+  loop.setting.output.hold_s = 2;
   EndingLink link(loop.stop, 300);  // otherwise, the loop would wait for the hold to end
-  run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats);
+  run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats, loop.clock);
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
   EXPECT_EQ(link.got, 300u);
@@ -171,7 +172,7 @@ TEST(Overload, OnlyTheSolverLoudestIsToldToBeSlowAndOnlyIfFramesMayBeLeftOut) {
     loop.setting.output.hold_s = 2;  // a slow solver, but no overload
     loop.setting.output.drive.solver = solver;
     loop.options.every_frame = every_frame;
-    loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(10ms); };
+    loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(10e-3); };
     loop.source.before = [&](std::uint64_t frame) { loop.stop = frame + 1 == loop.source.count; };
     return test::stderr_of([&] { loop.run(); });
   };
@@ -188,7 +189,7 @@ TEST(Overload, IsToldOnceWithBothFigures) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 60;
   loop.setting.output.hold_s = 0.020;
-  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+  loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
   testing::internal::CaptureStderr();
   loop.run();
   const std::string told = testing::internal::GetCapturedStderr();
@@ -209,7 +210,7 @@ TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
   Loop<SheddingPlanner> loop;
   loop.source.count = 400;
   loop.setting.output.hold_s = 0.020;
-  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+  loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
   const std::string told = test::stderr_of([&] { loop.run(); });
   EXPECT_EQ(loop.planner.asked, (std::vector<Effort>{{1, 1}, {2, 1}, {2, 2}, {1, 1}}));
   ASSERT_TRUE(loop.stats.shed);
@@ -221,15 +222,15 @@ TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
 }
 
 TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
-  const auto expect_hold = [](int asked) {
+  const auto expect_hold = [](bool asked) {
     Loop<SheddingPlanner> loop;
     loop.source.count = 400;
     loop.setting.output.hold_s = 0.020;
-    loop.setting.lengthens_hold = asked != 0;
-    loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(25ms); };
+    loop.setting.lengthens_hold = asked;
+    loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
     loop.run();
     ASSERT_TRUE(loop.stats.shed);
-    if (asked != 0) {
+    if (asked) {
       EXPECT_GT(loop.stats.shed->hold_s, 0.05) << "two frames of 25 ms";
       EXPECT_GT(loop.link.most, 0.0f) << "it is heard";
     } else {
@@ -237,7 +238,10 @@ TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
       EXPECT_EQ(loop.link.most, 0.0f) << "over before it sounds";
     }
   };
-  test::stderr_of([&] { test::side_by_side(2, std::vector{0, 1}, expect_hold); });
+  test::stderr_of([&] {
+    expect_hold(false);
+    expect_hold(true);
+  });
 }
 
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
@@ -245,7 +249,7 @@ TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
   loop.source.count = 20;
   loop.options.every_frame = true;
   loop.setting.output.hold_s = 0.005;
-  loop.planner.before = [](std::uint64_t) { std::this_thread::sleep_for(8ms); };
+  loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(8e-3); };
   test::stderr_of([&] { loop.run(); });
   for (const Effort& effort : loop.planner.asked)
     EXPECT_TRUE(effort.whole());
@@ -256,8 +260,8 @@ TEST(Overload, AFrameThatDawdlesIsNone) {
   Loop<test::FakePlanner> loop;
   loop.source.count = 60;
   loop.setting.output.hold_s = 0.1;
-  loop.planner.before = [](std::uint64_t frame) {
-    if (frame == 20) std::this_thread::sleep_for(130ms);
+  loop.planner.before = [&](std::uint64_t frame) {
+    if (frame == 20) loop.clock.sleep(0.13);
   };
   testing::internal::CaptureStderr();
   loop.run();

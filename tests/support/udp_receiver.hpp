@@ -17,7 +17,7 @@ namespace palpa::test {
 /// A socket on the loopback, on a port that the system chooses.
 class UdpReceiver {
  public:
-  explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::seconds(5))
+  explicit UdpReceiver(std::chrono::milliseconds patience = std::chrono::minutes(1))
       : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;

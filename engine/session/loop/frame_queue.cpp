@@ -43,7 +43,7 @@ bool FrameQueue::add(const sensing::FrameSet& set) {
     }
     bytes_ += bytes;
   }
-  arrived_.notify_one();
+  clock_.wake(arrived_);
   return replaced;
 }
 
@@ -52,13 +52,13 @@ void FrameQueue::close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  arrived_.notify_all();
-  emptied_.notify_all();
+  clock_.wake(arrived_);
+  clock_.wake(emptied_);
 }
 
 bool FrameQueue::take(sensing::FrameSet& out, std::chrono::duration<double> timeout) {
   std::unique_lock lock(mutex_);
-  arrived_.wait_for(lock, timeout, [this] { return !frames_.empty() || closed_; });
+  clock_.wait(arrived_, lock, timeout.count(), [this] { return !frames_.empty() || closed_; });
   if (frames_.empty()) return false;
   bytes_ -= bytes_of(frames_.front());
   std::swap(out, frames_.front());
@@ -66,13 +66,13 @@ bool FrameQueue::take(sensing::FrameSet& out, std::chrono::duration<double> time
   frames_.pop_front();
   const bool emptied = frames_.empty();
   lock.unlock();
-  if (emptied) emptied_.notify_one();
+  if (emptied) clock_.wake(emptied_);
   return true;
 }
 
 bool FrameQueue::wait_empty(std::chrono::duration<double> timeout) {
   std::unique_lock lock(mutex_);
-  return emptied_.wait_for(lock, timeout, [this] { return frames_.empty() || closed_; });
+  return clock_.wait(emptied_, lock, timeout.count(), [this] { return frames_.empty() || closed_; });
 }
 
 bool FrameQueue::closed() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sensing/depth_source.hpp"
+#include "session/clock.hpp"
 
 namespace palpa::session {
 
@@ -17,7 +18,9 @@ namespace palpa::session {
 class FrameQueue {
  public:
   /// Images of at most this many bytes wait, but always one frame. With 0, only the newest frame waits.
-  explicit FrameQueue(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
+  /// All waits are by `clock`, which must outlive the object.
+  explicit FrameQueue(std::uint64_t most_bytes, const Clock& clock = real_clock())
+      : most_bytes_(most_bytes), clock_(clock) {}
 
   /// Adds a copy of the frame. If there is no room for it, it replaces the frame that was added last; the result is
   /// then true.
@@ -38,6 +41,7 @@ class FrameQueue {
 
  private:
   std::uint64_t most_bytes_;
+  const Clock& clock_;
   std::mutex mutex_;
   std::condition_variable arrived_, emptied_;
   std::deque<sensing::FrameSet> frames_;

@@ -13,7 +13,6 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
 #include "session/loop/early_start.hpp"
 #include "session/loop/frame_queue.hpp"
 #include "session/loop/slow_solver.hpp"
@@ -37,8 +36,8 @@ struct Captured {
 class Worker {
  public:
   template <typename Work>
-  Worker(const char* purpose, Work work) {
-    thread_ = start_thread(purpose, [this, work] {
+  Worker(const Clock& clock, const char* purpose, Work work) : clock_(clock) {
+    thread_ = clock.start(purpose, [this, work] {
       try {
         work();
       } catch (...) {
@@ -47,17 +46,18 @@ class Worker {
     });
   }
   ~Worker() {
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable()) clock_.join(thread_);
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   std::exception_ptr join() {
-    thread_.join();
+    clock_.join(thread_);
     return fault_;
   }
 
  private:
+  const Clock& clock_;
   std::exception_ptr fault_;
   std::thread thread_;
 };
@@ -330,16 +330,15 @@ void drain(Planner& planner, Plan& plan) {
 }  // namespace
 
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
-              std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
+              std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats, const Clock& clock) {
   const log::Relay relay;  // log messages of any thread do not block any thread
-  const Clock clock;
   SlotClock slots(clock, setting.output.slot_s);
   OutputSetting output = setting.output;
   output.slots = &slots;
-  Newest<Captured> frames;
-  Newest<Plan> plans;
+  Newest<Captured> frames(clock);
+  Newest<Plan> plans(clock);
   plans.each([&](Plan& plan) { reserve(plan, setting.output.layout.transducers.size()); });
-  FrameQueue recorded(options.record_waiting_bytes);
+  FrameQueue recorded(options.record_waiting_bytes, clock);
   std::uint64_t lost = 0;  // frames that waited for the recorder at the end; its thread's
   Ending ending{stop};
   std::atomic<bool> stop_capture{false}, output_ended{false};
@@ -351,7 +350,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       ending.failed = true;
       stop = true;
     };
-    output_thread.emplace("the link", [&, fail] {
+    output_thread.emplace(clock, "the link", [&, fail] {
       const EndFlag ended(output_ended);
       go_first();  // drives leave on time
       try {
@@ -364,7 +363,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     // Meanwhile, the link gets silence. The source is read only when frames can be processed in time.
     planner.warm_up();
     if (options.record) {
-      recorder_thread.emplace("--record", [&, fail] {
+      recorder_thread.emplace(clock, "--record", [&, fail] {
         take_turns();  // the calling thread may have precedence
         try {
           lost = record(recorded, stop, clock, options);
@@ -374,7 +373,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
         }
       });
     }
-    capture_thread.emplace("the source", [&, fail] {
+    capture_thread.emplace(clock, "the source", [&, fail] {
       const CloseFrames close(frames);
       take_turns();  // a source that renders or unpacks frames works as long as the touch that waits for them
       try {
@@ -389,7 +388,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
     // If the source has ended, its last frame is played until it expires, as if frames had stopped coming.
     const auto sounds_on = [&] { return clock.now() < last_s + compute.effort.hold_s() || !plans.wait_taken({}); };
     while (!stop && !output_ended && !ending.failed && sounds_on()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      clock.sleep_until(clock.now() + 2e-3);
     }
   } catch (...) {
     compute_fault = std::current_exception();

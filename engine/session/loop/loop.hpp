@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "sensing/depth_source.hpp"
+#include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/loop/output.hpp"
 #include "session/loop/run_options.hpp"
@@ -26,8 +27,9 @@ struct LoopSetting {
 /// output thread checks `stop` itself, whatever the other threads are doing, and a separate thread writes their log
 /// messages (log::Relay). If a source, a device, a recorder or an observer never returns, this function does not return
 /// either, but nothing else is affected. If anything fails, `stop` becomes true, so that nobody keeps waiting for a
-/// reader. `stats` is filled while the loop runs and is complete on every path. Afterwards, `planner` is not busy.
+/// reader. `stats` is filled while the loop runs and is complete on every path. Afterwards, `planner` is not busy. All
+/// times are those of `clock`.
 void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const LoopSetting& setting,
-              std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats);
+              std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats, const Clock& clock = Clock());
 
 }  // namespace palpa::session
