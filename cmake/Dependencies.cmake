@@ -46,7 +46,7 @@ endif()
 find_package(CLI11 REQUIRED)
 set(PALPA_FEATURES "")
 foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "HDF5:${HDF5_FOUND}"
-                         "SDL2:${SDL2_FOUND}")
+                         "SDL2:${SDL2_FOUND}" "V-HACD:${PALPA_VHACD_DIR}")
   string(REGEX MATCH "^([^:]+):(.*)$" match ${feature})
   if(CMAKE_MATCH_2)
     string(APPEND PALPA_FEATURES "+${CMAKE_MATCH_1} ")

@@ -17,6 +17,11 @@ std::string version_and_commit() {
   return of.empty() ? version() : version() + " (" + of + ")";
 }
 
+bool built_with(const std::string& feature) {
+  const std::string features = " " PALPA_FEATURES " ";
+  return features.find(" +" + feature + " ") != std::string::npos;
+}
+
 std::string about_program(const std::string& program) {
   const std::string of = commit();
   return program + " " + version() + "\ncommit: " + (of.empty() ? "unknown, built from an archive" : of) +

@@ -6,8 +6,10 @@
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/text.hpp"
+#include "base/version.hpp"
 #include "cli/commands.hpp"
 #include "cli/doctor_rig.hpp"
+#include "geometry/parts/vhacd.hpp"
 #include "gpu/device.hpp"
 #include "gpu/software.hpp"
 #include "setup/values.hpp"
@@ -57,6 +59,20 @@ DoctorSection look_at_validation() {
   layer.facts = {{"present", layer.ok}};
   if (!layer.ok) layer.advice = "only --validation needs it: apt-get install vulkan-validationlayers";
   return {"validation", "Validation layer", {std::move(layer)}, {}};
+}
+
+/// What a build may leave out, as far as a command or a study needs it.
+DoctorSection look_at_features() {
+  const std::pair<const char*, std::string> optional[]{
+      {"V-HACD", geometry::how_to_get_vhacd()},
+      {"SDL2", "only the noise in the headphones of a study needs it: install libsdl2-dev (./dev deps audio) and build "
+               "palpa again"}};
+  DoctorSection section{"features", "Optional libraries of this build", {}, {}};
+  for (const auto& [name, advice] : optional) {
+    const bool has = built_with(name);
+    section.items.push_back({name, has, has ? "" : advice, {{"name", name}, {"present", has}}});
+  }
+  return section;
 }
 
 bool usable_gpu(const DoctorSection& gpus) {
@@ -127,7 +143,7 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
   setup::refuse_gpu_options(options.common, "palpa doctor looks at every GPU");
   const Outputs outputs({{"--json", options.common.json}, {"--write-rig", options.write_rig}});
   const std::string written = options.write_rig.empty() ? std::string() : write_found_rig(options, extensions);
-  std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation()};
+  std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation(), look_at_features()};
   for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());

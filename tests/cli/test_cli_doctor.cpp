@@ -24,6 +24,16 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
   EXPECT_EQ(report["ok"].get<bool>(), usable);
   EXPECT_EQ(result.exit_code, usable ? 0 : 3);
   EXPECT_TRUE(report["validation"][0]["present"].is_boolean());
+  const json& features = report["features"];
+  ASSERT_EQ(features.size(), 2u);
+  EXPECT_EQ(features[0]["name"], "V-HACD");
+  EXPECT_EQ(features[1]["name"], "SDL2");
+  const std::string about = palpa({"--version"}).out;
+  for (const json& feature : features) {
+    const std::string name = feature["name"];
+    EXPECT_EQ(about.find("+" + name) != std::string::npos, feature["present"].get<bool>()) << about;
+    EXPECT_EQ(feature.contains("advice"), !feature["present"].get<bool>());
+  }
   for (const char* key : {"boards", "cameras"}) {
     ASSERT_TRUE(report[key].is_array());
     // Nothing found is never silent.

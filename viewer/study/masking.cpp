@@ -140,8 +140,8 @@ struct Masking::Device {};
 Masking::Masking(const std::string& kind) : name_(kind) {
   if (kind == "off") return;
   throw failure("masking = \"" + kind +
-                "\": this palpa was built without SDL2, so it plays no sound in headphones: install libsdl2-dev and "
-                "build palpa again, or write masking = \"off\" into the [run] of the plan");
+                "\": this palpa was built without SDL2, so it plays no sound in headphones: install libsdl2-dev "
+                "(./dev deps audio) and build palpa again, or write masking = \"off\" into the [run] of the plan");
 }
 
 Masking::~Masking() = default;
