@@ -41,31 +41,26 @@ std::thread SteppedClock::start(const char* purpose, std::function<void()> work)
     const std::lock_guard mine(mutex_);
     ++threads_;
   }
-  const auto leave = [this] {
+  return start_thread(purpose, [this, work = std::move(work)] {
+    work();
     const std::lock_guard mine(mutex_);
+    if (awaited_.erase(std::this_thread::get_id()) > 0) return;  // the thread that waits for this one takes its place
+    over_.insert(std::this_thread::get_id());
     --threads_;
     step();
-  };
-  try {
-    return start_thread(purpose, [leave, work = std::move(work)] {
-      work();
-      leave();
-    });
-  } catch (...) {
-    leave();
-    throw;
-  }
+  });
 }
 
 void SteppedClock::join(std::thread& thread) const {
   {
     const std::lock_guard mine(mutex_);
-    --threads_;
-    step();
+    if (over_.erase(thread.get_id()) == 0) {
+      awaited_.insert(thread.get_id());
+      --threads_;
+      step();
+    }
   }
   thread.join();
-  const std::lock_guard mine(mutex_);
-  ++threads_;
 }
 
 void SteppedClock::pause(std::unique_lock<std::mutex>& mine, double until_s,

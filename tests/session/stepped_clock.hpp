@@ -4,6 +4,8 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <set>
+#include <thread>
 #include <vector>
 
 #include "session/clock.hpp"
@@ -41,6 +43,8 @@ class SteppedClock : public session::Clock {
   mutable double now_s_ = 0;
   mutable std::size_t threads_ = 1;  ///< that are neither over nor waiting for another's end
   mutable std::vector<Waiting*> waiting_;
+  mutable std::set<std::thread::id> awaited_;  ///< others wait for their end
+  mutable std::set<std::thread::id> over_;     ///< and nobody has waited for their end yet
 };
 
 }  // namespace palpa::test

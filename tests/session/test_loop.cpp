@@ -190,7 +190,7 @@ TEST(Loop, TellsThatFramesStoppedComingUnlessTheyWaitForIt) {
     loop.source.count = 4;
     loop.options.every_frame = every_frame;
     loop.setting.output.hold_s = 0.03;
-    loop.source.before = [](std::uint64_t frame) {
+    loop.source.before = [&](std::uint64_t frame) {
       if (frame == 3) loop.clock.sleep(0.2);
     };
     int expired = 0;
