@@ -98,9 +98,13 @@ py::list parts_of(const PartsObject& o) {
     py::dict made;
     made["solid"] = one.solid.name;
     made["volume_ratio"] = one.report.volume_ratio();
-    made["error_mean"] = one.report.error_mean_m;
-    made["error_p95"] = one.report.error_p95_m;
-    made["error_max"] = one.report.error_max_m;
+    made["error_mean"] = one.report.surface_error_m.mean;
+    made["error_p95"] = one.report.surface_error_m.p95;
+    made["error_max"] = one.report.surface_error_m.max;
+    made["mesh_error_mean"] = one.report.mesh_error_m.mean;
+    made["mesh_error_p95"] = one.report.mesh_error_m.p95;
+    made["mesh_error_max"] = one.report.mesh_error_m.max;
+    made["filled_cavities"] = one.report.filled_cavities;
     made["internal_share"] = one.report.internal_share;
     made["seconds"] = one.seconds;
     py::list meshes;
@@ -114,10 +118,7 @@ py::list parts_of(const PartsObject& o) {
 
 void add_parts(py::module_& m) {
   py::class_<PartsObject, std::shared_ptr<PartsObject>>(m, "Parts", "The convex parts of a scene's solids.")
-      .def_property_readonly(
-          "solids", &parts_of,
-          "list of dict: solid, parts (list of Mesh), volume_ratio, error_mean, error_p95, error_max "
-          "(m), internal_share and seconds of each solid.")
+      .def_property_readonly("solids", &parts_of, parts_solids_doc)
       .def(
           "write",
           [](const PartsObject& o, const py::object& file) {
@@ -130,8 +131,7 @@ void add_parts(py::module_& m) {
           py::arg("file"), "str: what `palpa decompose --json --out file` writes.")
       .def("__repr__",
            [](const PartsObject& o) { return fmt::format("<palpa.Parts of {}>", counted(o.solids.size(), "solid")); });
-  const std::string doc = decompose_options().documented(decompose_doc);
-  m.def("decompose", &decompose, py::arg("scene"), doc.c_str());
+  m.def("decompose", &decompose, py::arg("scene"), decompose_options().documented(decompose_doc).c_str());
 }
 
 // ---- calibration ----------------------------------------------------------------------------------------------------

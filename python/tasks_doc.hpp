@@ -19,6 +19,11 @@ Raises
 BadInput
     There is no mesh that can be touched, or one that cannot be cut.)";
 
+inline constexpr const char* parts_solids_doc =
+    R"(list of dict, one for each solid: solid, parts (list of Mesh), volume_ratio, error_mean, error_p95, error_max
+(m, from the parts' surface to the mesh), mesh_error_mean, mesh_error_p95, mesh_error_max (m, from the mesh to the
+parts' surface), filled_cavities, internal_share and seconds.)";
+
 inline constexpr const char* calibrate_doc =
     R"(Find the poses of a rig's cameras, from frames of the target (docs/calibration.md).
 

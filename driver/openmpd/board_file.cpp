@@ -94,7 +94,7 @@ void read_pins(Tokens& tokens) {
 }  // namespace
 
 BoardFile read_board_file(const std::filesystem::path& file) {
-  const std::string text = read_file(file, most_bytes);
+  const std::string text = read_text_file(file, most_bytes);
   Tokens tokens(file.string(), text);
   BoardFile board;
   board.file = file;

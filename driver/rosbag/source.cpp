@@ -31,6 +31,9 @@ constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", i
 /// Since 2.20, librealsense writes option names with underscores; before that, as they are.
 constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option/Depth Units/value"};
 constexpr std::size_t most_sensors = 64;
+/// A clock that moves on by more than this between two images was set. Nobody waits that long in silence.
+constexpr double longest_gap_s = 3600;
+constexpr double usual_interval_s = 1.0 / 30;  ///< of a camera whose rate the bag does not say
 
 /// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
 std::string sensor_of(std::string_view topic) {
@@ -165,15 +168,38 @@ class BagSource final : public sensing::DepthSource {
     if (image.width != camera.width || image.height != camera.height)
       throw Malformed(fmt::format("an image has {}x{} pixels, but its camera has {}x{}", image.width, image.height,
                                   camera.width, camera.height));
-    if (read_ > 0 && message.time_s <= last_s_) return false;
     frame.depth.resize(sensing::pixel_count(camera));
     const std::size_t row = std::size_t{image.width} * sizeof(std::uint16_t);
     for (std::uint32_t v = 0; v < image.height; ++v)
       std::memcpy(frame.depth.data() + std::size_t{v} * image.width, image.rows.data() + std::size_t{v} * image.step,
                   row);
-    frame.time_s = last_s_ = message.time_s;
+    frame.time_s = last_s_ = read_ > 0 ? time_after(last_s_, message.time_s) : message.time_s;
     frame.sequence = read_++;
     return true;
+  }
+
+  /// The time of the image that has this stamp. After a step of the clock, times go on where they were, until the clock
+  /// is right again.
+  double time_after(double last_s, double stamp_s) {
+    const double rate_hz = cameras_[0].rate_hz, interval_s = rate_hz > 0 ? 1 / rate_hz : usual_interval_s;
+    const auto follows = [&](double time_s, double least_s) {
+      return time_s > last_s + least_s && time_s <= last_s + longest_gap_s;
+    };
+    if (shift_s_ != 0 && follows(stamp_s, interval_s / 2)) shift_s_ = 0;
+    const double step_s = stamp_s + shift_s_ - last_s;
+    if (!follows(stamp_s + shift_s_, 0)) {
+      if (!std::exchange(steps_said_, true)) {
+        const std::string step =
+            step_s == 0 ? "stands still"
+                        : fmt::format("steps {} by {:.3g} s", step_s < 0 ? "back" : "forward", std::abs(step_s));
+        log::warning(
+            fmt::format("{}: its clock {} after {}; palpa plays every frame, and continues their times at "
+                        "{:.3g} Hz from there",
+                        bag_.file(), step, counted(read_, "depth frame"), 1 / interval_s));
+      }
+      shift_s_ = last_s + interval_s - stamp_s;
+    }
+    return stamp_s + shift_s_;
   }
 
   void choose(const std::string& topic, const Sensor& sensor) {
@@ -181,6 +207,8 @@ class BagSource final : public sensing::DepthSource {
     if (!sensor.has_unit)
       log::warning(fmt::format("{}: does not say its depth unit; palpa assumes 1 mm, the default of RealSense cameras",
                                bag_.file()));
+    if (const std::string odd = sensing::implausible_unit(sensor.camera.depth_unit_m); !odd.empty())
+      log::warning(fmt::format("{}: {}", bag_.file(), odd));
     chosen_ = topic;
     cameras_ = {sensor.camera};
     cameras_[0].name = sensor_of(topic);
@@ -233,8 +261,9 @@ class BagSource final : public sensing::DepthSource {
   bool there_ = false, more_ = false;  ///< whether next_ and after_ are frames
   std::uint64_t read_ = 0;
   double last_s_ = 0, first_s_ = 0;
+  double shift_s_ = 0;  ///< from stamps to times
   std::optional<Clock::time_point> start_;
-  bool others_said_ = false;
+  bool others_said_ = false, steps_said_ = false;
 };
 
 }  // namespace

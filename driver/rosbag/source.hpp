@@ -17,7 +17,8 @@ namespace palpa::driver::rosbag {
 /// world's origin. `paced`: frames come at the intervals at which they were recorded, and late ones are dropped.
 ///
 /// Throws bad_input as Bag does, and for a bag without a depth stream or without its camera_info. A bag that was cut
-/// short ends where it was cut, with a warning.
+/// short ends where it was cut, with a warning. If its clock steps back, stands still, or steps forward by more than an
+/// hour, every image is played all the same, with a warning: times then go on at the camera's rate.
 std::unique_ptr<sensing::DepthSource> open_bag(const std::string& file, const sensing::Camera* posed, bool paced);
 
 /// For the command line.

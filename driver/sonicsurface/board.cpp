@@ -342,7 +342,7 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
   constexpr std::uint64_t most_bytes = 1 << 20;
   std::istringstream in;
   try {
-    in.str(read_file(file, most_bytes));
+    in.str(read_text_file(file, most_bytes));
   } catch (const Error& error) {
     if (error.code() != Exit::bad_input) throw;
     throw bad_input(file,

@@ -86,4 +86,17 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   return file.head(static_cast<std::size_t>(file.size()));
 }
 
+std::size_t mark_of(std::string_view text) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  return text.starts_with(mark) ? mark.size() : 0;
+}
+
+std::string read_text_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+  std::string text = read_file(path, most_bytes);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw bad_input(path.string(), "is text in UTF-16; save it as UTF-8");
+  text.erase(0, mark_of(text));
+  return text;
+}
+
 }  // namespace palpa

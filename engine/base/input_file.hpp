@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace palpa {
 
@@ -41,5 +42,11 @@ class InputFile {
 
 /// The whole of a file of at most `most_bytes`. Throws as InputFile does.
 std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes);
+
+/// The length of the byte order mark with which a text in UTF-8 begins: 3 or 0. Some editors and spreadsheets write it.
+std::size_t mark_of(std::string_view text);
+
+/// The whole of a text, without its byte order mark. Throws as read_file does, and bad_input for UTF-16.
+std::string read_text_file(const std::filesystem::path& path, std::uint64_t most_bytes);
 
 }  // namespace palpa

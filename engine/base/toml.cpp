@@ -79,10 +79,71 @@ std::string rigidity_fault(const Transform& pose) {
   return "";
 }
 
+/// Goes down the keys of `path`, into the last table of each array of tables. Returns the line of the value at its end,
+/// or of the first one that is not a table; 0 if there is none.
+std::uint32_t line_at(const toml::table& table, const toml::table& path) {
+  for (const auto& [wanted, below] : path) {  // one key
+    const auto found = table.find(wanted.str());
+    if (found == table.end()) break;
+    const toml::table* further = found->second.as_table();
+    if (const toml::array* list = found->second.as_array(); list != nullptr && !list->empty())
+      further = list->back().as_table();
+    const toml::table* rest = below.as_table();
+    return rest == nullptr || further == nullptr ? line_of(found->first, found->second) : line_at(*further, *rest);
+  }
+  return 0;
+}
+
+/// The table that has this key; null if there is none.
+const toml::table* owner_of(std::string_view key, const toml::table& table) {
+  if (table.contains(key)) return &table;
+  for (const auto& [name, value] : table) {
+    const toml::table* below = value.as_table();
+    if (const toml::array* list = value.as_array(); list != nullptr && !list->empty()) below = list->back().as_table();
+    if (below == nullptr) continue;
+    if (const toml::table* owner = owner_of(key, *below)) return owner;
+  }
+  return nullptr;
+}
+
+/// The key of a line such as `key = 1` or `[[key]]`, as it stands there.
+std::string_view key_of(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of("[ \t"), line.size()));
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote == 0 && (c == '=' || c == ']')) return line.substr(0, line.find_last_not_of(" \t", i - 1) + 1);
+    if (c == quote) {
+      quote = 0;
+    } else if (quote == 0 && (c == '"' || c == '\'')) {
+      quote = c;
+    }
+  }
+  return {};
+}
+
+/// "key fx is already given in line 7", for the second of two equal keys in this line. Empty if there is no first one:
+/// both are in one pair of braces.
+std::string given_twice(std::string_view text, std::uint32_t second_line) try {
+  std::size_t begin = 0;
+  for (std::uint32_t line = 1; line < second_line; ++line)
+    begin = text.find('\n', begin) + 1;
+  const std::string_view line = text.substr(begin, text.find('\n', begin) - begin), key = key_of(line);
+  // A key that the file does not have shows which table the second line belongs to.
+  constexpr std::string_view probe = "palpa looks for this table";
+  const toml::table before = toml::parse(fmt::format("{}\n\"{}\" = 0\n", text.substr(0, begin), probe));
+  const bool heading = line.find_first_not_of(" \t") == line.find('[');
+  const toml::table* place = heading ? &before : owner_of(probe, before);
+  const std::uint32_t first = place == nullptr ? 0 : line_at(*place, toml::parse(fmt::format("{} = 0", key)));
+  return first == 0 ? "" : fmt::format("key {} is already given in line {}", printable(key, 40), first);
+} catch (const toml::parse_error&) {
+  return {};
+}
+
 }  // namespace
 
 TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits) {
-  return parse(read_file(file, limits.bytes), file.string(), what, limits);
+  return parse(read_text_file(file, limits.bytes), file.string(), what, limits);
 }
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::string_view what,
@@ -94,6 +155,10 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::
   } catch (const toml::parse_error& error) {
     // Its description would quote the file, which is untrusted and may contain anything.
     const toml::source_position at = error.source().begin;
+    if (error.description().find("redefine existing") != std::string_view::npos) {
+      const std::string twice = given_twice(text, at.line);
+      throw bad_input(file, fmt::format("line {}: {}", at.line, twice.empty() ? "a key is given twice" : twice));
+    }
     throw bad_input(file, fmt::format("line {}: not TOML: a syntax error at column {}", at.line, at.column));
   }
 }

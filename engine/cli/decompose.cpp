@@ -51,9 +51,13 @@ std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<se
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{}: {} in {:.1f} s", taken.solid.name, counted(r.parts, "part"), taken.seconds);
     if (const auto ratio = r.volume_ratio()) fmt::format_to(out, ", {:.3f} of its volume", *ratio);
+    const auto mm = [](const geometry::Distances& d) {
+      return fmt::format("mean {:.3g}, p95 {:.3g}, max {:.3g} mm", d.mean * 1e3, d.p95 * 1e3, d.max * 1e3);
+    };
     fmt::format_to(out,
-                   "\n  surface error mean {:.3g}, p95 {:.3g}, max {:.3g} mm; {:.0f} % of the parts' faces are cuts\n",
-                   r.error_mean_m * 1e3, r.error_p95_m * 1e3, r.error_max_m * 1e3, r.internal_share * 100);
+                   "\n  from the parts' surface to the mesh: {}\n  from the mesh to the parts' surface: {}\n"
+                   "  {:.0f} % of the parts' faces are cuts\n",
+                   mm(r.surface_error_m), mm(r.mesh_error_m), r.internal_share * 100);
   }
   return text + fmt::format("written to {}\n", o.out);
 }
@@ -82,7 +86,7 @@ void add_decompose(Program& program) {
       {"decompose", "convex parts of a concave model, as glTF",
        "  palpa decompose --scene assets/cube.glb --parts 32 --out parts.glb\n"
        "  palpa touch --scene parts.glb --points assets/finger.ply --penetration 3mm",
-       "", "V-HACD cuts the model. The report says how far the parts' surface is from the model's."},
+       "", "V-HACD cuts the model. The report says how far the parts' surface and the model's are from each other."},
       add_options_of_decompose, run_decompose);
 }
 

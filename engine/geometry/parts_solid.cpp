@@ -15,6 +15,7 @@
 #include "base/activity.hpp"
 #include "base/cache_file.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "geometry/mesh/topology.hpp"
 #include "geometry/text.hpp"
 
@@ -93,7 +94,7 @@ std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene) {
 namespace {
 
 /// Must change whenever the same mesh and options give other parts.
-constexpr std::uint32_t parts_version = 1;
+constexpr std::uint32_t parts_version = 2;
 
 CacheKey cache_key(const Mesh& mesh, const DecomposeOptions& options) {
   CacheHash hash;
@@ -154,6 +155,10 @@ bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& pr
       parts = decompose(solid.mesh, options, progress);
       if (!parts) return false;
       store(key, *parts);
+    }
+    if (has_cavities(solid.mesh)) {
+      if (const std::string lost = lost_cavities(measure(solid.mesh, *parts, 0)); !lost.empty())
+        log::warning(fmt::format("{}: mesh {} {}", solid.file, text::quoted(solid.name), lost));
     }
     solid.parts = std::move(*parts);
   } catch (const Error& error) {

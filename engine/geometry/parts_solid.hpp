@@ -16,8 +16,9 @@ namespace palpa::geometry {
 /// file and mesh: a part that is open, concave or flat; more than most_parts of one solid.
 std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene);
 
-/// Replaces a solid's surface by convex parts of its mesh. Returns false if cancelled; the solid is then unchanged.
-/// Throws as decompose() does, naming the solid. Results are cached (base/cache_file.hpp).
+/// Replaces a solid's surface by convex parts of its mesh, with a warning if they fill a cavity. Returns false if
+/// cancelled; the solid is then unchanged. Throws as decompose() does, naming the solid. Results are cached
+/// (base/cache_file.hpp).
 bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& progress = {});
 
 }  // namespace palpa::geometry

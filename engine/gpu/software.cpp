@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "base/memory_limits.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -42,6 +45,27 @@ std::string lacking(const DeviceDescription& device, std::uint64_t needed, std::
       "{} computes in this process's memory: it needs {} more, but the limits (ulimit -v, control group) leave {}; "
       "raise them",
       device.name, megabytes(needed), megabytes(left));
+}
+
+/// What the environment says about drivers, as advice; empty if it says nothing.
+std::string chosen_drivers() {
+  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {  // the loader's order
+    const char* const value = std::getenv(name);
+    if (value == nullptr || *value == '\0') continue;
+    for (std::string_view rest = value; !rest.empty();) {
+      const std::string_view file = rest.substr(0, rest.find(':'));
+      rest.remove_prefix(std::min(rest.size(), file.size() + 1));
+      std::error_code fault;
+      if (!file.empty() && !std::filesystem::exists(file, fault))
+        return fmt::format("{} names {}, which does not exist: correct or unset it", name, printable(file, 200));
+    }
+    return fmt::format("{} allows only the drivers of {}: name others, or unset it", name, printable(value, 200));
+  }
+  for (const char* name : {"VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"}) {
+    if (const char* const value = std::getenv(name); value != nullptr && *value != '\0')
+      return fmt::format("{} is {}, which may leave out the drivers: unset it", name, printable(value, 200));
+  }
+  return {};
 }
 
 }  // namespace
@@ -78,7 +102,10 @@ std::string driver_advice(const std::string& otherwise) {
   const bool group_is_tighter = addresses >= needed;
   const std::uint64_t enough = group_is_tighter ? in_use : needed,
                       left = group_is_tighter ? group_memory_left() : addresses;
-  if (left >= enough) return otherwise;
+  if (left >= enough) {
+    const std::string chosen = chosen_drivers();
+    return chosen.empty() ? otherwise : chosen;
+  }
   return fmt::format(
       "a software driver needs {} of memory, but the limits (ulimit -v, control group) leave {}; raise them",
       megabytes(enough), megabytes(left));

@@ -27,7 +27,8 @@ void require_room_for(const DeviceDescription& device, std::uint64_t bytes);
 /// Whether the process's limits leave enough memory to load the drivers. If they do not, LLVM ends the process.
 bool drivers_fit();
 
-/// Advice if no driver, or no working one, was found: `otherwise`, or to raise the memory limit.
+/// Advice if no driver, or no working one, was found: to raise the memory limit, to mend the variable of the
+/// environment that chooses drivers for Vulkan's loader, or `otherwise`.
 std::string driver_advice(const std::string& otherwise = "install a driver such as mesa-vulkan-drivers");
 
 }  // namespace palpa::gpu

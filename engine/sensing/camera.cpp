@@ -1,5 +1,7 @@
 #include "sensing/camera.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +18,15 @@ Vec2 project(const Camera& camera, const Vec3& point_camera) {
 Vec2 undistort(const Camera& camera, const Vec2& pixel) {
   const Vec2 target{(pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy};
   return Lens(camera.distortion, false).undo(target, target).value_or(Vec2(std::numeric_limits<double>::quiet_NaN()));
+}
+
+std::string implausible_unit(double depth_unit_m) {
+  constexpr double coarsest = 0.01, finest = 1e-6;
+  if (depth_unit_m >= finest && depth_unit_m <= coarsest) return {};
+  return fmt::format(
+      "depth_unit_m = {:g} means depths in steps of {:g} m, up to {:.3g} m; depth images in millimetres "
+      "have depth_unit_m = 0.001",
+      depth_unit_m, depth_unit_m, depth_unit_m * std::numeric_limits<std::uint16_t>::max());
 }
 
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth) {

@@ -53,6 +53,9 @@ struct Camera {
   DeviceSetting device{};
 };
 
+/// Why depths in steps of this unit are implausible, and what would be usual; empty if they are not.
+std::string implausible_unit(double depth_unit_m);
+
 /// Whether some pixels are ignored. Ignored pixels hold no skin at any depth, for example sleeves and table tops.
 inline bool ignores_pixels(const Camera& camera) {
   return camera.roi || camera.mask;

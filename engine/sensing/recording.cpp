@@ -75,7 +75,7 @@ bool parse_cell(std::string_view text, T& value) {
 
 /// `sequence,time,time,...` per frame after a heading. A last line without a line end is a frame that was not finished.
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
-  const std::string text = read_file(file, most_bytes);
+  const std::string text = read_text_file(file, most_bytes);
   Times times;
   std::size_t line = 0;
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
+#include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "sensing/grey_png.hpp"
@@ -27,6 +29,20 @@ std::string resolve_layout(const std::string& layout, const std::filesystem::pat
   const std::filesystem::path path(layout);
   if (path.extension() != ".toml" && layout.find('/') == std::string::npos) return layout;
   return resolve(rig_file.parent_path(), layout);
+}
+
+/// Warns if the pose is probably in millimetres.
+Transform plausible_pose(TomlTable& table, const char* key) {
+  constexpr double farthest = 20;  // metres
+  const Transform pose = table.pose(key);
+  const double away = glm::length(Vec3(pose[3]));
+  if (away > farthest) {
+    log::warning(
+        fmt::format("{}: {} lies {:.3g} m from the world's origin; if its last column is in millimetres, "
+                    "multiply that by 0.001",
+                    table.place(key), key, away));
+  }
+  return pose;
 }
 
 PixelBox read_roi(TomlTable& table, const Camera& camera) {
@@ -143,9 +159,11 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
     }
   }
   camera.depth_unit_m = table.number_or("depth_unit_m", camera.depth_unit_m, 1e-9, 1);
+  if (const std::string odd = implausible_unit(camera.depth_unit_m); !odd.empty())
+    log::warning(fmt::format("{}: {}", table.place("depth_unit_m"), odd));
   camera.min_range_m = table.number_or("min_range_m", 0, 0, most_metres);
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
-  if (table.has("T_world_camera")) camera.T_world_camera = table.pose("T_world_camera");
+  if (table.has("T_world_camera")) camera.T_world_camera = plausible_pose(table, "T_world_camera");
   if (table.has("residual_m")) camera.residual_m = table.number("residual_m", 0, 1);
   if (table.has("roi")) camera.roi = read_roi(table, camera);
   camera.device = read_device(table, camera.rate_hz);
@@ -188,7 +206,7 @@ Rig load_rig(const std::filesystem::path& file) {
     array.layout = resolve_layout(table->text("layout"), file);
     array.where = table->place("layout");
     if (array.layout.find('/') != std::string::npos) refuse_output_as_input(std::filesystem::path(array.layout));
-    if (table->has("T_world_layout")) array.T_world_layout = table->pose("T_world_layout");
+    if (table->has("T_world_layout")) array.T_world_layout = plausible_pose(*table, "T_world_layout");
     table->done();
   }
   if (auto table = root.table("screen")) {

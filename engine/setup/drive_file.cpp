@@ -73,7 +73,7 @@ std::string drive_csv(const array::Layout& layout, std::span<const array::Transd
 }
 
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout) {
-  const std::string text = read_file(file, most_bytes), name = file.string();
+  const std::string text = read_text_file(file, most_bytes), name = file.string();
   std::string_view rest = text;
   if (next_line(rest) != first_line) {
     throw bad_input(name,

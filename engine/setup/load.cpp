@@ -63,6 +63,7 @@ std::vector<geometry::Solid> load_solids(const std::string& scene, const std::op
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
   std::vector<geometry::Solid> solids = geometry::make_solids(read_scene(scene, index), options.surface);
   warn_of_dwell(solids);
+  warn_of_size(solids);
   const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };
   if (options.internal_faces && !into_parts && std::none_of(solids.begin(), solids.end(), has_parts)) {
     throw bad_usage("--internal-faces goes with --surface parts, or with a scene of parts");

@@ -79,7 +79,7 @@ void read_frame(const Item& frame, session::PlayedFoci& played) {
 
 session::PlayedFoci load_played_foci(const std::filesystem::path& file) {
   const std::string name = file.string();
-  const std::string text = read_file(file, most_bytes);
+  const std::string text = read_text_file(file, most_bytes);
   const geometry::gltf::Parsed parsed(name, text);
   const Json& json = parsed.json();
   if (!json.is_object() || !json.contains("slot_s") || !json.contains("frames") || !json["frames"].is_array())

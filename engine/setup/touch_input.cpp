@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/plausible.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
@@ -30,8 +32,16 @@ double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> p
 
 namespace {
 
+/// Fewer points need not show how large something is.
+constexpr std::size_t points_of_a_scan = 100;
+
 TouchInput load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
   std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
+  Box box;
+  for (const Vec3& position : positions)
+    box.add(position);
+  if (const std::string odd = geometry::implausible_size(box); positions.size() >= points_of_a_scan && !odd.empty())
+    log::warning(fmt::format("{}: its skin {}", options.points, odd));
   if (options.penetration_m && !positions.empty()) {
     const double dy = lowering(solids, positions, *options.penetration_m);
     for (Vec3& position : positions)

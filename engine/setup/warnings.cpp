@@ -7,6 +7,7 @@
 #include "array/usual.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "geometry/plausible.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::setup {
@@ -30,6 +31,13 @@ void warn_of_dwell(std::span<const geometry::Solid> solids) {
     if (solid.haptics.dwell_s)
       warn_of_dwell(fmt::format("{}: mesh \"{}\": a dwell", solid.file, printable(solid.name, 60)),
                     *solid.haptics.dwell_s);
+  }
+}
+
+void warn_of_size(std::span<const geometry::Solid> solids) {
+  for (const geometry::Solid& solid : solids) {
+    if (const std::string odd = geometry::implausible_size(solid.bounds); !odd.empty())
+      log::warning(fmt::format("{}: mesh \"{}\" {}", solid.file, printable(solid.name, 60), odd));
   }
 }
 

@@ -19,6 +19,9 @@ inline constexpr double longest_usual_dwell_s = 50e-3;
 void warn_of_dwell(const TouchOptions& options);
 void warn_of_dwell(std::span<const geometry::Solid> solids);
 
+/// For solids in what is probably another unit than metres.
+void warn_of_size(std::span<const geometry::Solid> solids);
+
 /// For a drive frequency for which the layout's transducers are not made.
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium);
 

@@ -153,7 +153,7 @@ std::vector<std::string> Plan::varied() const {
 }
 
 Plan load_plan(const std::string& file) {
-  return parse_plan(read_file(file, TomlLimits().bytes), file);
+  return parse_plan(read_text_file(file, TomlLimits().bytes), file);
 }
 
 Plan parse_plan(std::string text, const std::string& file) {

@@ -53,6 +53,20 @@ TEST(InputFile, RefusesWhatIsNoFile) {
   }
 }
 
+TEST(InputFile, ATextMayBeginWithAByteOrderMark) {
+  EXPECT_EQ(read_text_file(file_with("marked",
+                                     "\xef\xbb\xbf"
+                                     "a,b\n"),
+                           100),
+            "a,b\n");
+  EXPECT_EQ(read_text_file(file_with("plain", "a,b\n"), 100), "a,b\n");
+  const auto wide = file_with("wide", std::string("\xff\xfe"
+                                                  "a\0",
+                                                  4));
+  EXPECT_EQ(test::error_of([&] { read_text_file(wide, 100); }),
+            wide.string() + ": is text in UTF-16; save it as UTF-8");
+}
+
 TEST(InputFile, RefusesWhatIsTooLarge) {
   const auto file = file_with("five", "12345");
   EXPECT_EQ(fault_of(file, 5), "accepted");

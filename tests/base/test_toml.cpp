@@ -69,6 +69,18 @@ y = 2
   EXPECT_NO_THROW(table.done());
 }
 
+TEST(Toml, AKeyThatIsGivenTwiceIsNamedWithBothLines) {
+  EXPECT_EQ(load_fault_of("[[c]]\na = 1\n[[c]]\na = 2\nb = 3\n\na = 4\n"),
+            "x: line 7: key a is already given in line 4");
+  EXPECT_EQ(load_fault_of("a = 1\n[t]\nb = 1\n[t.u]\n\"b c\" = [\n1]\n \"b c\" = 2\n"),
+            "x: line 7: key \"b c\" is already given in line 5");
+  EXPECT_EQ(load_fault_of("[t]\nb = 1\n[u]\n[t]\nb = 1\n"), "x: line 4: key t is already given in line 1");
+  EXPECT_EQ(load_fault_of("t = 1\n[t]\n"), "x: line 2: key t is already given in line 1");
+  EXPECT_EQ(load_fault_of("p.q = 1\np.r = 1\np.q = 2\n"), "x: line 3: key p.q is already given in line 1");
+  EXPECT_EQ(load_fault_of("b = 1\na = {b = 1, b = 2}\n"), "x: line 2: a key is given twice");
+  EXPECT_EQ(load_fault_of("a = 1\na.b = 2\n"), "x: line 2: key a.b is already given in line 1");
+}
+
 TEST(Toml, FaultsNameFileLineAndKey) {
   TomlTable table = table_of("a = 3\nb = \"x\\ny\"\nc = inf\nd = [1, nan]\ne = [[0]]\n\"\\u0001\\nf\" = 1\n");
   EXPECT_EQ(fault_of([&] { table.number("z"); }), "x: z is missing");

@@ -12,7 +12,9 @@
 #include "cli/support/touch_here.hpp"
 #include "cli/support/touch_json.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/gltf/write.hpp"
 #include "support/json.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -253,6 +255,25 @@ TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
   // Off an edge of its top, 3 mm beside it and 4 mm above.
   EXPECT_CONTAINS(summary({{0.023, 0.004, 0}, {0.1, 0, 0}}), "is 5.0 mm away from the surface of cube\n");
   EXPECT_CONTAINS(summary({{0.002, -0.02, 0}}), "is 18.0 mm below the surface of cube, deeper than its shell\n");
+}
+
+TEST(Touch, SkinAndSolidsInMillimetresAreWarnedOf) {
+  const auto folder = scratch_folder("millimetres");
+  std::vector<Vec3> finger = lowered_finger();
+  for (Vec3& p : finger)
+    p *= 1000.0;
+  geometry::write_ply(folder / "finger.ply", finger);
+  const std::vector<geometry::SceneMesh> cube{{"cube", box({-20, -40, -20}, {20, 0, 20})}};
+  geometry::write_glb(folder / "cube.glb", cube);
+  const Result result = palpa_here({"touch", "--scene", (folder / "cube.glb").string(), "--points",
+                                    (folder / "finger.ply").string(), "--backend", "cpu"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_CONTAINS(result.err,
+                  "finger.ply: its skin measures 50 m (coordinates are metres); if they are millimetres, it "
+                  "measures 50 mm: multiply them by 0.001");
+  EXPECT_CONTAINS(result.err,
+                  "cube.glb: mesh \"cube\" measures 40 m (coordinates are metres); if they are millimetres, "
+                  "it measures 40 mm");
 }
 
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {

@@ -162,7 +162,11 @@ TEST(Usage, NoUsableDeviceIsExitCode3) {
   expect_failure(palpa(with(gpu, {"--gpu", "no such device"})), 3, "no such device");
   RunOptions none;
   none.environment = {{"VK_DRIVER_FILES", "/nonexistent.json"}, {"VK_ICD_FILENAMES", "/nonexistent.json"}};
-  expect_failure(palpa(gpu, none), 3, "mesa-vulkan-drivers");
+  expect_failure(palpa(gpu, none), 3, "VK_DRIVER_FILES names /nonexistent.json, which does not exist");
+  none.environment = {{"VK_DRIVER_FILES", ""}, {"VK_ICD_FILENAMES", "/etc/passwd:/nonexistent.json"}};
+  expect_failure(palpa(gpu, none), 3, "VK_ICD_FILENAMES names /nonexistent.json, which does not exist");
+  none.environment = {{"VK_DRIVER_FILES", ""}, {"VK_ICD_FILENAMES", "/etc/passwd"}};
+  expect_failure(palpa(gpu, none), 3, "VK_ICD_FILENAMES allows only the drivers of /etc/passwd");
   const Result cpu = palpa(with(gpu, {"--backend", "cpu", "--quiet"}), none);
   EXPECT_EQ(cpu.exit_code, 0) << cpu.err;
 }

@@ -81,7 +81,7 @@ TEST(Decompose, LeavesAConvexMeshAsItIs) {
     EXPECT_EQ(parts->parts[0].mesh.positions.size(), stored.positions.size());
     const PartsReport report = measure(stored, *parts, 0);
     EXPECT_NEAR(*report.volume_ratio(), 1, 1e-6);
-    EXPECT_LT(report.error_max_m, 1e-6);
+    EXPECT_LT(report.surface_error_m.max, 1e-6);
     EXPECT_EQ(report.internal_share, 0);
   }
 }
@@ -115,10 +115,10 @@ TEST(Decompose, OfAnEllFindsItsNotch) {
   const PartsReport report = measure(mesh, *parts, 1);
   EXPECT_EQ(report.parts, parts->parts.size());
   EXPECT_NEAR(*report.volume_ratio(), 1, 0.05);
-  EXPECT_LT(report.error_mean_m, 5e-4);
-  EXPECT_LT(report.error_p95_m, 2e-3);
-  EXPECT_GE(report.error_p95_m, report.error_mean_m);
-  EXPECT_GE(report.error_max_m, report.error_p95_m);
+  EXPECT_LT(report.surface_error_m.mean, 5e-4);
+  EXPECT_LT(report.surface_error_m.p95, 2e-3);
+  EXPECT_GE(report.surface_error_m.p95, report.surface_error_m.mean);
+  EXPECT_GE(report.surface_error_m.max, report.surface_error_m.p95);
   EXPECT_GT(report.internal_share, 0.05);
   EXPECT_LT(report.internal_share, 0.7);
 
@@ -127,9 +127,45 @@ TEST(Decompose, OfAnEllFindsItsNotch) {
   ASSERT_EQ(again->parts.size(), parts->parts.size());
   for (std::size_t i = 0; i < parts->parts.size(); ++i)
     EXPECT_EQ(again->parts[i].mesh.positions, parts->parts[i].mesh.positions);
-  EXPECT_EQ(measure(mesh, *again, 1).error_mean_m, report.error_mean_m);
-  EXPECT_NE(measure(mesh, *again, 2).error_mean_m, report.error_mean_m);
-  EXPECT_NEAR(measure(mesh, *again, 2).error_mean_m, report.error_mean_m, 0.1 * report.error_mean_m + 1e-6);
+  EXPECT_EQ(measure(mesh, *again, 1).surface_error_m.mean, report.surface_error_m.mean);
+  EXPECT_NE(measure(mesh, *again, 2).surface_error_m.mean, report.surface_error_m.mean);
+  EXPECT_NEAR(measure(mesh, *again, 2).surface_error_m.mean, report.surface_error_m.mean,
+              0.1 * report.surface_error_m.mean + 1e-6);
+}
+
+/// A cube of 40 mm whose walls have 2 mm.
+Mesh hollow_cube() {
+  Mesh mesh = test::box(Vec3(-0.02), Vec3(0.02)), cavity = test::box(Vec3(-0.018), Vec3(0.018));
+  flip(cavity);
+  append(mesh, cavity);
+  return test::rounded(mesh);
+}
+
+TEST(Decompose, MeasuresBothWaysAndCountsFilledCavities) {
+  const auto filled = decompose(test::rounded(test::box(Vec3(-0.02), Vec3(0.02))), {});
+  const PartsReport report = measure(hollow_cube(), *filled, 0);
+  EXPECT_LT(report.surface_error_m.max, 1e-8);
+  EXPECT_NEAR(report.mesh_error_m.max, 0.002, 1e-6);
+  EXPECT_NEAR(report.mesh_error_m.mean, 0.002 * 36 * 36 / (36 * 36 + 40 * 40), 1e-5);
+  EXPECT_EQ(report.cavities, 1u);
+  EXPECT_EQ(report.filled_cavities, 1u);
+  EXPECT_CONTAINS(lost_cavities(report), "has 1 cavity inside; its parts fill 1");
+  EXPECT_TRUE(has_cavities(hollow_cube()) && !has_cavities(test::ell()));
+}
+
+TEST(Decompose, KeepsACavity) {
+  NEEDS_VHACD();
+  const Mesh mesh = hollow_cube();
+  const auto parts = decompose(mesh, {.resolution = 50'000});
+  ASSERT_TRUE(parts);
+  for (const Vec3& empty : {Vec3(0), Vec3(0.015), Vec3(-0.01, 0.016, 0.003)})
+    EXPECT_EQ(depth(*parts, InternalFaces::drop, empty), 0);
+  const PartsReport report = measure(mesh, *parts, 0);
+  EXPECT_NEAR(*report.volume_ratio(), 1, 0.1);
+  EXPECT_LT(report.mesh_error_m.mean, 1e-4);  // hulls round off the cavity's edges
+  EXPECT_LT(report.mesh_error_m.p95, 1e-3);
+  EXPECT_EQ(report.filled_cavities, 0u);
+  EXPECT_EQ(lost_cavities(report), "");
 }
 
 TEST(Decompose, TakesOpenAndCrossingMeshes) {

@@ -328,6 +328,10 @@ TEST(Meshopt, FaultsAreNamed) {
   EXPECT_CONTAINS(fault_with(1, "count", 7), "three indices each");
   EXPECT_CONTAINS(fault_with(0, "byteLength", 5), "unpacks to");
   GltfBuilder bad = good;
+  const Json& first = bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
+  bad.bin.at(first.value("byteOffset", std::size_t{0})) = 0xa7;
+  EXPECT_CONTAINS(packed_fault_of(bad), "packed with version 7 of meshoptimizer's vertex codec");
+  bad = good;
   bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"].erase("mode");
   EXPECT_CONTAINS(packed_fault_of(bad), "\"mode\" is \"\"");
   bad = good;

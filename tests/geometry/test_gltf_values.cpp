@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <random>
 
 #include "geometry/gltf/gltf.hpp"
@@ -163,6 +164,47 @@ TEST(GltfAccessors, SparseIndicesReplaceToo) {
   EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.at(0), glm::uvec3(0, 1, 2));
 }
 
+/// Turns the accessor into one without a buffer view, whose elements are zeros, except those at `places`.
+void keep_only(GltfBuilder& builder, std::size_t accessor, const std::vector<std::uint8_t>& places, int values_view) {
+  Json& it = builder.doc["accessors"][accessor];
+  it.erase("bufferView");
+  it["sparse"] = {{"count", places.size()},
+                  {"indices", {{"bufferView", builder.add_view(places)}, {"componentType", 5121}}},
+                  {"values", {{"bufferView", values_view}}}};
+}
+
+TEST(GltfAccessors, SparseWithoutABufferViewBeginsWithZeros) {
+  const Mesh mesh = box(Vec3(0), Vec3(1));
+  GltfBuilder builder;
+  builder.add_mesh(mesh);
+  std::vector<std::uint8_t> places;
+  std::vector<std::uint32_t> values;
+  for (std::uint32_t i = 0; i < 36; ++i) {
+    const std::uint32_t vertex = mesh.triangles[i / 3][static_cast<int>(i % 3)];
+    if (vertex == 0) continue;
+    places.push_back(static_cast<std::uint8_t>(i));
+    values.push_back(vertex);
+  }
+  keep_only(builder, 1, places, builder.add_view(bytes_of(values)));
+  builder.doc["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  keep_only(builder, 2, {2}, builder.add_view(bytes_of(std::vector<float>{5, 0, 0})));
+  builder.add_node(
+      {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 2}}}}}}}});
+  builder.doc["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  const Scene scene = load(builder);
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].mesh.triangles, mesh.triangles);
+  EXPECT_EQ(bounds(scene.meshes[1].mesh).low, Vec3(0));
+  EXPECT_EQ(bounds(scene.meshes[2].mesh).low, Vec3(5, 0, 0));
+  // glTF-Transform leaves out both if all elements are zeros.
+  builder.doc["accessors"][2].erase("sparse");
+  EXPECT_EQ(bounds(load(builder).meshes.at(2).mesh).low, Vec3(0));
+  builder.doc["accessors"][2]["count"] = 4'000'000'000U;
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "accessor 2: brings the buffers to more than");
+  builder.doc["accessors"][1].erase("sparse");
+  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "accessor 1: has no data");
+}
+
 TEST(GltfMorph, DefaultWeightsOfMeshAndNode) {
   GltfBuilder builder;
   builder.add_mesh(box(Vec3(0), Vec3(1)));
@@ -222,6 +264,17 @@ TEST_F(GltfSkin, FollowsTheBones) {
     const Vec3 expected = p.y < 1 ? p + Vec3(0, 5, 0) : Vec3(0, 6, 0) + 2.0 * (p - Vec3(0, 1, 0));
     EXPECT_LT(glm::distance(mesh.positions[v], expected), 1e-6) << v;
   }
+}
+
+TEST_F(GltfSkin, SparseWeightsAndBindMatricesBeginWithZeros) {
+  const Mesh whole = load(builder).meshes.at(0).mesh;
+  for (const std::size_t a : {3u, 4u}) {
+    const int view = builder.doc["accessors"][a]["bufferView"];
+    std::vector<std::uint8_t> all(builder.doc["accessors"][a]["count"].get<std::size_t>());
+    std::iota(all.begin(), all.end(), std::uint8_t{0});
+    keep_only(builder, a, all, view);
+  }
+  EXPECT_EQ(load(builder).meshes.at(0).mesh.positions, whole.positions);
 }
 
 TEST_F(GltfSkin, WithoutBindMatricesJointsAreTheWorld) {

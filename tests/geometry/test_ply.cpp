@@ -146,6 +146,14 @@ void check_type(const std::string& name) {
   }
 }
 
+TEST(Ply, MayBeginWithAByteOrderMark) {
+  const std::string mark = "\xef\xbb\xbf", ascii = header("ascii", "element vertex 1\n" + xyz);
+  EXPECT_EQ(read(mark + ascii + "1 2 3\n").positions, (std::vector<Vec3>{{1, 2, 3}}));
+  EXPECT_CONTAINS(test::error_of([&] { read(mark + ascii + "1 x 3\n"); }), "line 8: \"x\"");
+  const std::string binary = header("binary_little_endian", "element vertex 1\n" + xyz);
+  EXPECT_EQ(read(mark + binary + std::string(12, '\0')).positions, (std::vector<Vec3>{{0, 0, 0}}));
+}
+
 TEST(Ply, LinesMayEndWithACarriageReturn) {
   const std::string ascii =
       "ply\rformat ascii 1.0\relement vertex 2\rproperty float x\rproperty float y\rproperty float z\rend_header\r";

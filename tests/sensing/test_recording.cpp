@@ -122,6 +122,13 @@ TEST(Recording, KeepsWhatItsCamerasIgnore) {
   EXPECT_FALSE(fs::exists(none));
 }
 
+TEST(Recording, ItsTimesMayBeginWithAByteOrderMark) {
+  const fs::path folder = fresh("marked");
+  write(folder, random_take(1, 2));
+  test::write_text(folder / "times.csv", "\xef\xbb\xbf" + test::read_text(folder / "times.csv"));
+  EXPECT_EQ(load_recording(folder).entries.size(), 2u);
+}
+
 TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
   const fs::path folder = fresh("crash");
   const Take take = random_take(2, 4);

@@ -11,6 +11,7 @@
 #include "sensing/grey_png.hpp"
 #include "sensing/rig_toml.hpp"
 #include "support/bits.hpp"
+#include "support/captured.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -87,6 +88,21 @@ TEST(Rig, OptionalKeysHaveDefaults) {
   EXPECT_EQ(rig.cameras[0].min_range_m, 0);
   EXPECT_EQ(rig.cameras[0].T_world_camera, Transform(1.0));
   EXPECT_FALSE(rig.array || rig.screen);
+}
+
+TEST(Rig, AnImplausibleDepthUnitOrPoseIsWarnedOf) {
+  const auto said = [](const std::string& unit) {
+    return test::stderr_of([&] { load_text(with("depth_unit_m", "depth_unit_m = " + unit)); });
+  };
+  EXPECT_CONTAINS(said("1"),
+                  "rig.toml: line 10: depth_unit_m = 1 means depths in steps of 1 m, up to 6.55e+04 m; depth "
+                  "images in millimetres have depth_unit_m = 0.001");
+  EXPECT_CONTAINS(said("1e-7"), "up to 0.00655 m");
+  const std::string pose = "T_world_camera = [[1, 0, 0, 0], [0, 1, 0, 300], [0, 0, 1, 400], [0, 0, 0, 1]]";
+  EXPECT_CONTAINS(test::stderr_of([&] { load_text(with("T_world_camera", pose)); }),
+                  "T_world_camera lies 500 m from the world's origin; if its last column is in millimetres");
+  for (const char* usual : {"0.001", "0.0001", "0.0002", "0.00390625"})
+    EXPECT_EQ(said(usual), "");
 }
 
 TEST(Rig, ALayoutFileIsFoundFromTheRig) {

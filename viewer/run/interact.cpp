@@ -234,7 +234,7 @@ std::vector<Interaction> parse_interactions(std::string_view text, const std::st
 
 std::vector<Interaction> load_interactions(const std::string& file) {
   constexpr std::uint64_t most = 16 << 20;
-  return parse_interactions(read_file(file, most), file);
+  return parse_interactions(read_text_file(file, most), file);
 }
 
 }  // namespace palpa::viewer

@@ -139,7 +139,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
 }
 
 Layout load_layout_toml(const std::string& file) {
-  return parse_layout_toml(read_file(file, max_layout_bytes), file);
+  return parse_layout_toml(read_text_file(file, max_layout_bytes), file);
 }
 
 }  // namespace palpa::array

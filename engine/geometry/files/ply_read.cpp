@@ -262,11 +262,12 @@ class HeaderLine {
 
 Header parse_header(const InputFile& file) {
   const std::string& name = file.name();
-  const std::string magic = file.head(4);
-  if (!magic.starts_with("ply") || (magic.size() > 3 && magic[3] != '\n' && magic[3] != '\r')) {
+  std::string text = file.head(longest_header);
+  const std::size_t mark = mark_of(text);
+  text.erase(0, mark);
+  if (!text.starts_with("ply") || (text.size() > 3 && text[3] != '\n' && text[3] != '\r')) {
     throw bad_input(name, "is not a PLY file: its first line is not \"ply\"");
   }
-  const std::string text = file.head(longest_header);
   Header header;
   // Some writers end lines with only a carriage return. The first line shows this; in a binary body, any byte may
   // follow.
@@ -276,7 +277,7 @@ Header parse_header(const InputFile& file) {
   for (;;) {
     const std::size_t end = text.find(header.line_end, at);
     if (end == std::string::npos) {
-      throw bad_input(name, text.size() == longest_header
+      throw bad_input(name, mark + text.size() == longest_header
                                 ? "its header is longer than 64 KiB (lines end with a newline)"
                                 : "its header has no \"end_header\"");
     }
@@ -300,7 +301,7 @@ Header parse_header(const InputFile& file) {
     }
   }
   if (!has_format) throw bad_input(name, "its header has no \"format\" line");
-  header.bytes = at;
+  header.bytes = mark + at;
   return header;
 }
 

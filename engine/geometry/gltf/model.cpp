@@ -2,6 +2,7 @@
 #include "geometry/gltf/model.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -72,6 +73,8 @@ tinygltf::Model parse_model(const InputFile& file, const Container& container, c
                                                static_cast<unsigned>(document.json.size()), "");
   if (source.fault) throw *source.fault;
   if (!done) throw bad_input(file.name(), "cannot be read as glTF: " + text::quoted(error));
+  for (const std::uint32_t accessor : document.without_view)
+    model.accessors[accessor].bufferView = -1;
   return model;
 }
 

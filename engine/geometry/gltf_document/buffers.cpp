@@ -86,14 +86,19 @@ std::vector<unsigned char> BufferLoader::load(std::size_t index) {
   auto found = packed_.find(view.buffer);
   if (found == packed_.end())
     found = packed_.emplace(view.buffer, load_buffer(file_, bin_, view.buffer, sources_[view.buffer])).first;
-  auto bytes = unpack_meshopt(view, std::span(found->second).subspan(view.offset, view.length));
-  if (!bytes) {
+  const auto packed = std::span<const unsigned char>(found->second).subspan(view.offset, view.length);
+  if (auto bytes = unpack_meshopt(view, packed)) return *std::move(bytes);
+  const std::string where =
+      fmt::format("buffer {}: bytes {} to {} are", view.buffer, view.offset, view.offset + view.length);
+  if (const unsigned version = codec_version(view, packed); version > 0) {
     throw bad_input(file_.name(),
-                    fmt::format("buffer {}: bytes {} to {} are not what EXT_meshopt_compression unpacks to "
-                                "{} elements of {} bytes",
-                                view.buffer, view.offset, view.offset + view.length, view.count, view.stride));
+                    fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was "
+                                "built with a meshoptimizer that reads version 0 only: pack the model "
+                                "with EXT_meshopt_compression, or not at all",
+                                where, version));
   }
-  return *std::move(bytes);
+  throw bad_input(file_.name(), fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes",
+                                            where, view.count, view.stride));
 }
 
 std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {

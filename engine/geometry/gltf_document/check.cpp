@@ -46,6 +46,7 @@ class Checker {
     document.instancing = instancing_;
     document.json = clean_.dump(-1, ' ', false, Json::error_handler_t::replace);
     document.buffers = data_.buffers();
+    document.without_view = data_.without_view();
     document.draco = draco_;
     std::sort(document.draco.begin(), document.draco.end(), [](const DracoSource& a, const DracoSource& b) {
       return std::pair(a.mesh, a.primitive) < std::pair(b.mesh, b.primitive);

@@ -47,6 +47,8 @@ struct Document {
   std::vector<Haptics> haptics;        ///< of every node that the scene shows, including values from its ancestors
   std::vector<std::optional<PartOf>> parts;        ///< the same: which nodes are parts of a solid
   std::map<std::uint32_t, Instancing> instancing;  ///< by node; skinned nodes have none
+  /// Sparse accessors of indices without a buffer view. In the JSON they have one, because tinygltf wants it.
+  std::vector<std::uint32_t> without_view;
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 };
 

@@ -43,6 +43,11 @@ std::uint64_t component_count(const std::string& type) {
   return 0;
 }
 
+// The specification says that an accessor without a buffer view is all zeros, which these uses cannot be.
+bool needs_data(Role role) {
+  return role == Role::position || role == Role::indices || role == Role::bind_matrices || role == Role::rotation;
+}
+
 // The extension's object, under either of its names.
 std::optional<Item> meshopt_of(const Item& item) {
   const auto extensions = item.item("extensions");
@@ -168,12 +173,19 @@ std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
     }
     clean["bufferView"] = *view;
     clean["byteOffset"] = offset;
-  } else if (role != Role::displacement && role != Role::joints && role != Role::unused &&
-             (role != Role::position || !accessor.has("sparse"))) {
-    // The specification says that such an accessor is all zeros, which is only useful for displacements and joints.
+  } else if (!accessor.has("sparse") && needs_data(role)) {
     accessor.fail("has no data: \"bufferView\" is missing");
+  } else if (role == Role::indices || role == Role::weights || role == Role::bind_matrices || role == Role::place ||
+             role == Role::rotation) {  // the vertices of a scene are counted elsewhere
+    claim(accessor, count * element);
   }
-  if (const auto sparse = accessor.item("sparse")) clean["sparse"] = check_sparse(*sparse, count, element);
+  if (const auto sparse = accessor.item("sparse")) {
+    clean["sparse"] = check_sparse(*sparse, count, element);
+    if (!view && role == Role::indices) {
+      clean["bufferView"] = clean["sparse"]["values"]["bufferView"];
+      without_view_.push_back(a);
+    }
+  }
   if (role == Role::position) {
     for (const char* key : {"min", "max"}) {
       if (const auto bound = accessor.numbers(key, 3)) clean[key] = *bound;

@@ -32,6 +32,8 @@ class DataChecker {
   std::size_t view_count() const { return view_checked_.size(); }
   /// The file's buffers, then those unpacked from packed views.
   const std::vector<BufferSource>& buffers() const { return buffers_; }
+  /// See Document.
+  const std::vector<std::uint32_t>& without_view() const { return without_view_; }
 
   /// Checks accessors that check() has not seen, as far as possible without a known use.
   void check_rest();
@@ -65,6 +67,7 @@ class DataChecker {
   std::vector<Role> role_;
   std::vector<char> view_checked_, fallback_;
   std::vector<BufferSource> buffers_;
+  std::vector<std::uint32_t> without_view_;
   std::uint64_t total_ = 0;
 };
 

@@ -54,4 +54,9 @@ std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView
   return out;
 }
 
+unsigned codec_version(const MeshoptBufferView& view, std::span<const unsigned char> packed) {
+  const bool is_one = view.mode == MeshoptMode::attributes && !packed.empty() && (packed[0] & 0xf0) == 0xa0;
+  return is_one ? packed[0] & 0x0fu : 0;
+}
+
 }  // namespace palpa::geometry::gltf

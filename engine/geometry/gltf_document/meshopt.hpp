@@ -30,4 +30,8 @@ std::optional<std::string> meshopt_fault(const MeshoptBufferView& view);
 std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
                                                          std::span<const unsigned char> packed);
 
+/// The version of meshoptimizer's vertex codec with which packed attributes begin; 0 for everything else. Version 1
+/// belongs to KHR_meshopt_compression, and older libraries cannot unpack it.
+unsigned codec_version(const MeshoptBufferView& view, std::span<const unsigned char> packed);
+
 }  // namespace palpa::geometry::gltf

@@ -11,7 +11,10 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/random.hpp"
+#include "base/text.hpp"
 #include "geometry/mesh/nearest.hpp"
+#include "geometry/mesh/shells.hpp"
 #include "geometry/mesh/topology.hpp"
 
 namespace palpa::geometry {
@@ -75,41 +78,65 @@ double voxel_side(const Mesh& mesh, std::uint32_t resolution) {
   return std::max({extent.x, extent.y, extent.z}) / (along - 1);
 }
 
-/// splitmix64: small, and the same on every platform.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// [0, 1)
-  double next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
-
 /// One point in each of `count` sections of equal area.
-std::vector<Vec3> spread_over(const UnionSurface& surface, std::uint32_t count, std::uint64_t seed) {
+std::vector<Vec3> spread_over(const Mesh& mesh, std::uint32_t count, std::uint64_t seed) {
   Random random(seed);
-  const double whole = area(surface);
+  const double whole = area(mesh);
   std::vector<Vec3> points;
   points.reserve(count);
   double before = 0;
-  auto triangle = surface.triangles.begin();
-  const auto size = [](const UnionSurface::Triangle& t) { return glm::length(glm::cross(t.b - t.a, t.c - t.a)) / 2; };
-  for (std::uint32_t i = 0; i < count && triangle != surface.triangles.end(); ++i) {
-    const double target = (i + random.next()) / count * whole;
-    while (triangle + 1 != surface.triangles.end() && before + size(*triangle) < target) {
-      before += size(*triangle);
-      ++triangle;
-    }
-    const double root = std::sqrt(random.next()), share = random.next();
-    points.push_back(triangle->a * (1 - root) + triangle->b * (root * (1 - share)) + triangle->c * (root * share));
+  std::uint32_t triangle = 0;
+  const auto size = [&] { return glm::length(area_vector(mesh, triangle)) / 2; };
+  for (std::uint32_t i = 0; i < count && !mesh.triangles.empty(); ++i) {
+    const double target = (i + random.uniform()) / count * whole;
+    for (; triangle + 1 < mesh.triangles.size() && before + size() < target; ++triangle)
+      before += size();
+    const glm::uvec3& t = mesh.triangles[triangle];
+    const double root = std::sqrt(random.uniform()), share = random.uniform();
+    points.push_back(mesh.positions[t[0]] * (1 - root) + mesh.positions[t[1]] * (root * (1 - share)) +
+                     mesh.positions[t[2]] * (root * share));
   }
   return points;
+}
+
+void add_triangle(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), {a, b, c});
+  mesh.triangles.emplace_back(first, first + 1, first + 2);
+}
+
+/// The shells of a closed mesh that face inwards.
+std::vector<Mesh> cavities_of(const Mesh& mesh) {
+  if (!find_defects(mesh).closed_and_oriented()) return {};
+  const Shells shells = find_shells(mesh, twins(mesh));
+  std::vector<std::size_t> place(shells.list.size());
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < place.size(); ++s)
+    place[s] = shells.list[s].volume < 0 ? count++ : place.size();
+  if (count == place.size()) return {};  // it is inside out
+  std::vector<Mesh> cavities(count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::size_t at = place[shells.of_triangle[t]];
+    if (at == place.size()) continue;
+    const glm::uvec3& v = mesh.triangles[t];
+    add_triangle(cavities[at], mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
+  }
+  return cavities;
+}
+
+/// From points spread over one surface to the other.
+Distances distances(const Mesh& from, const NearestTriangle& to, std::uint32_t samples, std::uint64_t seed) {
+  Distances result;
+  std::vector<double> found;
+  for (const Vec3& p : spread_over(from, samples, seed)) {
+    found.push_back(to.distance(p));
+    result.mean += found.back() / samples;
+  }
+  std::sort(found.begin(), found.end());
+  if (found.empty()) return result;
+  result.p95 = found[found.size() * 95 / 100];
+  result.max = found.back();
+  return result;
 }
 
 }  // namespace
@@ -136,7 +163,8 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
       return result;
     }
   }
-  const VhacdOptions vhacd{options.parts, options.resolution, options.error_percent, vertices_per_part};
+  const VhacdOptions vhacd{options.parts, options.resolution, options.error_percent, vertices_per_part,
+                           has_cavities(mesh)};
   bool cancelled = false;
   constexpr std::uint64_t thousandths = 1000;
   Activity work("cutting it into convex parts", thousandths);
@@ -165,20 +193,36 @@ PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
   for (const Part& part : parts.parts)
     all += area(part.mesh);
   report.internal_share = std::max(0.0, 1 - area(surface) / all);
-  const NearestTriangle nearest(mesh);
-  std::vector<double> errors;
-  Activity sampling("comparing their surface with the mesh", error_samples);
-  for (const Vec3& p : spread_over(surface, error_samples, seed)) {
-    errors.push_back(nearest.distance(p));
-    report.error_mean_m += errors.back() / error_samples;
+  Mesh triangles;
+  for (const UnionSurface::Triangle& t : surface.triangles)
+    add_triangle(triangles, t.a, t.b, t.c);
+  if (triangles.triangles.empty()) return report;
+  const NearestTriangle of_union(triangles);
+  const std::vector<Mesh> cavities = cavities_of(mesh);
+  Activity sampling("comparing their surface with the mesh", 2 + cavities.size());
+  report.surface_error_m = distances(triangles, NearestTriangle(mesh), error_samples, seed);
+  sampling.advance();
+  report.mesh_error_m = distances(mesh, of_union, error_samples, seed);
+  sampling.advance();
+  for (const Mesh& cavity : cavities) {
+    ++report.cavities;
+    const auto samples = static_cast<std::uint32_t>(std::clamp<std::size_t>(error_samples / cavities.size(), 16, 1000));
+    if (distances(cavity, of_union, samples, seed).mean > parts.seam_m) ++report.filled_cavities;
     sampling.advance();
   }
-  std::sort(errors.begin(), errors.end());
-  if (!errors.empty()) {
-    report.error_p95_m = errors[errors.size() * 95 / 100];
-    report.error_max_m = errors.back();
-  }
   return report;
+}
+
+bool has_cavities(const Mesh& mesh) {
+  return !cavities_of(mesh).empty();
+}
+
+std::string lost_cavities(const PartsReport& report) {
+  if (report.filled_cavities == 0) return {};
+  return fmt::format(
+      "has {} inside; its parts fill {}: use --surface mesh, or palpa decompose with a larger "
+      "--resolution or --parts",
+      counted(report.cavities, "cavity"), report.filled_cavities);
 }
 
 }  // namespace palpa::geometry

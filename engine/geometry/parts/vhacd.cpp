@@ -116,15 +116,17 @@ std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions&
   const auto job = std::make_shared<Job>();
   for (const Vec3& p : mesh.positions)
     job->points.insert(job->points.end(), {p.x, p.y, p.z});
+  // V-HACD's rays take a voxel for an inner one if they meet faces from the side that their triangles turn
+  // counter-clockwise.
   for (const glm::uvec3& t : mesh.triangles)
-    job->triangles.insert(job->triangles.end(), {t[0], t[1], t[2]});
+    job->triangles.insert(job->triangles.end(), {t[0], t[options.cavities ? 2 : 1], t[options.cavities ? 1 : 2]});
   VHACD::IVHACD::Parameters& p = job->parameters;
   p.m_callback = job.get();
   p.m_maxConvexHulls = options.parts;
   p.m_resolution = options.resolution;
   p.m_minimumVolumePercentErrorAllowed = options.error_percent;
   p.m_maxNumVerticesPerCH = options.vertices;
-  p.m_fillMode = VHACD::FillMode::FLOOD_FILL;
+  p.m_fillMode = options.cavities ? VHACD::FillMode::RAYCAST_FILL : VHACD::FillMode::FLOOD_FILL;
   p.m_asyncACD = false;
 
   const pthread_t worker = start(job);

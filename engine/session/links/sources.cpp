@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "geometry/files/load_triangles.hpp"
+#include "geometry/plausible.hpp"
 #include "sensing/recording.hpp"
 #include "session/links/spec.hpp"
 
@@ -46,6 +48,8 @@ geometry::Mesh load_skin(const std::string& file) {
         file,
         fmt::format("is only {:.4g} m across; skin measures at least a micrometre, and coordinates are metres", size));
   }
+  if (const std::string odd = geometry::implausible_size(box); !odd.empty())
+    log::warning(fmt::format("{}: its skin {}", file, odd));
   return mesh;
 }
 

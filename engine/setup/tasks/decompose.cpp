@@ -60,6 +60,8 @@ Decomposed take_apart(geometry::Solid solid, const DecomposeTask& task) {
   }
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   geometry::PartsReport report = geometry::measure(solid.mesh, *parts, task.seed);
+  if (const std::string lost = geometry::lost_cavities(report); !lost.empty())
+    log::warning(fmt::format("{}: mesh {} {}", task.scene, in_quotes(solid.name), lost));
   return {std::move(solid), std::move(*parts), report, seconds};
 }
 
@@ -75,8 +77,12 @@ std::string to_json(const std::vector<Decomposed>& solids, const std::string& fi
     r.mesh_volume_m3 ? json.value(*r.mesh_volume_m3) : json.null();
     json.key("volume_ratio");
     r.volume_ratio() ? json.value(*r.volume_ratio()) : json.null();
-    json.key("surface_error_m").begin_object(JsonWriter::Style::line);
-    json.member("mean", r.error_mean_m).member("p95", r.error_p95_m).member("max", r.error_max_m).end_object();
+    for (const auto& [key, d] :
+         {std::pair("surface_error_m", r.surface_error_m), std::pair("mesh_error_m", r.mesh_error_m)}) {
+      json.key(key).begin_object(JsonWriter::Style::line);
+      json.member("mean", d.mean).member("p95", d.p95).member("max", d.max).end_object();
+    }
+    json.member("filled_cavities", r.filled_cavities);
     json.member("internal_area", r.internal_share).member("seconds", taken.seconds).end_object();
   }
   json.end_array().end_object();

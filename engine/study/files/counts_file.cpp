@@ -109,7 +109,7 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
 }
 
 CountsFile read_counts(const std::filesystem::path& file) {
-  return parse_counts(read_file(file, most_bytes), file.string());
+  return parse_counts(read_text_file(file, most_bytes), file.string());
 }
 
 std::string counts_csv(const Confusion& table) {

@@ -130,7 +130,7 @@ EventsFile parse_events(std::string_view text, const std::string& name) {
 }
 
 EventsFile read_events(const std::filesystem::path& path) {
-  const std::string text = read_file(path, most_bytes), name = path.string();
+  const std::string text = read_text_file(path, most_bytes), name = path.string();
   std::filesystem::path beside = path;
   beside.replace_extension(".json");
   std::error_code fault;

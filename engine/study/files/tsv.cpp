@@ -2,12 +2,11 @@
 
 #include <system_error>
 
+#include "base/input_file.hpp"
+
 namespace palpa::study {
 
-Lines::Lines(std::string_view text) : rest_(text) {
-  // Spreadsheets write a byte order mark.
-  if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
-}
+Lines::Lines(std::string_view text) : rest_(text.substr(mark_of(text))) {}
 
 std::optional<std::string_view> Lines::next() {
   if (rest_.empty()) return std::nullopt;

@@ -148,9 +148,39 @@ TEST(Bag, WhatItLacksIsSaid) {
   bag = {};
   bag.times_s.clear();
   EXPECT_CONTAINS(refusal(bag), "has no depth of a RealSense");
-  // A clock that was set back: frames with earlier times are left out.
-  bag.times_s = {1, 2, 1.5, 3};
-  EXPECT_EQ(play(bag.bytes(), &camera).size(), 3u);
+}
+
+TEST(Bag, EveryFrameIsPlayedWhenItsClockSteps) {
+  const sensing::Camera camera = posed();
+  const struct {
+    std::vector<double> stamps_s, times_s;
+    const char* said;
+  } cases[] = {
+      {{1, 1.1, 1.2, 1, 1.1, 1.2}, {1, 1.1, 1.2, 1.3, 1.4, 1.5}, "steps back by 0.2 s after 3 depth frames"},
+      {{9, 1, 1.1, 1.2}, {9, 9.1, 9.2, 9.3}, "steps back by 8 s after 1 depth frame"},
+      {{1, 1.1, 0.5, 1.3, 1.4}, {1, 1.1, 1.2, 1.3, 1.4}, "steps back by 0.6 s"},
+      {{1, 1.1, 1.1, 1.2}, {1, 1.1, 1.2, 1.3}, "stands still after 2 depth frames"},
+      {{1, 1.1, 90'000, 90'000.1, 1.4}, {1, 1.1, 1.2, 1.3, 1.4}, "steps forward by 9e+04 s"},
+      {{1, 1.1, 30, 30.1}, {1, 1.1, 30, 30.1}, nullptr},
+  };
+  for (const auto& one : cases) {
+    MadeUpBag bag;
+    bag.rate_hz = 10;
+    bag.times_s = one.stamps_s;
+    std::vector<sensing::FrameSet> sets;
+    const std::string said = stderr_of([&] { sets = play(bag.bytes(), &camera); });
+    if (one.said) {
+      EXPECT_CONTAINS(said, std::string("take.bag: its clock ") + one.said);
+    } else {
+      EXPECT_EQ(said, "");
+    }
+    ASSERT_EQ(sets.size(), one.times_s.size());
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      EXPECT_EQ(sets[i].sequence, i);
+      EXPECT_NEAR(sets[i].time_s, one.times_s[i], 1e-6) << i;
+      EXPECT_EQ(sets[i].frames[0].depth[3], MadeUpBag::depth_of(i, 3));
+    }
+  }
 }
 
 TEST(Bag, TheDepthUnitUnderEitherNameAndNoOtherLater) {
