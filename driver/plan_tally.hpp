@@ -25,11 +25,13 @@ class PlanTally {
     plan_ = Plan::there;
     ++counts_.completed.plans;
   }
-  /// Call on silence or without a device: a plan must be sent again before it is heard.
+  /// Call on silence: a plan must be sent again before it is heard.
   void gone() {
-    plan_ = Plan::none;
+    lost();
     began_ = false;
   }
+  /// Call without a device: the same, but nothing more is allowed for, however often the device is tried again.
+  void lost() { plan_ = Plan::none; }
 
   /// Call for a drive that sounds and that the plan has.
   void play() {

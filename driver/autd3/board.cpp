@@ -208,7 +208,7 @@ class Autd3Board final : public Board {
     stage_ = first_message;
     sent_ = Sent::nothing;
     silent_ = all_silent_ = false;
-    tally_.gone();
+    tally_.lost();
     place_ = 0;
     retry_at_s_ = first ? now_s : now_s + retry_s;
     if (first) {

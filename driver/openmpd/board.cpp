@@ -169,8 +169,10 @@ void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> d
   waits_ = true;
   const auto off = [](const Frame& frame) { return frame == all_off_frame; };
   if (std::all_of(next_.begin(), next_.end(), off)) {
+    // Silence that the boards cannot take is not what was asked for.
+    const bool taken = std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->takes(); });
+    faint_ += taken && session::sounds(drive) ? 1 : 0;
     begin_silence();
-    faint_ += session::sounds(drive) ? 1 : 0;
   }
   tend_wires();
   send_next();

@@ -283,7 +283,7 @@ class SonicSurface final : public Board {
     out_.clear();
     sent_ = 0;
     silent_ = all_silent_ = false;
-    tally_.gone();
+    tally_.lost();
     on_its_way_ = Load::none;
     retry_at_s_ = now_s + retry_s;
     if (!std::exchange(lost_, true)) notes_.warning("the serial port is gone");

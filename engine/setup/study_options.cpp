@@ -32,6 +32,16 @@ void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
   windows.text("--monitor", o.monitor, "NAME|NUMBER",
                "monitor that the participant's window fills [the last, if there are several]");
   windows.text("--size", o.size, "WxH", "size of the participant's window in pixels; it then fills no monitor");
+  windows.text("--stereo", o.stereo, "HOW",
+               "how the pictures of two eyes become one: none, side-by-side, top-bottom, anaglyph, columns (an "
+               "autostereoscopic display with upright slits) or rows [none]");
+  windows.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, positive(1), "distance between the eyes");
+  windows.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, positive(1),
+                   "with --stereo columns, the distance between slits; with rows, that of two rows [so that neighbours "
+                   "differ]");
+  windows.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
+                   "distance from the screen to its barrier [so that neighbours differ]");
+  windows.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
 }
 
 void check(StudyRunOptions& o) {
@@ -49,6 +59,12 @@ void check(StudyRunOptions& o) {
   if (!o.size.empty()) parse_window_size("--size", o.size);
   if (!o.size.empty() && !o.monitor.empty())
     throw bad_usage("--size and --monitor exclude each other: a window of that size fills no monitor");
+  const StudyRunOptions usual;
+  if ((o.stereo.empty() || o.stereo == "none") && o.eyes_apart_m != usual.eyes_apart_m)
+    throw bad_usage("--eyes-apart goes with --stereo");
+  const bool barrier = o.barrier_pitch_m || o.barrier_gap_m || o.barrier_phase != usual.barrier_phase;
+  if (barrier && o.stereo != "columns" && o.stereo != "rows")
+    throw bad_usage("--barrier-pitch, --barrier-gap and --barrier-phase go with --stereo columns or rows");
 }
 
 std::vector<std::string> words_of(const StudyRunOptions& o) {
@@ -68,6 +84,12 @@ std::vector<std::string> words_of(const StudyRunOptions& o) {
     add("--hold", o.hold_auto ? "auto" : format_quantity(o.hold_s, Quantity::time));
   add("--monitor", o.monitor);
   add("--size", o.size);
+  add("--stereo", o.stereo);
+  if (o.eyes_apart_m != StudyRunOptions().eyes_apart_m)
+    add("--eyes-apart", format_quantity(o.eyes_apart_m, Quantity::length));
+  if (o.barrier_pitch_m) add("--barrier-pitch", format_quantity(*o.barrier_pitch_m, Quantity::length));
+  if (o.barrier_gap_m) add("--barrier-gap", format_quantity(*o.barrier_gap_m, Quantity::length));
+  if (o.barrier_phase != 0) add("--barrier-phase", fmt::format("{}", o.barrier_phase));
   add("--gpu", o.common.gpu);
   if (o.common.backend == Backend::cpu) add("--backend", "cpu");
   add("--json", o.common.json);

@@ -24,6 +24,10 @@ struct StudyRunOptions {
   std::optional<double> rehearse;  ///< a scripted participant with this share of right answers
   std::string monitor;             ///< name or number of the participant's; empty: the last, if there are several
   std::string size;                ///< "1280x720": of the participant's window, which then fills no monitor
+  std::string stereo;  ///< how the pictures of two eyes become one, as --stereo of palpa-viewer; empty: none
+  double eyes_apart_m = 63e-3;
+  std::optional<double> barrier_pitch_m, barrier_gap_m;  ///< by default, those with which neighbours differ
+  double barrier_phase = 0;
 };
 
 /// Adds all of them but the plan.

@@ -20,21 +20,36 @@ double difference(const Confusion& a, const Confusion& b) {
   return (b_correct * a_all - a_correct * b_all) / (a_all * b_all);
 }
 
+bool has_enough(const Study& study, const PersonResult& result) {
+  return result.table.total() >= study.least_trials;
+}
+
 std::optional<MethodPair> pair_of(const Study& study, const Results& results, std::size_t a, std::size_t b,
                                   std::uint64_t seed) {
   MethodPair pair{.a = a, .b = b};
-  std::vector<double> of_a, of_b;
+  std::vector<double> of_a, of_b, of_all;
   for (std::size_t person = 0; person < study.participants.size(); ++person) {
     const PersonResult* one = result_of(results, person, a);
     const PersonResult* other = result_of(results, person, b);
     if (!one || !other) continue;
+    of_all.push_back(difference(one->table, other->table));
+    if (!has_enough(study, *one) || !has_enough(study, *other)) {
+      pair.excluded.push_back(person);
+      continue;
+    }
     pair.people.push_back(person);
-    pair.differences.push_back(difference(one->table, other->table));
+    pair.differences.push_back(of_all.back());
     (one->turn < other->turn ? pair.order.a_first : pair.order.b_first).push_back(pair.differences.back());
     of_a.push_back(one->accuracy);
     of_b.push_back(other->accuracy);
   }
-  if (pair.people.empty()) return std::nullopt;
+  if (of_all.empty()) return std::nullopt;
+  if (!pair.excluded.empty()) {
+    pair.with_excluded = wilcoxon(of_all, Zeros::drop);
+    pair.mean_with_excluded = mean(of_all);
+  }
+  pair.tables = compare(results.methods[a].pooled.table, results.methods[b].pooled.table);
+  if (pair.people.empty()) return pair;
   pair.mean = mean(pair.differences);
   pair.t = t_interval(pair.differences);
   pair.bootstrap = bootstrap_mean(pair.differences, seed, bootstrap_resamples(pair.differences.size()));
@@ -46,7 +61,6 @@ std::optional<MethodPair> pair_of(const Study& study, const Results& results, st
   pair.spearman = spearman(of_a, of_b);
   if (!pair.order.a_first.empty() && !pair.order.b_first.empty())
     pair.order.test = rank_sum(pair.order.a_first, pair.order.b_first);
-  pair.tables = compare(results.methods[a].pooled.table, results.methods[b].pooled.table);
   return pair;
 }
 
@@ -55,7 +69,8 @@ std::optional<Friedman> friedman_of(const Study& study, const Results& results) 
   for (std::size_t person = 0; person < study.participants.size(); ++person) {
     std::vector<double> row;
     for (std::size_t m = 0; m < study.methods.size(); ++m) {
-      if (const PersonResult* result = result_of(results, person, m)) row.push_back(result->accuracy);
+      const PersonResult* result = result_of(results, person, m);
+      if (result && has_enough(study, *result)) row.push_back(result->accuracy);
     }
     if (row.size() == study.methods.size()) rows.push_back(std::move(row));
   }
@@ -75,11 +90,15 @@ BetweenMethods between_methods(const Study& study, const Results& results, std::
   if (study.methods.size() <= 2) return found;
   found.friedman = friedman_of(study, results);
   std::vector<double> p;
-  for (const MethodPair& pair : found.pairs)
+  std::vector<MethodPair*> tested;
+  for (MethodPair& pair : found.pairs) {
+    if (pair.people.empty()) continue;
     p.push_back(pair.drop.two_sided);
+    tested.push_back(&pair);
+  }
   const std::vector<double> corrected = holm(p);
   for (std::size_t i = 0; i < p.size(); ++i)
-    found.pairs[i].holm = corrected[i];
+    tested[i]->holm = corrected[i];
   return found;
 }
 

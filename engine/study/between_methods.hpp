@@ -21,7 +21,8 @@ struct OrderEffect {
   std::optional<RankSum> test{};             ///< only if there are people in both groups
 };
 
-/// The difference b - a of the accuracies of participants who used both methods.
+/// The difference b - a of the accuracies of participants who used both methods. Who has fewer than Study::least_trials
+/// with one of them is left out. If nobody is left, there are no values.
 struct MethodPair {
   std::size_t a = 0, b = 0;           ///< places in Study::methods, a < b
   std::vector<std::size_t> people{};  ///< places in Study::participants
@@ -35,6 +36,11 @@ struct MethodPair {
   std::optional<Correlation> pearson{}, spearman{};
   OrderEffect order{};
   TwoTables tables{};  ///< of all trials
+  /// Participants with too few trials, who are left out of all of the above but `tables`: places in
+  /// Study::participants. If there are any: Wilcoxon's test and the mean with them.
+  std::vector<std::size_t> excluded{};
+  std::optional<SignedRank> with_excluded{};
+  std::optional<double> mean_with_excluded{};
 };
 
 struct BetweenMethods {

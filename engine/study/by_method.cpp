@@ -22,7 +22,9 @@ std::vector<PersonResult> results_of(const Study& study, std::size_t person) {
     if (trial.response_s) times[trial.method].push_back(*trial.response_s);
   }
   std::erase_if(all, [](const PersonResult& result) { return result.turn == 0; });
+  const std::vector<std::uint32_t>& voids = study.participants[person].voids;
   for (PersonResult& result : all) {
+    if (result.method < voids.size()) result.voids = voids[result.method];
     result.accuracy = accuracy(result.table);
     result.dprime =
         dprime(result.table.correct(), result.table.total(), static_cast<std::uint32_t>(result.table.size()));
@@ -49,6 +51,8 @@ Results results_by_method(const Study& study, std::uint64_t seed) {
       method.results.push_back(i);
       method.accuracies.push_back(results.people[i].accuracy);
     }
+    for (const Participant& participant : study.participants)
+      method.voids += m < participant.voids.size() ? participant.voids[m] : 0;
     method.pooled = measure(study.methods[m], pooled);
     method.mean_accuracy = mean(method.accuracies);
     method.deviation = standard_deviation(method.accuracies);

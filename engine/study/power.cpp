@@ -92,4 +92,15 @@ PowerResult find_power(const PowerSetting& setting) {
   return result;
 }
 
+std::vector<OtherCorrelation> at_other_correlations(const PowerSetting& setting) {
+  std::vector<OtherCorrelation> others;
+  if (setting.correlation != paper_correlation) return others;
+  for (const double correlation : {paper_correlation_low, paper_correlation_high}) {
+    PowerSetting other = setting;
+    other.correlation = correlation;
+    others.push_back({correlation, find_power(other).people});
+  }
+  return others;
+}
+
 }  // namespace palpa::study

@@ -15,6 +15,7 @@
 #include "support/exhaustive.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -143,6 +144,12 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
   const Result text = palpa_here({"study", "plan", paper, "--csv", path("order.csv")});
   EXPECT_NE(text.out.find("single-focus   trial           40 x 10 s"), std::string::npos) << text.out;
   EXPECT_EQ(read_text(path("order.csv")).substr(0, 39), "step,kind,method,shape,second_shape\n1,f");
+  EXPECT_NEAR(first["crest_n"].get<double>(), 0.05 * 0.05 * 51.8e-3, 2e-6);
+  EXPECT_CONTAINS(text.out, "at the ceiling 0.05: ");
+  EXPECT_CONTAINS(text.out, " dB predicted at the louder ear (limit 110 dB), a force of 0.13 mN");
+  // A copy of the plan has the same models.
+  std::filesystem::copy_file(paper, folder_ / "copy.toml");
+  EXPECT_EQ(result_of({"study", "plan", path("copy.toml")})["steps"], first["steps"]);
   // A model of the plan is an input.
   write_text(folder_ / "cube.glb", "x");
   write_text(folder_ / "ball.glb", "x");
@@ -160,7 +167,7 @@ TEST_F(CliStudy, RehearsesAndWithdraws) {
   const std::vector<std::string> line{"study", "rehearse", plan, "--participant", "1", "--out", out, "--accuracy", "1"};
   const json result = result_of(line);
   EXPECT_EQ(result["ended"], true);
-  EXPECT_EQ(result["complete"], 1 + 2 * (1 + 12));
+  EXPECT_EQ(result["complete"], 4 + 1 + 2 * (1 + 12));
   EXPECT_EQ(result_of(line)["starts"], 1) << "what has finished is only reported again";
   const Result analysis = palpa_here({"study", "analyse", out, "--json", path("a.json")});
   EXPECT_EQ(analysis.exit_code, 0) << analysis.err;

@@ -118,7 +118,7 @@ def faults_of_files(beh, walk, complete):
 
 def results_of(analysis):
     """The results in a JSON of `palpa study analyse`, without what depends on when trials took place."""
-    timely = {"answer_times", "answer_time_s", "learning", "depth", "left_out"}
+    timely = {"answer_times", "answer_time_s", "learning", "depth", "left_out", "void"}
 
     def without(value):
         if isinstance(value, dict):

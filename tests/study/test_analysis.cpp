@@ -4,13 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "study/analysis.hpp"
+#include "study/files/study_folder.hpp"
+#include "study/report/analysis_reports.hpp"
 #include "support/instrumented.hpp"
+#include "support/shared_data.hpp"
 #include "support/study_files.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -112,6 +117,49 @@ TEST(StudyAnalysis, ParticipantsWithOneOfTheMethodsAreNotPaired) {
   const Analysis analysis = analyse(std::move(study), 0);
   EXPECT_EQ(analysis.between.pairs[0].people.size(), 9u);
   EXPECT_EQ(analysis.results.methods[0].accuracies.size(), 10u);
+}
+
+TEST(StudyAnalysis, ParticipantsWithTooFewTrialsAreLeftOutOfComparisons) {
+  Study study = ten();
+  study.participants[3].trials.resize(47);  // 40 with one method and 7 with the other
+  study.least_trials = 30;
+  const Analysis analysis = analyse(std::move(study), 0);
+  const MethodPair& pair = analysis.between.pairs[0];
+  EXPECT_EQ(pair.excluded, std::vector<std::size_t>{3});
+  EXPECT_EQ(pair.people.size(), 9u);
+  EXPECT_EQ(pair.drop.two_sided, 2.0 / 512);
+  EXPECT_EQ(pair.with_excluded.value().nonzero, 10u);
+  EXPECT_EQ(pair.order.a_first.size(), 4u);
+  EXPECT_EQ(analysis.results.methods[1].accuracies.size(), 10u) << "the answers stay in the tables";
+  const std::string text = analysis_text(analysis), html = analysis_html(analysis);
+  for (const std::string& report : {text, html}) {
+    EXPECT_CONTAINS(report, "at least 30 trials with each method: participant 4 (40 and 7)");
+    EXPECT_CONTAINS(report, "with them: mean ");
+  }
+  EXPECT_CONTAINS(analysis_json(analysis), "\"excluded\": [4]");
+  // Nobody has enough.
+  Study few = ten();
+  few.least_trials = 41;
+  const Analysis none = analyse(std::move(few), 0);
+  EXPECT_EQ(none.between.pairs[0].excluded.size(), 10u);
+  EXPECT_EQ(none.between.pairs[0].with_excluded.value().two_sided, 2.0 / 1024);
+  EXPECT_CONTAINS(analysis_text(none), "nobody has enough trials");
+  EXPECT_CONTAINS(analysis_html(none), "Nobody has enough trials");
+}
+
+TEST(StudyAnalysis, CountsTrialsThatWereBrokenOff) {
+  const std::filesystem::path folder = test::scratch_folder("voids");
+  std::string text = test::events_text("single-focus", 18) + "900\t3\ttrial\tsingle-focus\tcube\tn/a\tn/a\tvoid\n";
+  text += "950\t10\tfamiliarise\tsingle-focus\tcube\tno\t1\tanswered\n";
+  test::write_events(test::events_place(folder, 1), text, "{\"PalpaStudyVersion\": 1, \"LeastTrials\": 30}");
+  test::write_events(test::events_place(folder, 1, 2), test::events_text("cross-section", 28));
+  const Analysis analysis = analyse(read_study(std::vector<std::string>{folder.string()}), 0);
+  EXPECT_EQ(analysis.study.least_trials, 30u);
+  EXPECT_EQ(analysis.results.methods[0].voids, 1u);
+  EXPECT_EQ(analysis.results.methods[1].voids, 0u);
+  EXPECT_CONTAINS(analysis_text(analysis), "; 1 trial void\n");
+  EXPECT_CONTAINS(analysis_text(analysis), "participant 1 felt nothing in 1 of 1 familiarisation");
+  EXPECT_CONTAINS(analysis_csv(analysis), ",void\n");
 }
 
 TEST(StudyAnalysis, OfAHundredTakesLessThanASecond) {

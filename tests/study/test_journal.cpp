@@ -160,7 +160,7 @@ TEST(Journal, EveryChangeShows) {
     }
     return "";
   };
-  for (std::size_t i = 0; i < whole.size(); i += 7) {
+  for (std::size_t i = 0; i + 1 < whole.size(); i += 7) {  // without its last LF, a line does not count
     std::string changed = whole;
     changed[i] = static_cast<char>(changed[i] ^ 1);
     EXPECT_NE(fault_of(changed).find("sub-01_journal.jsonl: line "), std::string::npos) << i;

@@ -74,6 +74,22 @@ TEST(IdealObserver, OneCloseShapeTakesTheErrors) {
   EXPECT_GT(decisions.shares[8], 0.999);
 }
 
+TEST(IdealObserver, IdenticalShapesShareTheAnswers) {
+  // Shapes that feel the same, alone and beside others.
+  const Templates none = equal_distances(0, Placement::unknown);
+  for (const double share : Observer(none, normals_of(none)).decide(1).shares)
+    EXPECT_NEAR(share, 0.25, 1e-9);
+  Templates two{.shapes = 3, .placements = 3, .node_weights = {1}, .products = {}};
+  const double points[]{0, 0, 10};
+  for (std::size_t a = 0; a < 9; ++a) {
+    for (std::size_t b = 0; b < 9; ++b)
+      two.products.push_back(points[a / 3] * points[b / 3]);
+  }
+  const Decisions decisions = Observer(two, normals_of(two)).decide(1);
+  for (const std::size_t cell : {0u, 1u, 3u, 4u})
+    EXPECT_NEAR(decisions.shares[cell], 0.5, 1e-3);
+}
+
 TEST(IdealObserver, PlacesRepresentThePrior) {
   const std::vector<FingerPlace> places = places_of({2e-3, 0.25}, 64);
   double x = 0, z = 0, yaw = 0, xx = 0, zz = 0, turn = 0, xz = 0;
@@ -148,6 +164,29 @@ const PredictedStudy paper_study{.fitted = {0, 0.39, 400}};
 const Prediction& shared_prediction() {
   static const Prediction prediction = predict(made_up({0.5, 1, 1.001}), paper_study, {.points = 2048});
   return prediction;
+}
+
+/// At the level at which the study is run, the noise is that of the reference, however weak the sound is.
+TEST(IdealObserver, ThePlansLevelKeepsTheNoise) {
+  Responses responses = made_up({0.5, 1});
+  responses.levels.insert(responses.levels.begin() + 2, {"plan (0.13 mN)", 0.0024, 0.13e-3, 0.05});
+  for (std::size_t i = 0; i < responses.touches.size(); ++i) {
+    // The first method is felt as at the reference, the second not at all.
+    std::vector<std::vector<float>>& counts = responses.touches[i].counts;
+    const bool felt = i < responses.touches.size() / 2;
+    counts.insert(counts.begin() + 2, felt ? counts[0] : std::vector<float>(counts[0].size(), 0));
+  }
+  const Prediction prediction = predict(responses, paper_study, {.points = 512});
+  EXPECT_EQ(prediction.levels.size(), 3u) << "those at which the noise is fitted";
+  const PredictedVariant &reference = prediction.variants[0], &at_plan = prediction.at_plan.value().prediction;
+  EXPECT_EQ(at_plan.sigma, reference.sigma);
+  EXPECT_EQ(at_plan.methods[0].accuracy, reference.methods[0].accuracy);
+  EXPECT_NEAR(at_plan.methods[1].accuracy, 0.25, 1e-9) << "guessed";
+  for (const std::string& report : {prediction_text(prediction, {}, ""), prediction_html(prediction, {}, "")}) {
+    EXPECT_CONTAINS(report,
+                    "At the plan's ceiling of 0.05, the force at a single focus' crest is 0.13 mN, 123 times less");
+    EXPECT_CONTAINS(report, "so it is too narrow");
+  }
 }
 
 TEST(IdealObserver, EveryVariantIsFittedToOneNumber) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "study/power.hpp"
 
@@ -41,6 +43,20 @@ TEST(Power, ASmallerEffectNeedsMore) {
   EXPECT_LT(*small.people, 60u);
   setting.b = 0.65;
   EXPECT_LT(find_power(setting).people.value(), *small.people);
+}
+
+/// The paper's correlation is one of ten people: the result is shown for its whole interval.
+TEST(Power, AnUncertainCorrelationGivesARange) {
+  PowerSetting setting{.a = 0.5, .b = 0.58};
+  setting.studies = 500;
+  const std::vector<OtherCorrelation> others = at_other_correlations(setting);
+  ASSERT_EQ(others.size(), 2u);
+  const std::uint32_t people = find_power(setting).people.value();
+  EXPECT_EQ(others[0].correlation, 0.27);
+  EXPECT_GT(others[0].people.value(), people);
+  EXPECT_LT(others[1].people.value(), people);
+  setting.correlation = 0.5;
+  EXPECT_TRUE(at_other_correlations(setting).empty()) << "somebody knows it";
 }
 
 TEST(Power, TheSameSeedGivesTheSameStudies) {

@@ -68,6 +68,7 @@ TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   const json sidecar = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_events.json")));
   EXPECT_TRUE(sidecar.contains("EventsCrc32"));
   EXPECT_EQ(sidecar["Rehearsal"], true);
+  EXPECT_EQ(sidecar["LeastTrials"], 3) << "three quarters of four";
   EXPECT_EQ(sidecar["StartTimeUtc"].get<std::string>().back(), 'Z');
   const json stimuli = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_stimuli.json")));
   // Each method: 2 familiarisations, 1 exploration, 1 practice, 4 trials, 4 pairs of touches.
@@ -110,6 +111,7 @@ TEST_F(RecordTest, KilledTwiceItHasTheSameAnalysis) {
   for (const char* run : {"01", "02"}) {
     const std::string log = read_text(file(std::string("beh/sub-01_task-shapes_run-") + run + "_events.tsv"));
     EXPECT_TRUE(log.find("\tvoid\t") != std::string::npos || log.find("\tanswered\t") != std::string::npos) << log;
+    EXPECT_EQ(log.find("\tvoid\t") != std::string::npos, log.find("the program ended") != std::string::npos) << log;
   }
 }
 
@@ -157,14 +159,28 @@ TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
   const fs::path log = folder_ / "sub-01/beh/sub-01_task-shapes_run-01_events.tsv";
   const std::string before = read_text(log);
   ASSERT_FALSE(before.empty());
-  for (const std::size_t left : {std::size_t{0}, std::size_t{20}, journal.find('\n') + 1}) {
+  for (const std::size_t left : {std::size_t{20}, journal.find('\n') + 1}) {
     test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
-    EXPECT_NE(fault_of(1).find("does not contain the run of " + log.string()), std::string::npos) << fault_of(1);
+    EXPECT_CONTAINS(fault_of(1), "does not contain the run of " + (folder_ / "sub-01/beh/sub-01_task").string());
     EXPECT_EQ(read_text(log), before);
   }
-  fs::remove(file("sub-01_journal.jsonl"));
-  EXPECT_NE(fault_of(1).find("does not contain the run of"), std::string::npos);
+  // The start of the run is left, but not what was answered in it.
+  std::size_t lines = 0, end = 0;
+  while (lines < 3)
+    lines += journal[end++] == '\n' ? 1 : 0;
+  test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, end));
+  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
   EXPECT_EQ(read_text(log), before);
+  test::write_text(file("sub-01_journal.jsonl"), "");
+  EXPECT_CONTAINS(fault_of(1), "sub-01_journal.jsonl: is empty, but there are 4 files of participant 1 in");
+  fs::remove(file("sub-01_journal.jsonl"));
+  EXPECT_CONTAINS(fault_of(1), "sub-01_journal.jsonl: is missing, but there are 4 files of participant 1 in");
+  EXPECT_FALSE(fs::exists(file("sub-01_journal.jsonl"))) << "nothing was begun";
+  EXPECT_EQ(read_text(log), before);
+  // Without its log, too: what was played and where the finger was are data.
+  fs::rename(log, file("log"));
+  EXPECT_CONTAINS(fault_of(1), "is missing");
+  fs::rename(file("log"), log);
   test::write_text(file("sub-01_journal.jsonl"), journal);
   sit(1);
   EXPECT_EQ(study().participants[0].trials.size(), 8u);
@@ -173,7 +189,7 @@ TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
 TEST_F(RecordTest, TakesTheFolderThatHasTheNumber) {
   sit(1);
   fs::rename(folder_ / "sub-01", folder_ / "sub-1");
-  EXPECT_NE(fault_of(1).find("sub-1_journal.jsonl: does not contain the run of"), std::string::npos) << fault_of(1);
+  EXPECT_CONTAINS(fault_of(1), "sub-1_journal.jsonl: is missing, but there are 5 files of participant 1 in");
   EXPECT_GE(withdraw(folder_, 1).files, 5u);
   EXPECT_FALSE(fs::exists(folder_ / "sub-01"));
   EXPECT_TRUE(fs::exists(folder_ / "sub-1/sub-1_withdrawn.json"));

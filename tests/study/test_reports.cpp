@@ -125,10 +125,14 @@ TEST(Reports, OfTables) {
 TEST(Reports, OfPower) {
   const PowerSetting setting{.studies = 100, .most_people = 10};
   const PowerResult result = find_power(setting);
-  expect_page(power_html(setting, result));
-  EXPECT_EQ(json::parse(power_json(setting, result))["participants"], 6);
-  EXPECT_CONTAINS(power_text(setting, result), "seed 0");
-  EXPECT_CONTAINS(power_text(setting, result), "6 participants reach a power of 0.8");
+  const std::vector<OtherCorrelation> others = at_other_correlations(setting);
+  expect_page(power_html(setting, result, others));
+  const json document = json::parse(power_json(setting, result, others));
+  EXPECT_EQ(document["participants"], 6);
+  EXPECT_EQ(document["other_correlations"][0]["correlation"], 0.27);
+  EXPECT_CONTAINS(power_text(setting, result, others), "seed 0");
+  EXPECT_CONTAINS(power_text(setting, result, others), "6 participants reach a power of 0.8");
+  EXPECT_CONTAINS(power_text(setting, result, others), "with a correlation of 0.94: 6 participants");
 }
 
 TEST(Reports, NamesFromFilesAreOnlyText) {

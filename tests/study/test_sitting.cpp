@@ -109,6 +109,30 @@ TEST_F(SittingTest, FamiliarisationShowsTheObjectAndPracticeMayTellTheAnswer) {
   EXPECT_EQ(one.screen(), Screen::ready);
 }
 
+TEST_F(SittingTest, AFamiliarisationAsksWhetherAnythingIsFelt) {
+  Sitting one = sitting();
+  begin(one, BlockKind::familiarise);
+  EXPECT_TRUE(one.has_choice(1)) << "already during the touch";
+  EXPECT_FALSE(one.has_choice(2));
+  one.advance(now_ += 50 * ms);
+  EXPECT_EQ(one.text(), "Did you feel anything?");
+  EXPECT_EQ(one.choices(), (std::vector<std::string>{"yes", "no"}));
+  one.answer(1, now_);
+  EXPECT_EQ(written_.back().kind, EntryKind::answer);
+  EXPECT_EQ(written_.back().text, "no");
+  // A plan in another language may leave the question out.
+  plan_.language = "de";
+  one.act(Act::go_on, now_);
+  one.advance(now_ += 50 * ms);
+  EXPECT_EQ(written_.back().kind, EntryKind::done);
+}
+
+TEST_F(SittingTest, HeadphonesArePutOnOnlyForASound) {
+  EXPECT_CONTAINS(sitting().text(), "headphones");
+  plan_.run.masking = "off";
+  EXPECT_EQ(sitting().text(), "The study begins as soon as you are ready.");
+}
+
 TEST_F(SittingTest, KeysChangeTheShapeOfTheFreeExploration) {
   Sitting one = sitting();
   begin(one, BlockKind::free);
@@ -121,6 +145,10 @@ TEST_F(SittingTest, KeysChangeTheShapeOfTheFreeExploration) {
   one.act(Act::other_shape, now_ += ms);
   EXPECT_EQ(one.presented().shape, 1u);
   EXPECT_EQ(count(EntryKind::choose), 3u);
+  one.choose(0, now_ += ms);
+  EXPECT_EQ(one.presented().shape, 0u);
+  one.choose(2, now_ += ms);
+  EXPECT_EQ(one.presented().shape, 0u) << "there is no third shape";
   one.act(Act::any_key, now_ += ms);
   EXPECT_FALSE(one.presented().sounds) << "every other key silences";
 }

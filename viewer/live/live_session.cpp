@@ -253,6 +253,8 @@ void LiveSession::count(const session::FrameReport& report) {
   last_frame_ = now;
   ++n.frames;
   n.touching += report.touch->finger_count > 0 ? 1 : 0;
+  n.thinned += report.effort.whole() ? 0 : 1;
+  n.outdated += report.outdated ? 1 : 0;
   n.last_s = report.planned_s - report.arrived_s;
   n.bins.add(n.last_s);
   for (const gpu::PassTime& pass : report.passes) {

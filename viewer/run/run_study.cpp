@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,8 +17,9 @@
 #include "setup/ending.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/load.hpp"
-#include "study/plan/plan_file.hpp"
+#include "setup/study_plan.hpp"
 #include "viewer/options/monitor.hpp"
+#include "viewer/options/side_by_side.hpp"
 #include "viewer/run/drawing_threads.hpp"
 #include "viewer/run/run.hpp"
 #include "viewer/run/stopper.hpp"
@@ -37,8 +39,8 @@ using namespace std::chrono_literals;
 
 /// The plan, if a sitting can be run with it.
 study::StudyPlan plan_to_run(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
-  study::StudyPlan plan = study::read_plan(options.plan);
-  study::refuse_missing_files(plan);
+  study::StudyPlan plan = setup::load_plan(options.plan);
+  take_layouts(plan, options, kinds);
   check_study_links(plan, options, kinds);
   constexpr double longest_touch_s = 1800;
   for (const study::PlanBlock& block : plan.blocks) {
@@ -111,14 +113,39 @@ void show_changed(Shown& window, const View& view, std::optional<View>& shown, C
   if (!window.damaged()) shown = view;
 }
 
+/// A warning if the window has another shape than the rig's screen; else empty.
+std::string stretched_line(const ParticipantScene& scene, const VkExtent2D& size) {
+  if (size.width < 2 || size.height < 2) return {};
+  return stretched(scene.setting().screen, size.width, size.height);
+}
+
+/// As high as usual, with the shape of the screen, so that objects appear where they are felt.
+setup::WindowSize usual_size(const sensing::Screen& screen) {
+  constexpr double height = 720, most_width = 1600;
+  const double width = std::min(height * screen.width_m / screen.height_m, most_width);
+  return {static_cast<std::uint32_t>(std::lround(width)),
+          static_cast<std::uint32_t>(std::lround(width * screen.height_m / screen.width_m))};
+}
+
+/// On a single monitor without a window manager, both windows would lie on each other.
+void place_beside(Window& panel, Window& window, bool sized) {
+  const std::optional<WindowPlace> one = panel.place(), other = window.place(), area = panel.work_area();
+  if (!one || !other || !area) return;
+  if (const std::optional<TwoPlaces> places = side_by_side(*area, *one, *other, sized)) {
+    panel.move(places->left);
+    window.move(places->right);
+  }
+}
+
 /// The participant's window: of the size that was asked for, on the monitor that was asked for, or on the last of
 /// several. On a single monitor, the experimenter must see their window, too.
-Window participant_window(const setup::StudyRunOptions& options) {
+Window participant_window(const setup::StudyRunOptions& options, const sensing::Screen& screen) {
   constexpr const char* title = "palpa participant";
   const std::vector<std::string> monitors = Window::monitors();
   if (options.size.empty() && (monitors.size() > 1 || !options.monitor.empty()))
     return {chosen_monitor(monitors, options.monitor), title, true};
-  const setup::WindowSize size = setup::parse_window_size("--size", options.size.empty() ? "1280x800" : options.size);
+  const setup::WindowSize size =
+      options.size.empty() ? usual_size(screen) : setup::parse_window_size("--size", options.size);
   return {WindowWish{.width = size.width, .height = size.height, .in_points = options.size.empty()}, title};
 }
 
@@ -155,15 +182,17 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
 void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
   const Outputs outputs({{"--json", options.common.json}});
   const study::StudyPlan plan = plan_to_run(options, kinds);
-  const ParticipantScene scene(plan, options.rig);
+  const ParticipantScene scene(plan, options);
   const StudyShapes shapes = load_shapes(plan);
   Window panel({.width = 900,
                 .height = 620,
                 .in_points = true,
                 .instead = "a study needs one for its windows; palpa study rehearse needs none"},
                "palpa experimenter");
-  Window window = participant_window(options);
+  Window window = participant_window(options, scene.setting().screen);
+  if (Window::monitors().size() < 2) place_beside(panel, window, !options.size.empty());
   const study::EarLevel level = level_of(plan, options);
+  try_study_link(plan, options, kinds);
   std::optional<log::Relay> relay(std::in_place);  // nothing waits for the reader of the log
   silence_at_exits();
   const setup::Interrupt interrupt(
@@ -186,7 +215,8 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   std::optional<ParticipantView> shown_participant;
   std::optional<ExperimenterView> shown_experimenter;
   Clock::time_point participant_at{}, experimenter_at{};
-  std::string fault;  // of the last session that failed
+  std::string fault;           // of the last session that failed
+  std::string told_stretched;  // the warning about the participant's window that was given
   bool leaves = false;
   while (!leaves) {
     experimenter.wait(script ? std::min(conductor.wait_s(), 0.02) : conductor.wait_s());
@@ -201,8 +231,8 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
     }
     for (const WindowEvent& event : participant.take()) {
       const VkExtent2D size = participant.size();
-      const auto places = button_places(conductor.participant_view(), size.width, size.height);
-      conductor.participant(event, button_at(places, event.x, event.y));
+      conductor.participant(event,
+                            scene.button_at(conductor.participant_view(), size.width, size.height, event.x, event.y));
     }
     if (experimenter.closing() || participant.closing()) {
       conductor.stop();
@@ -219,11 +249,13 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
     // Who is thanked can read it; who stopped the program need not wait.
     if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
     const ParticipantView view = conductor.participant_view();
-    show_changed(participant, view, shown_participant, participant_at, 0ms, [&](const VkExtent2D& size) {
-      const std::optional<drawing::Pixels> under = scene.draw(device, eye, view, size.width, size.height);
-      return draw(view, size.width, size.height, under ? &*under : nullptr);
-    });
-    const ExperimenterView state = conductor.experimenter_view();
+    show_changed(participant, view, shown_participant, participant_at, 0ms,
+                 [&](const VkExtent2D& size) { return scene.draw(device, eye, view, size.width, size.height); });
+    ExperimenterView state = conductor.experimenter_view();
+    if (const std::string line = stretched_line(scene, participant.size()); !line.empty()) {
+      state.lines.insert(state.lines.begin(), {"picture", line, true});
+      if (std::exchange(told_stretched, line) != line) log::warning(line);
+    }
     const bool at_once =
         !shown_experimenter || shown_experimenter->state != state.state || shown_experimenter->sounds != state.sounds;
     show_changed(experimenter, state, shown_experimenter, experimenter_at, at_once ? 0ms : 250ms,

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 #include "base/append_file.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/without_folders.hpp"
 #include "geometry/gltf/write.hpp"
@@ -36,6 +38,18 @@ bool masks(Screen screen) {
   return begins(screen) || screen == Screen::touching || screen == Screen::between || screen == Screen::question;
 }
 
+std::string to_text(const study::TouchLosses& losses) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, const char* noun, const char* what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, noun) + ' ' + what;
+  };
+  add(losses.drives, "drive", "lost");
+  add(losses.skipped_drives, "drive", "never sent");
+  add(losses.outdated_frames, "frame", "too late");
+  add(losses.thinned_frames, "frame", "thinned");
+  return text;
+}
+
 }  // namespace
 
 Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
@@ -45,8 +59,8 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
       run_(&run),
       shapes_(&shapes),
       level_(level),
-      record_(plan, *run.participant, run.out, run.rehearse.has_value()),
-      masking_(plan.run.masking) {
+      masking_(plan.run.masking),
+      record_(plan, *run.participant, run.out, run.rehearse.has_value()) {
   record_.refuse_finished();
   sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(),
                                               study::Entry{.text = study::utc_now(),
@@ -96,6 +110,13 @@ void Conductor::act(Act act, std::int64_t at_ns) {
   follow_touch();
 }
 
+/// Whether it is an answer to the question that comes. Then the participant is asked to wait for it.
+bool Conductor::answers_early(const std::optional<std::size_t>& button) {
+  const bool early = button && sitting_->has_choice(*button);
+  early_ = early_ || early;
+  return early;
+}
+
 void Conductor::participant(const WindowEvent& event, std::optional<std::size_t> button) {
   const bool key = event.kind == WindowEvent::Kind::key && event.down && !event.repeat;
   const bool click = event.kind == WindowEvent::Kind::press;
@@ -123,9 +144,18 @@ void Conductor::participant(const WindowEvent& event, std::optional<std::size_t>
     case Screen::touching:
       if (key && (event.key == Key::right || event.key == Key::down)) return act(Act::next_shape, at_ns);
       if (key && (event.key == Key::left || event.key == Key::up)) return act(Act::other_shape, at_ns);
+      if (key && button && sitting_->block().kind == study::BlockKind::free &&
+          *button < sitting_->block().shapes.size()) {
+        sitting_->choose(*button, at_ns);
+        return;
+      }
+      // An answer that comes too early is no wish for silence.
+      if (key && answers_early(button)) return;
       return act(Act::any_key, at_ns);
-    case Screen::setup:
     case Screen::between:
+      if (key) answers_early(button);
+      return;
+    case Screen::setup:
     case Screen::rest:
     case Screen::paused:
     case Screen::end:
@@ -184,6 +214,7 @@ void Conductor::follow_touch() {
   if (touching) {
     ++touches_;
     presentation_->gate().forget();
+    presentation_->forget_overload();
     if (keeps_depth) presentation_->record(next_file("_depth"));
     return;
   }
@@ -191,15 +222,37 @@ void Conductor::follow_touch() {
   if (keeps_depth) presentation_->record("");
 }
 
-/// Everything that was played is on the disk before the sitting can go on.
-void Conductor::end_touch() {
+/// What the touch under way has lost so far.
+study::TouchLosses Conductor::losses() const {
+  const GateCounts counts = presentation_->gate().counts();
+  const Overload overload = presentation_->overload();
+  return {.drives = counts.lost(),
+          .skipped_drives = counts.skipped,
+          .outdated_frames = overload.outdated,
+          .thinned_frames = overload.thinned};
+}
+
+/// Drives that are on their way count as soon as they are there.
+void Conductor::wait_for_arrivals() const {
+  const Clock::time_point until = Clock::now() + std::chrono::milliseconds(20);
+  while (presentation_->gate().counts().lost() > 0 && Clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+/// Everything that was played is on the disk before the sitting can go on. Returns why the touch does not count; empty
+/// if it does.
+std::string Conductor::end_touch() {
   presentation_->close();
+  wait_for_arrivals();
+  last_losses_ = losses();
   const study::Presented presented = sitting_->presented();
   const PlayedTouch played = presentation_->gate().take();
   study::Stimulus stimulus{.model_sha256 = shapes_->shapes[presented.shape].model_sha256,
                            .ceiling = plan_->level.ceiling,
                            .drives_sha256 = played.drives_sha256,
-                           .drives = played.drives};
+                           .drives = played.counts.drives,
+                           .layout = without_folders(plan_->methods[presented.method].layout),
+                           .losses = last_losses_};
   if (const auto scene = presentation_->scene(); scene && !played.frames.empty()) {
     const std::string file = next_file("_foci.json");
     const auto foci = session::open_foci_file(
@@ -217,6 +270,11 @@ void Conductor::end_touch() {
   }
   finger_->flush(static_cast<double>(now_ns()) * 1e-9);
   sitting_->played(std::move(stimulus));
+  if (!played.counts.too_few()) return {};
+  return fmt::format(
+      "{} of the touch's {} drives did not reach the array, and at most 1 % may get lost: end other "
+      "programs, and see whether the array is plugged in and switched on",
+      played.counts.lost(), played.counts.sounding);
 }
 
 void Conductor::advance() {
@@ -244,8 +302,9 @@ void Conductor::advance() {
   }
   if (sitting_->screen() == Screen::touching) {
     sitting_->captured(presentation_->deepest_m(), now);
+    last_losses_ = losses();
     if (now >= *sitting_->next_ns()) {
-      end_touch();
+      if (const std::string lack = end_touch(); !lack.empty()) sitting_->fault(lack, now);
       touching_ = false;
       const std::optional<study::Consent>& consent = sitting_->agenda().consent();
       if (consent && consent->depth_frames) presentation_->record("");
@@ -253,6 +312,7 @@ void Conductor::advance() {
   }
   sitting_->advance(now);
   follow_touch();
+  early_ = early_ && (sitting_->screen() == Screen::touching || sitting_->screen() == Screen::between);
   masking_.play(masks(sitting_->screen()));
   if (sitting_->presented().sounds) {
     const Clock::time_point end = begin_ + std::chrono::nanoseconds(*sitting_->next_ns());
@@ -296,6 +356,11 @@ ParticipantView Conductor::participant_view() const {
       view.hint = plan_->text(ready ? study::TextId::go_on : study::TextId::wait);
       break;
     }
+    case Screen::touching:
+    case Screen::between:
+      if (early_) view.hint = plan_->text(study::TextId::not_yet);
+      if (sitting_->block().kind == study::BlockKind::free) view.hint = plan_->label(view.shape);
+      break;
     default:
       break;
   }
@@ -312,7 +377,7 @@ ExperimenterView Conductor::experimenter_view() const {
   view.title =
       fmt::format("{} · participant {}{}", plan_->title, *run_->participant, run_->rehearse ? " · rehearsal" : "");
   view.state = names[static_cast<std::size_t>(sitting_->screen())];
-  view.sounds = presentation_->gate().sounding();
+  view.sounds = presentation_->gate().heard();
   const auto add = [&](const char* name, std::string value, bool warns = false) {
     view.lines.push_back({name, std::move(value), warns});
   };
@@ -332,6 +397,10 @@ ExperimenterView Conductor::experimenter_view() const {
       : presentation_->ready() ? fmt::format("{}, {:.0f} frames/s", run_->link, presentation_->rate_hz())
                                : "is being prepared",
       failed);
+  study::TouchLosses overload = last_losses_;
+  if (overload.drives <= GateCounts::overtaken) overload.drives = 0;  // they may be on their way
+  const std::string lost = to_text(overload);
+  add("overload", lost.empty() ? "none" : lost + (touching_ ? " in this touch" : " in the last touch"), !lost.empty());
   const std::optional<double> depth = presentation_->deepest_m();
   if (depth) {
     add("finger", fmt::format("{:.0f} mm {} the top", std::abs(*depth) * 1e3, *depth < 0 ? "above" : "below"),

@@ -60,27 +60,32 @@ class Conductor {
   std::int64_t now_ns() const;
   void act(study::Act act, std::int64_t at_ns);
   void command(Command command, std::int64_t at_ns);
-  void end_touch();
+  std::string end_touch();
+  void wait_for_arrivals() const;
+  study::TouchLosses losses() const;
   void follow_touch();
   std::string next_file(const std::string& end) const;
   bool silences(study::Act act) const;
+  bool answers_early(const std::optional<std::size_t>& button);
   void write(study::Entry entry);
 
   const study::StudyPlan* plan_;
   const setup::StudyRunOptions* run_;
   const StudyShapes* shapes_;
   study::EarLevel level_;
+  Masking masking_;  ///< before the record: a study without its sound begins no file
   study::Record record_;
-  Masking masking_;
   Clock::time_point begin_ = Clock::now();
   std::unique_ptr<study::Sitting> sitting_;
   std::uint32_t run_number_ = 0;
   std::unique_ptr<Presentation> presentation_;
   std::optional<study::FingerRecorder> finger_;
-  bool touching_ = false;      ///< a touch is under way that was begun here
-  bool told_fault_ = false;    ///< the sitting knows of the presentation's fault
-  std::uint32_t touches_ = 0;  ///< of this run
-  double written_s_ = 0;       ///< how much of the sound of this run is in the journal
+  bool touching_ = false;           ///< a touch is under way that was begun here
+  bool told_fault_ = false;         ///< the sitting knows of the presentation's fault
+  bool early_ = false;              ///< the participant has answered before the question
+  study::TouchLosses last_losses_;  ///< of the touch under way, or of the last one
+  std::uint32_t touches_ = 0;       ///< of this run
+  double written_s_ = 0;            ///< how much of the sound of this run is in the journal
 };
 
 }  // namespace palpa::viewer

@@ -25,14 +25,18 @@ void Gate::forget() {
 
 PlayedTouch Gate::take() {
   const std::lock_guard lock(mutex_);
-  if (touch_.drives > 0) touch_.drives_sha256 = digest_.hex();
+  if (touch_.counts.drives > 0) touch_.drives_sha256 = digest_.hex();
   digest_ = {};
   return std::exchange(touch_, {});
 }
 
-bool Gate::sounding(Clock::time_point now) const {
-  const Clock::rep last = last_sound_;
-  return last != closed && now - Clock::time_point(Clock::duration(last)) <= std::chrono::milliseconds(100);
+GateCounts Gate::counts() const {
+  const std::lock_guard lock(mutex_);
+  return touch_.counts;
+}
+
+bool Gate::is_recent(Clock::rep when, Clock::time_point now) {
+  return when != closed && now - Clock::time_point(Clock::duration(when)) <= std::chrono::milliseconds(100);
 }
 
 void Gate::note(std::uint64_t slot, std::span<const array::TransducerDrive> drive, Clock::time_point now) {
@@ -44,7 +48,11 @@ void Gate::note(std::uint64_t slot, std::span<const array::TransducerDrive> driv
   }
   const std::lock_guard lock(mutex_);
   count_sound(sounds, now);
-  ++touch_.drives;
+  GateCounts& counts = touch_.counts;
+  ++counts.drives;
+  counts.sounding += sounds ? 1 : 0;
+  if (last_slot_ && slot > *last_slot_ + 1) counts.skipped += slot - *last_slot_ - 1;
+  last_slot_ = slot;
   touch_.end = slot + 1;
   digest_.add({reinterpret_cast<const char*>(drive.data()), drive.size_bytes()});
 }
@@ -52,6 +60,13 @@ void Gate::note(std::uint64_t slot, std::span<const array::TransducerDrive> driv
 void Gate::note_silence(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   count_sound(false, now);
+  last_slot_.reset();
+}
+
+void Gate::note_arrivals(std::uint64_t drives, Clock::time_point now) {
+  if (drives > 0) last_arrival_ = now.time_since_epoch().count();
+  const std::lock_guard lock(mutex_);
+  touch_.counts.arrived = touch_.counts.arrived.value_or(0) + drives;
 }
 
 /// With the mutex held.
@@ -86,15 +101,15 @@ void GateLink::shut(std::uint64_t slot) {
   link_->plan({.schedule = nothing_, .slots = {.from = slot, .until = slot}});
 }
 
-/// A board that was unplugged takes no drives, but its link waits for it.
-void GateLink::look_for_arrivals(Gate::Clock::time_point now, bool after_silence) {
+/// Takes the drives that have arrived since the last call. Returns whether nothing has, although the link counts. A
+/// board that was unplugged takes no drives, but its link waits for it.
+bool GateLink::see_arrivals(Gate::Clock::time_point now) {
   const std::optional<session::Carried> carried = link_->carried();
-  if (!carried) return;
-  if (carried->completed.drives != std::exchange(arrived_, carried->completed.drives)) {
-    gate_->unheard_since_ = Gate::closed;
-  } else if (after_silence || gate_->unheard_since_ == Gate::closed) {
-    gate_->unheard_since_ = now.time_since_epoch().count();
-  }
+  gate_->link_counts_ = carried.has_value();
+  if (!carried) return false;
+  const std::uint64_t all = carried->completed.drives + carried->starting, before = std::exchange(arrived_, all);
+  gate_->note_arrivals(all - std::min(all, before), now);
+  return all == before;
 }
 
 void GateLink::plan(const session::PlayedPlan& plan) {
@@ -120,13 +135,18 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
     const bool after_silence = !gate_->sounding(now);
     gate_->note(slot, drive, now);
     link_->send(slot, drive);
-    if (session::sounds(drive)) look_for_arrivals(now, after_silence);
+    if (!see_arrivals(now)) {
+      gate_->unheard_since_ = Gate::closed;
+    } else if (session::sounds(drive) && (after_silence || gate_->unheard_since_ == Gate::closed)) {
+      gate_->unheard_since_ = now.time_since_epoch().count();
+    }
     return;
   }
   if (passing_) shut(slot);
   withheld_.drives += session::sounds(drive) ? 1 : 0;
   silence_.assign(drive.size(), {});
   link_->send(slot, silence_);
+  see_arrivals(now);  // of drives that were on their way
   gate_->note_silence(now);
 }
 

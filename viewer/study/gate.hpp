@@ -2,6 +2,7 @@
 // study's thread renews again and again. If that thread stands still, the array falls silent.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -25,9 +26,23 @@ struct PlayedFrame {
   array::Schedule schedule;           ///< only its valid voices
 };
 
+/// How many drives of one touch went how far.
+struct GateCounts {
+  std::uint64_t drives = 0;                ///< also those that are silent, for example between a modulation's crests
+  std::uint64_t sounding = 0;              ///< of these, those that sound
+  std::uint64_t skipped = 0;               ///< that were never sent, because the program was too late
+  std::optional<std::uint64_t> arrived{};  ///< that are completely on the device; nothing if the link does not count
+
+  /// Drives that sound and that the device never got.
+  std::uint64_t lost() const { return arrived ? sounding - std::min(sounding, *arrived) : 0; }
+  /// Whether fewer than 99 % of the drives arrived. Silence overtakes the last drives, so a few do not count.
+  bool too_few() const { return lost() > overtaken + sounding / 100; }
+  static constexpr std::uint64_t overtaken = 8;
+};
+
 /// What went through the gate in one touch.
 struct PlayedTouch {
-  std::uint64_t drives = 0;  ///< also those that are silent, for example between the crests of a modulation
+  GateCounts counts;
   /// The digest of these drives: for each transducer, amplitude and phase as 32-bit floats, in layout order. Empty
   /// without drives.
   std::string drives_sha256{};
@@ -50,8 +65,14 @@ class Gate {
   void forget();
   /// What has passed since forget(). Call it when the gate is closed.
   PlayedTouch take();
+  /// How many drives have passed and arrived since forget().
+  GateCounts counts() const;
   /// Whether a drive that sounds has passed within the last 100 ms.
-  bool sounding(Clock::time_point now = Clock::now()) const;
+  bool sounding(Clock::time_point now = Clock::now()) const { return is_recent(last_sound_, now); }
+  /// Whether such a drive has also arrived at the device in this time. For links that do not count: as sounding().
+  bool heard(Clock::time_point now = Clock::now()) const {
+    return sounding(now) && (!link_counts_ || is_recent(last_arrival_, now));
+  }
   /// For how long drives that sound have passed without any of them arriving at the device. Zero if they arrive, if
   /// nothing sounds, and for links that do not count.
   Clock::duration unheard(Clock::time_point now = Clock::now()) const {
@@ -73,18 +94,22 @@ class Gate {
   static constexpr double never_s = -1e300;
   static constexpr Clock::rep closed = Clock::time_point::min().time_since_epoch().count();
 
+  static bool is_recent(Clock::rep when, Clock::time_point now);
   void note(std::uint64_t slot, std::span<const array::TransducerDrive> drive, Clock::time_point now);
+  void note_arrivals(std::uint64_t drives, Clock::time_point now);
   void note_silence(Clock::time_point now);
   void count_sound(bool sounds, Clock::time_point now);
   void note(const PlayedFrame& frame);
 
-  std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, unheard_since_{closed};
+  std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, last_arrival_{closed}, unheard_since_{closed};
+  std::atomic<bool> link_counts_{false};
   std::atomic<double> newest_s_{never_s};
   std::atomic<std::uint64_t> sounded_{0};
   mutable std::mutex mutex_;
   PlayedTouch touch_;
   Clock::duration sounded_for_{};
   std::optional<Clock::time_point> counted_until_{};  ///< while the last drive sounds
+  std::optional<std::uint64_t> last_slot_{};          ///< while drives pass one after the other
   Sha256 digest_;
 };
 
@@ -103,7 +128,7 @@ class GateLink final : public session::Link {
 
  private:
   void shut(std::uint64_t slot);
-  void look_for_arrivals(Gate::Clock::time_point now, bool after_silence);
+  bool see_arrivals(Gate::Clock::time_point now);
 
   std::unique_ptr<session::Link> link_;
   Gate* gate_;

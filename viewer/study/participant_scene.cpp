@@ -1,24 +1,55 @@
 #include "viewer/study/participant_scene.hpp"
 
+#include <fmt/core.h>
+
+#include <cstddef>
+
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "base/words.hpp"
+#include "sensing/rig.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "viewer/study/screens.hpp"
 
 namespace palpa::viewer {
 
-ParticipantScene::ParticipantScene(const study::StudyPlan& plan, const std::string& rig) {
-  const std::string file = rig.empty() ? setup::find_asset("rigs/paper.toml") : rig;
+namespace {
+
+/// A part of a picture, from its top left corner on.
+drawing::Pixels part_of(const drawing::Pixels& whole, std::uint32_t left, std::uint32_t top, const EyeSize& size) {
+  drawing::Pixels part{size.width, size.height, {}};
+  for (std::uint32_t y = 0; y < size.height; ++y) {
+    const std::uint8_t* const row = whole.at(left, top + y);
+    part.rgba.insert(part.rgba.end(), row, row + std::size_t{4} * size.width);
+  }
+  return part;
+}
+
+}  // namespace
+
+ParticipantScene::ParticipantScene(const study::StudyPlan& plan, const setup::StudyRunOptions& run) {
+  const std::string file = run.rig.empty() ? setup::find_asset("rigs/paper.toml") : run.rig;
   const sensing::Rig own = sensing::load_rig(file);
   if (!own.screen)
     throw bad_input(file, "has no [screen], on which the participant sees the marker: add one (docs/files.md)");
-  participant_.screen = *own.screen;
+  const std::optional<Stereo> stereo =
+      run.stereo.empty() ? std::optional(Stereo::none) : value_of(stereo_words, run.stereo);
+  if (!stereo)
+    throw bad_usage(fmt::format("--stereo: '{}' is not {}", printable(run.stereo, 40), one_of(stereo_words)));
+  participant_ = {.screen = *own.screen,
+                  .eyes_apart_m = run.eyes_apart_m,
+                  .stereo = *stereo,
+                  .barrier_pitch_m = run.barrier_pitch_m,
+                  .barrier_gap_m = run.barrier_gap_m,
+                  .barrier_phase = run.barrier_phase};
   for (const study::PlanShape& shape : plan.shapes)
     show_solids(pictures_.emplace_back(), setup::load_solids(shape.model));
 }
 
-std::optional<drawing::Pixels> ParticipantScene::draw(const gpu::Device& device, std::optional<Offscreen>& eye,
-                                                      const ParticipantView& view, std::uint32_t width,
-                                                      std::uint32_t height) const {
+std::optional<drawing::Pixels> ParticipantScene::objects(const gpu::Device& device, std::optional<Offscreen>& eye,
+                                                         const ParticipantView& view, std::uint32_t width,
+                                                         std::uint32_t height) const {
   if (!view.marker && !view.object) return std::nullopt;
   ViewState state;
   state.dark = true;
@@ -27,8 +58,34 @@ std::optional<drawing::Pixels> ParticipantScene::draw(const gpu::Device& device,
   const Picture& picture = pictures_[view.shape];
   DrawnPicture drawn(device);
   drawn.update(picture, state);
-  if (!eye || eye->width() != width || eye->height() != height) eye.emplace(device, width, height);
+  const EyeSize size = eye_size(participant_.stereo, width, height);
+  if (!eye || eye->width() != size.width || eye->height() != size.height) eye.emplace(device, size.width, size.height);
   return viewer::draw(participant_, extent(picture, Extent::objects, state), width, height, *eye, drawn);
+}
+
+drawing::Pixels ParticipantScene::draw(const gpu::Device& device, std::optional<Offscreen>& eye,
+                                       const ParticipantView& view, std::uint32_t width, std::uint32_t height) const {
+  const std::optional<drawing::Pixels> under = objects(device, eye, view, width, height);
+  const EyeSize half = eye_size(participant_.stereo, width, height);
+  if (half.width == width && half.height == height) return viewer::draw(view, width, height, under ? &*under : nullptr);
+  // Each eye sees one half of the picture, so that both halves have the text.
+  std::vector<drawing::Pixels> halves;
+  for (const std::uint32_t second : {0u, 1u}) {
+    std::optional<drawing::Pixels> scene;
+    if (under)
+      scene = part_of(*under, half.width < width ? second * half.width : 0,
+                      half.height < height ? second * half.height : 0, half);
+    halves.push_back(viewer::draw(view, half.width, half.height, scene ? &*scene : nullptr));
+  }
+  return grown_to(combine(halves[0], halves[1], participant_.screen, {}, {}, participant_.stereo), width, height);
+}
+
+std::optional<std::size_t> ParticipantScene::button_at(const ParticipantView& view, std::uint32_t width,
+                                                       std::uint32_t height, double x, double y) const {
+  const EyeSize half = eye_size(participant_.stereo, width, height);
+  if (half.width < width && x >= half.width) x -= half.width;
+  if (half.height < height && y >= half.height) y -= half.height;
+  return viewer::button_at(button_places(view, half.width, half.height), x, y);
 }
 
 }  // namespace palpa::viewer

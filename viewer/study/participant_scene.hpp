@@ -4,11 +4,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "gpu/device.hpp"
-#include "sensing/rig.hpp"
+#include "setup/study_options.hpp"
 #include "study/plan/plan.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/render/participant.hpp"
@@ -19,16 +18,22 @@ namespace palpa::viewer {
 class ParticipantScene {
  public:
   /// The screen is that of the rig; without a rig, that of the paper's. Throws bad_input for a rig without a screen,
-  /// and as setup::load_solids does.
-  ParticipantScene(const study::StudyPlan& plan, const std::string& rig);
+  /// bad_usage for an unknown way of stereo, and as setup::load_solids does.
+  ParticipantScene(const study::StudyPlan& plan, const setup::StudyRunOptions& run);
 
   const Participant& setting() const { return participant_; }
-  /// A picture of that size; nullopt if the view shows neither object nor marker. `eye` is used again from call to
-  /// call, and must end before the device.
-  std::optional<drawing::Pixels> draw(const gpu::Device& device, std::optional<Offscreen>& eye,
-                                      const ParticipantView& view, std::uint32_t width, std::uint32_t height) const;
+  /// The window's whole picture: objects as the rig's screen shows them, text and buttons. `eye` is used again from
+  /// call to call, and must end before the device.
+  drawing::Pixels draw(const gpu::Device& device, std::optional<Offscreen>& eye, const ParticipantView& view,
+                       std::uint32_t width, std::uint32_t height) const;
+  /// The button at a place of that picture.
+  std::optional<std::size_t> button_at(const ParticipantView& view, std::uint32_t width, std::uint32_t height, double x,
+                                       double y) const;
 
  private:
+  std::optional<drawing::Pixels> objects(const gpu::Device& device, std::optional<Offscreen>& eye,
+                                         const ParticipantView& view, std::uint32_t width, std::uint32_t height) const;
+
   Participant participant_;
   std::vector<Picture> pictures_;  ///< of each shape
 };

@@ -2,13 +2,19 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "base/error.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/link.hpp"
+#include "session/links/safe_link.hpp"
 #include "setup/interrupt.hpp"
+#include "setup/load.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -18,7 +24,7 @@ constexpr std::uint64_t frames_until_placed = 3;
 /// Without a newer look at the skin, nobody knows how deep the finger is.
 constexpr std::chrono::milliseconds longest_unseen{500};
 /// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
-constexpr std::chrono::milliseconds longest_unheard{500};
+constexpr std::chrono::milliseconds longest_unheard{100};
 
 }  // namespace
 
@@ -50,6 +56,47 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.hold_s = run.hold_s;
   options.hold_auto = run.hold_auto;
   return options;
+}
+
+void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds) {
+  const sensing::Rig rig = run.rig.empty() ? sensing::Rig() : sensing::load_rig(run.rig);
+  const std::string own = session::layout_of_link(run.link, setup::with_builtin(kinds.links));
+  for (study::PlanMethod& method : plan.methods) {
+    const bool built_in = std::filesystem::path(method.layout).extension() != ".toml";
+    if (!method.layout_given) {
+      if (rig.array) {
+        method.layout = rig.array->layout;
+      } else if (!own.empty()) {
+        method.layout = own;
+      }
+    } else if (!rig.array && !own.empty() && built_in && method.layout != own) {
+      throw bad_usage(fmt::format(
+          "{}: method {} has layout = \"{}\", but the boards of --link {} are the array {}: write this into "
+          "its [[method]], or leave layout out",
+          plan.file, method.name, method.layout, run.link, own));
+    }
+  }
+}
+
+void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds) {
+  const std::vector<session::LinkKind> links = setup::with_builtin(kinds.links);
+  std::set<std::pair<std::string, double>> tried;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const setup::LiveOptions options = options_of_method(plan, m, run, "");
+    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s).second) continue;
+    const setup::PlacedLayout placed = setup::load_placed_layout(options.rig);
+    const array::Layout layout = array::transformed(placed.layout, placed.T_world_layout);
+    try {
+      const auto link = session::open_link(
+          run.link, links,
+          {.layout = layout, .solid_names = {}, .slot_s = options.touch.dwell_s, .board_files = run.board_files});
+      session::SafeLink(*link, layout.transducers.size()).finish();
+    } catch (const Error& error) {
+      if (std::string_view(error.what()).find("--layout") == std::string_view::npos) throw;
+      throw Error(error.code(), fmt::format("{}; in a study, it is `layout` of the [[method]] '{}' in {}", error.what(),
+                                            plan.methods[m].name, plan.file));
+    }
+  }
 }
 
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
@@ -115,6 +162,7 @@ void Presentation::start() {
   newest_ = 0;
   lowest_.reset();
   seen_at_.reset();
+  overload_ = forgotten_ = {};
   session_ = std::make_unique<LiveSession>(options_of_method(*plan_, *method_, *run_, scene_file_.string()), kinds_,
                                            *stop_, wake_);
 }
@@ -156,7 +204,9 @@ void Presentation::look() {
   place();
   if (session_->take()) {
     newest_ = session_->snapshot().sequence;
-    rate_hz_ = session_->snapshot().numbers.rate_hz;
+    const LiveNumbers& numbers = session_->snapshot().numbers;
+    rate_hz_ = numbers.rate_hz;
+    overload_ = {numbers.thinned, numbers.outdated};
     if (placed_ && !since_) since_ = newest_ + frames_until_placed;
     if (since_ && newest_ >= *since_ && !since_s_) since_s_ = session_->snapshot().time_s;
   }

@@ -25,10 +25,24 @@ namespace palpa::viewer {
 setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t method,
                                      const setup::StudyRunOptions& run, const std::string& scene);
 
+/// Gives each method whose layout the plan leaves open the array that it will have: that of the rig, or else of the
+/// link's own boards, or else the plan's default. Throws bad_usage if the plan gives a method a built-in array other
+/// than that of the link's boards, and as the link does.
+void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds);
+
+/// Opens the link as each method will, and closes it again in silence. A link that does not work is thus refused before
+/// anything is written. Throws as the link does.
+void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds);
+
 /// Throws bad_usage for a link that writes a file, because every method would replace it; and if the rig has another
 /// array than a method of the plan.
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
                        const LiveSession::Kinds& kinds);
+
+/// Frames of a session that a machine with too much to do did not look at in full.
+struct Overload {
+  std::uint64_t thinned = 0, outdated = 0;  ///< see LiveNumbers
+};
 
 class Presentation {
  public:
@@ -67,6 +81,11 @@ class Presentation {
   /// What the session uses, while it runs; nullptr otherwise.
   std::shared_ptr<const LiveScene> scene() const { return session_ ? session_->scene() : nullptr; }
   double rate_hz() const { return rate_hz_; }
+  /// Counts the frames since forget_overload().
+  Overload overload() const {
+    return {overload_.thinned - forgotten_.thinned, overload_.outdated - forgotten_.outdated};
+  }
+  void forget_overload() { forgotten_ = overload_; }
   /// Duration of a slot of the wanted method.
   double slot_s() const;
 
@@ -99,6 +118,7 @@ class Presentation {
   std::optional<Vec3> lowest_;
   std::optional<Clock::time_point> seen_at_;
   double rate_hz_ = 0;
+  Overload overload_, forgotten_;  ///< of this session
 };
 
 }  // namespace palpa::viewer

@@ -355,6 +355,19 @@ void Window::resize(std::uint32_t width, std::uint32_t height) {
   glfwSetWindowSize(state_->window, static_cast<int>(width), static_cast<int>(height));
 }
 
+void Window::move(const WindowPlace& place) {
+  glfwSetWindowPos(state_->window, place.x, place.y);
+  resize(place.width, place.height);
+}
+
+std::optional<WindowPlace> Window::work_area() const {
+  int x = 0, y = 0, width = 0, height = 0;
+  GLFWmonitor* const monitor = glfwGetPrimaryMonitor();
+  if (monitor != nullptr) glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+  if (width < 16 || height < 16) return std::nullopt;
+  return WindowPlace{x, y, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+}
+
 void Window::set_title(const std::string& title) {
   glfwSetWindowTitle(state_->window, title.c_str());
 }

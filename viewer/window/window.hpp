@@ -50,6 +50,10 @@ class Window {
   /// Ends a wait(). May be called from any thread.
   static void wake();
   void resize(std::uint32_t width, std::uint32_t height);
+  /// Gives it that place and size, in the units of place(), if the display lets programs do that.
+  void move(const WindowPlace& place);
+  /// The part of the first monitor that windows may use, in the same units; nullopt if it is not known.
+  std::optional<WindowPlace> work_area() const;
   void set_title(const std::string& title);
   /// Where it is; nullopt while it is minimised, maximised or hidden.
   std::optional<WindowPlace> place() const;

@@ -9,8 +9,8 @@
 #include "base/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "setup/options.hpp"
+#include "setup/study_plan.hpp"
 #include "setup/values.hpp"
-#include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::cli {
@@ -64,8 +64,7 @@ void run_level(const LevelCommand& o) {
   setup::refuse_gpu_options(o.common, "palpa study level computes on the processor");
   if (o.plan.size() != 1) throw bad_usage("give palpa study level one plan, such as assets/studies/paper.toml");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = study::read_plan(o.plan.front());
-  study::refuse_missing_files(plan);
+  const study::StudyPlan plan = setup::load_plan(o.plan.front());
   const study::EarLevel level = study::predict_ear_level(plan);
   if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
     throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");

@@ -9,10 +9,13 @@
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
+#include "setup/assets.hpp"
+#include "setup/experiment/observe.hpp"
 #include "setup/options.hpp"
+#include "setup/study_plan.hpp"
 #include "setup/values.hpp"
 #include "study/plan/order.hpp"
-#include "study/plan/plan_file.hpp"
+#include "study/sitting/ear_level.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -35,12 +38,29 @@ std::string time_text(double seconds) {
   return seconds < 120 ? fmt::format("{:.3g} s", seconds) : fmt::format("{:.3g} min", seconds / 60);
 }
 
-std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps) {
+/// How loud and how strong the plan's sound is.
+struct Strength {
+  double level_db = 0;  ///< predicted at the louder ear
+  double crest_n = 0;   ///< of a single focus on a finger
+};
+
+Strength strength_of(const study::StudyPlan& plan) {
+  setup::ObservedFinger finger(setup::find_asset("finger.ply"));
+  return {study::predict_ear_level(plan).loudest_db(), setup::crest_force_n(plan, finger)};
+}
+
+std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
+                      const Strength& strength) {
   std::string text =
       fmt::format("{}: {} shapes, {}, {}\n", plan.title.empty() ? plan.file : plan.title, plan.shapes.size(),
                   counted(plan.methods.size(), "method"), counted(plan.counts.participants, "participant"));
   fmt::format_to(std::back_inserter(text), "participant {}: {}, {} of touch\n", participant,
                  counted(steps.size(), "step"), time_text(study::sounding_s(plan)));
+  fmt::format_to(
+      std::back_inserter(text),
+      "at the ceiling {:g}: {:.1f} dB predicted at the louder ear (limit {:g} dB), a force of {:.2g} mN at the "
+      "crest of a single focus\n",
+      plan.level.ceiling, strength.level_db, plan.level.limit_db, strength.crest_n * 1e3);
   for (std::size_t i = 0; i < steps.size();) {
     const study::PlanBlock& block = plan.blocks[steps[i].block];
     std::size_t end = i;
@@ -54,7 +74,8 @@ std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, c
   return text;
 }
 
-std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps) {
+std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
+                      const Strength& strength) {
   JsonWriter json;
   json.begin_object()
       .member("title", plan.title)
@@ -65,6 +86,9 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
       .member("masking", plan.run.masking)
       .member("ceiling", plan.level.ceiling)
       .member("limit_db", plan.level.limit_db)
+      .member("level_db", strength.level_db)
+      .member("crest_n", strength.crest_n)
+      .member("least_trials", plan.counts.least_trials)
       .key("steps")
       .begin_array(JsonWriter::Style::rows);
   for (const study::Step& step : steps) {
@@ -81,16 +105,16 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
 }
 
 void run_plan(const PlanCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study plan computes nothing");
+  setup::refuse_gpu_options(o.common, "palpa study plan computes on the processor");
   if (o.plan.size() != 1) throw bad_usage("give palpa study plan one plan, such as assets/studies/paper.toml");
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the plan: set seed in its [run]");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
-  const study::StudyPlan plan = study::read_plan(o.plan.front());
-  study::refuse_missing_files(plan);
+  const study::StudyPlan plan = setup::load_plan(o.plan.front());
   const std::vector<study::Step> steps = study::order_of(plan, o.participant);
-  if (!o.common.json.empty()) write_file(o.common.json, plan_json(plan, o.participant, steps));
+  const Strength strength = strength_of(plan);
+  if (!o.common.json.empty()) write_file(o.common.json, plan_json(plan, o.participant, steps, strength));
   if (!o.csv.empty()) write_file(o.csv, study::order_csv(plan, steps));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", plan_text(plan, o.participant, steps));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", plan_text(plan, o.participant, steps, strength));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/outputs.hpp"
@@ -47,11 +48,12 @@ void run_power(const PowerCommand& o) {
   }
   const Outputs outputs(outputs_of(o.common, o.outputs));
   const study::PowerResult result = study::find_power(setting);
+  const std::vector<study::OtherCorrelation> others = study::at_other_correlations(setting);
   write_reports(o.common, o.outputs, outputs,
-                {.text = [&] { return power_text(setting, result); },
-                 .json = [&] { return power_json(setting, result); },
+                {.text = [&] { return power_text(setting, result, others); },
+                 .json = [&] { return power_json(setting, result, others); },
                  .csv = [&] { return power_csv(result); },
-                 .html = [&] { return power_html(setting, result); }});
+                 .html = [&] { return power_html(setting, result, others); }});
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 #include "cli/study/commands.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/options.hpp"
+#include "setup/study_plan.hpp"
 #include "setup/values.hpp"
-#include "study/plan/plan_file.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/rehearsal.hpp"
 
@@ -42,8 +42,7 @@ void run_rehearse(const RehearseCommand& o) {
   if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
   if (o.out.empty()) throw bad_usage("--out is missing: give a folder for the rehearsal");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = study::read_plan(o.plan.front());
-  study::refuse_missing_files(plan);
+  const study::StudyPlan plan = setup::load_plan(o.plan.front());
   const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk did not answer");
   study::Record record(plan, *o.participant, o.out, true);
   const study::ScriptedParticipant participant(o.accuracy, o.common.seed);

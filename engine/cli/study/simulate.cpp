@@ -13,6 +13,7 @@
 #include "setup/assets.hpp"
 #include "setup/experiment/observe.hpp"
 #include "setup/progress.hpp"
+#include "setup/study_plan.hpp"
 #include "study/comparison.hpp"
 #include "study/observer/beside.hpp"
 #include "study/observer/prediction.hpp"
@@ -55,9 +56,8 @@ void run_study_simulate(const StudySimulateCommand& o) {
   std::vector<Output> declared = outputs_of(o.common, o.outputs);
   declared.push_back({"--prediction", o.prediction});
   const Outputs outputs(declared);
-  const study::StudyPlan plan = study::read_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan.front());
   study::refuse_without_fit(plan);
-  study::refuse_missing_files(plan);
   // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
   std::vector<std::string> left_out;
   std::vector<study::ObservedTable> tables;

@@ -265,6 +265,8 @@ bool Compute::step() {
     stats.prediction->add(report.prediction->latency_s, report.prediction->distance_m, report.prediction->clamped);
   }
   stats.seconds = report.planned_s - begin_s;
+  report.effort = effort.now();
+  report.outdated = !options.every_frame && report.planned_s - plans.back().captured_s >= effort.hold_s();
   shed(report, plans.back().captured_s);
   if (options.planned) options.planned(report, plans.back());
   watch_solver(report);

@@ -49,6 +49,8 @@ struct FrameReport {
   std::span<const gpu::PassTime> passes;   ///< in the order they ran, on the device or as C++ twins
   double arrived_s = 0, planned_s = 0;     ///< on the loop's clock: frame in memory, drives in memory
   std::optional<Prediction> prediction{};  ///< of a frame with fingers, if foci are predicted
+  Effort effort{};                         ///< of a loop: the work that is done
+  bool outdated = false;                   ///< of a loop: its drives were ready only when its hold was over
 };
 
 class Planner {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <list>
 #include <map>
@@ -105,6 +106,11 @@ Calibration calibrate(ObservedFinger& finger, const array::Layout& layout) {
   return calibration;
 }
 
+/// Quiet sound is as linear acoustics says. Loud sound is no stronger than at the calibrated level.
+double crest_force_n(const study::StudyPlan& plan, const Calibration& calibration) {
+  return std::min(plan.level.ceiling * plan.level.ceiling * calibration.linear_crest_n, plan.observer.crest_n);
+}
+
 /// Touches of one method that are to be computed, and where they go.
 struct MissingResponses {
   ObservedMethod method;
@@ -149,6 +155,11 @@ void touch_shape(ObservedFinger& finger, const TouchedScene& shape, const TouchL
 
 }  // namespace
 
+double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
+  const array::Layout layout = load_posed_layout(plan.methods[plan.fit.method].layout);
+  return crest_force_n(plan, calibrate(finger, layout));
+}
+
 study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
   const Calibration calibration = calibrate(finger, *loaded.methods[plan.fit.method].layout);
@@ -170,6 +181,9 @@ study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   add_crest(plan.observer.crest_n);
   for (const double newton : plan.observer.other_crests_n)
     add_crest(newton);
+  const double of_plan = crest_force_n(plan, calibration);
+  add_level(fmt::format("plan ({:.2g} mN)", of_plan * 1e3), calibration.factor(of_plan));
+  out.levels.back().plan_ceiling = plan.level.ceiling;
   add_level("linear", 1);
   const std::vector<study::FingerPlace> places =
       study::places_of({plan.observer.lateral_m, plan.observer.yaw_rad}, plan.observer.placements);

@@ -11,6 +11,11 @@
 
 namespace palpa::setup {
 
+/// The force at the crest of a single focus on the paper's cube, 3 mm deep, at the ceiling of the plan, with the array
+/// of the fitted method: at most what the plan assumes for full amplitude. Kept between runs. Throws as
+/// calibrate_level() does.
+double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger);
+
 /// All touches of the plan's methods and candidates. Results are kept between runs. Reports its progress (Activity).
 /// Throws bad_input naming a missing model or layout, otherwise as touch_patterns does.
 study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger);

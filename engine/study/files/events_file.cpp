@@ -143,6 +143,7 @@ EventsFile read_events(const std::filesystem::path& path) {
   const EventsSidecar sidecar = read_events_sidecar(beside);
   EventsFile file = parse_events(text, name);
   file.shapes = sidecar.shapes;
+  file.least_trials = sidecar.least_trials;
   if (sidecar.rehearsal)
     file.faults.push_back(name + ": is a rehearsal: no person gave these answers; it is analysed all the same");
   if (sidecar.checksum && *sidecar.checksum != crc32_of(text)) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -39,6 +40,7 @@ struct EventsFile {
   std::string name{};                 ///< path, for messages
   std::vector<EventRow> rows{};       ///< in the order of the file
   std::vector<std::string> shapes{};  ///< that the file beside it names; may be empty
+  std::uint32_t least_trials = 0;     ///< that the file beside it gives
   std::vector<std::string> faults{};  ///< a line for each row that is left out, with file and line
 };
 

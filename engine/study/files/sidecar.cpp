@@ -65,6 +65,12 @@ EventsSidecar read_events_sidecar(const std::filesystem::path& file) {
   EventsSidecar sidecar{.shapes = levels_of(document, file.string())};
   if (const auto found = document.find("Rehearsal"); found != document.end())
     sidecar.rehearsal = found->is_boolean() && found->get<bool>();
+  if (const auto least = document.find("LeastTrials"); least != document.end()) {
+    constexpr std::uint64_t most = 1'000'000;
+    if (!least->is_number_unsigned() || least->get<std::uint64_t>() > most)
+      throw bad_input(file.string(), fmt::format("\"LeastTrials\" is not a whole number from 0 to {}", most));
+    sidecar.least_trials = least->get<std::uint32_t>();
+  }
   if (const auto sum = document.find("EventsCrc32"); sum != document.end()) {
     std::size_t used = 0;
     const std::string digits = sum->is_string() ? sum->get<std::string>() : "";

@@ -18,6 +18,7 @@ struct EventsSidecar {
   std::vector<std::string> shapes{};        ///< that were asked for, in their order; may be empty
   std::optional<std::uint32_t> checksum{};  ///< CRC-32 of the log when its session ended
   bool rehearsal = false;                   ///< no person was there
+  std::uint32_t least_trials = 0;           ///< of the plan: with fewer, a participant is left out of comparisons
 };
 /// Throws bad_input for a file that is not such JSON, and for a log of another version.
 EventsSidecar read_events_sidecar(const std::filesystem::path& file);

@@ -264,10 +264,17 @@ void add_course(std::vector<DepthCourse>& courses, std::size_t place, std::size_
 
 Participant assemble(Folder& folder, const Study& study) {
   Participant participant{.number = folder.number, .place = folder.path.string()};
+  participant.voids.resize(study.methods.size(), 0);
   for (const Session& session : folder.sessions) {
     std::size_t course = 0;
     for (const EventRow& row : session.events.rows) {
-      if (row.kind == BlockKind::trial && row.status == EventStatus::broken) ++participant.void_trials;
+      if (row.kind == BlockKind::trial && row.status == EventStatus::broken) {
+        if (const auto method = place_in(study.methods, row.method)) ++participant.voids[*method];
+      }
+      if (row.kind == BlockKind::familiarise && row.status == EventStatus::answered) {
+        ++participant.asked;
+        participant.unfelt += row.answer == "no" ? 1 : 0;
+      }
       if (!counts(row)) continue;
       const std::size_t own_course = course++;
       const auto method = place_in(study.methods, row.method);
@@ -313,6 +320,7 @@ Study read_study(std::span<const std::string> places) {
   study.shapes = agree_on_shapes(folders);
   for (const Folder& folder : folders) {
     for (const Session& session : folder.sessions) {
+      study.least_trials = std::max(study.least_trials, session.events.least_trials);
       for (const EventRow& row : session.events.rows) {
         if (counts(row) && !place_in(study.methods, row.method)) study.methods.push_back(row.method);
       }

@@ -31,16 +31,18 @@ struct DepthCourse {
 
 struct Participant {
   std::uint32_t number = 0;
-  std::string place{};                ///< its folder, for messages
-  std::vector<Trial> trials{};        ///< in the order in which they took place
-  std::uint32_t void_trials = 0;      ///< that were broken off
-  std::vector<DepthCourse> depths{};  ///< by method, then shape; empty without a recording of the finger
+  std::string place{};                  ///< its folder, for messages
+  std::vector<Trial> trials{};          ///< in the order in which they took place
+  std::vector<std::uint32_t> voids{};   ///< trials that were broken off, by method
+  std::uint32_t asked = 0, unfelt = 0;  ///< familiarisations after which it was asked, and those without a sensation
+  std::vector<DepthCourse> depths{};    ///< by method, then shape; empty without a recording of the finger
 };
 
 struct Study {
   std::vector<std::string> methods{};  ///< single-focus first, if it is there, then by name
   std::vector<std::string> shapes{};
   std::vector<Participant> participants{};  ///< by number
+  std::uint32_t least_trials = 0;           ///< of the plan: with fewer, a participant is left out of comparisons
   std::vector<std::string> left_out{};      ///< one line for each file, row or participant that is not analysed
 };
 

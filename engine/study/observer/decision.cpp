@@ -129,6 +129,7 @@ Decisions Observer::decide(double sigma, std::size_t parts) const {
   std::vector<std::vector<double>> answers(all, std::vector<double>(noise_parts * shapes));
   parallel_chunks(all, 1, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<float> base(all), score(all);
+    std::vector<std::size_t> best(shapes);  // the shapes that are equally likely
     for (std::size_t truth = begin; truth < end; ++truth) {
       const std::size_t place = truth % per_shape / nodes;
       for (std::size_t t = 0; t < all; ++t) {
@@ -147,18 +148,19 @@ Decisions Observer::decide(double sigma, std::size_t parts) const {
         }
         for (std::size_t t = 0; t < all; ++t)
           score[t] = exponential(score[t] - largest);
-        std::size_t answer = 0;
+        std::size_t ties = 0;
         float most = -1;
         for (std::size_t shape = 0; shape < shapes; ++shape) {
           float sum = 0;
           for (std::size_t t = shape * per_shape; t < (shape + 1) * per_shape; ++t)
             sum += score[t];
-          if (sum > most) {
-            most = sum;
-            answer = shape;
-          }
+          if (sum < most) continue;
+          ties = sum > most ? 0 : ties;
+          best[ties++] = shape;
+          most = sum;
         }
-        answers[truth][draw / (2 * points_) * shapes + answer] += 1;
+        for (std::size_t i = 0; i < ties; ++i)
+          answers[truth][draw / (2 * points_) * shapes + best[i]] += 1 / static_cast<double>(ties);
       }
     }
   });

@@ -2,8 +2,8 @@
 //
 // A touch of a shape at a placement is felt as its template plus noise of the standard deviation sigma, the same in all
 // directions. The observer knows all templates and sigma, but not the placement. It answers the shape with the largest
-// likelihood, averaged over placements; no shape is preferred. The placement of the touch itself is left out, for all
-// shapes, so that the observer never knows a touch in advance.
+// likelihood, averaged over placements; no shape is preferred, so shapes that are equally likely share the answers. The
+// placement of the touch itself is left out, for all shapes, so that the observer never knows a touch in advance.
 //
 //   likelihood of a template t for a felt x = t0 + sigma n:  exp(-|t0 - t|^2 / (2 sigma^2) + n.t / sigma) times a
 //   factor that all templates share

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* decisions_kind = "decisions";
 /// To be raised when the computation changes.
-constexpr std::uint32_t decisions_version = 1;
+constexpr std::uint32_t decisions_version = 2;
 
 template <typename T>
 void add_values(CacheHash& hash, const std::vector<T>& values) {
@@ -42,7 +42,7 @@ CacheKey key_of(const Responses& responses) {
 }
 
 CacheKey key_of(const CacheKey& responses, const PredictedStudy& study, const Variant& variant, std::size_t level,
-                std::size_t points) {
+                std::size_t points, double sigma) {
   CacheHash hash;
   hash.add(decisions_version);
   hash.add(responses);
@@ -57,6 +57,7 @@ CacheKey key_of(const CacheKey& responses, const PredictedStudy& study, const Va
   hash.add(variant.placement);
   hash.add(level);
   hash.add(points);
+  hash.add(sigma);
   return hash.key();
 }
 

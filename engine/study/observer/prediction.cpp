@@ -88,18 +88,36 @@ PredictedVariant predict_variant(const Responses& responses, const PredictedStud
   return out;
 }
 
-/// The same, from an earlier run if it is kept.
+/// All methods with this noise, which is not fitted.
+PredictedVariant predict_with(double sigma, const Responses& responses, const PredictedStudy& study,
+                              const Variant& variant, std::size_t level, AllNormals& normals) {
+  PredictedVariant out{.name = variant.name, .what = variant.what, .sigma = sigma, .methods = {}};
+  const double seconds = study.touch_s / static_cast<double>(responses.depths_m.size());
+  for (std::size_t m = 0; m < responses.methods.size(); ++m) {
+    const Templates templates = templates_of(responses, m, variant, level, seconds);
+    const Decisions decisions = Observer(templates, normals.for_templates(templates)).decide(sigma);
+    out.methods.push_back(
+        {.accuracy = decisions.accuracy, .fitted_interval = {}, .error = 0, .shares = decisions.shares});
+  }
+  return out;
+}
+
+/// The prediction with fitted noise, or with `sigma` if that is not 0; from an earlier run if it is kept.
 PredictedVariant predict_or_load(const Responses& responses, const PredictedStudy& study, const Interval& interval,
                                  const Variant& variant, std::size_t level, AllNormals& normals,
-                                 const std::optional<CacheKey>& kept_as) {
-  if (!kept_as) return predict_variant(responses, study, interval, variant, level, normals);
-  const CacheKey key = key_of(*kept_as, study, variant, level, normals.points());
+                                 const std::optional<CacheKey>& kept_as, double sigma) {
+  const auto predict_now = [&] {
+    return sigma > 0 ? predict_with(sigma, responses, study, variant, level, normals)
+                     : predict_variant(responses, study, interval, variant, level, normals);
+  };
+  if (!kept_as) return predict_now();
+  const CacheKey key = key_of(*kept_as, study, variant, level, normals.points(), sigma);
   if (std::optional<PredictedVariant> kept = load_variant(key, responses.methods.size(), responses.shapes.size())) {
     kept->name = variant.name;
     kept->what = variant.what;
     return *std::move(kept);
   }
-  PredictedVariant made = predict_variant(responses, study, interval, variant, level, normals);
+  PredictedVariant made = predict_now();
   store_variant(key, made);
   return made;
 }
@@ -205,6 +223,8 @@ Prediction predict(const Responses& responses, const PredictedStudy& study, cons
                  .fitted_interval = {},
                  .variants = {},
                  .levels = {},
+                 .reference_force_n = responses.levels[0].force_n,
+                 .at_plan = {},
                  .nulls = {},
                  .ranking = {},
                  .studies = {}};
@@ -215,8 +235,9 @@ Prediction predict(const Responses& responses, const PredictedStudy& study, cons
   const std::optional<CacheKey> kept_as = options.keep ? std::optional(key_of(responses)) : std::nullopt;
   Activity activity("decides as the variants of the observer", observer_variants().size() + linear);
   AllNormals normals(options.points);
-  const auto predicted = [&](const Variant& variant, std::size_t level) {
-    PredictedVariant one = predict_or_load(responses, study, out.fitted_interval, variant, level, normals, kept_as);
+  const auto predicted = [&](const Variant& variant, std::size_t level, double sigma = 0) {
+    PredictedVariant one =
+        predict_or_load(responses, study, out.fitted_interval, variant, level, normals, kept_as, sigma);
     activity.advance();
     return one;
   };
@@ -227,6 +248,10 @@ Prediction predict(const Responses& responses, const PredictedStudy& study, cons
                               responses.methods[fitted.method], fitted.accuracy));
   }
   for (std::size_t level = 0; level < responses.levels.size(); ++level) {
+    if (responses.levels[level].plan_ceiling) {
+      out.at_plan = {responses.levels[level], predicted(observer_variants()[0], level, out.variants[0].sigma)};
+      continue;
+    }
     PredictedVariant prediction = level == 0 ? out.variants[0] : predicted(observer_variants()[0], level);
     out.levels.push_back({responses.levels[level], std::move(prediction)});
   }

@@ -69,7 +69,9 @@ struct Prediction {
   PredictedStudy study;
   Interval fitted_interval;                ///< 95 % of the fitted number
   std::vector<PredictedVariant> variants;  ///< the first is the reference
-  std::vector<PredictedLevel> levels;      ///< of the reference
+  std::vector<PredictedLevel> levels;      ///< of the reference, fitted at each level
+  double reference_force_n = 0;            ///< the crest of the single focus at the level of the reference
+  std::optional<PredictedLevel> at_plan;   ///< the reference with its own noise, at the plan's level
   std::vector<PredictedVariant> nulls;     ///< models without afferents: lapses, equal distances
   std::vector<RankedMethod> ranking;       ///< best first
   /// By method: 95 % of the mean accuracies of simulated studies of this size, with the reference's shares.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Level {
   std::string name;
   double factor = 1;
   double force_n = 0;  ///< the crest of the single focus on the reference touch at this level
+  /// The ceiling of the amplitudes in the plan, if this is the level at which the study is to be run. The observer's
+  /// noise is not fitted there: it is that of the reference.
+  std::optional<double> plan_ceiling{};
 };
 
 struct Responses {

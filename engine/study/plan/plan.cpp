@@ -38,6 +38,8 @@ const std::vector<DefaultText>& default_texts() {
        "You feel two shapes, one after the other. Afterwards, choose one of them."},
       {"rating", TextId::rating, "Move your finger up and down from the marker. Afterwards, give a number."},
       {"rest", TextId::rest, "Have a rest."},
+      {"felt", TextId::felt, "Did you feel anything?", true},
+      {"not_yet", TextId::not_yet, "Please wait for the question.", true},
       {"which_shape", TextId::which_shape, "Which shape was it?"},
       {"same_or_different", TextId::same_or_different, "Were the two shapes the same?"},
       {"which_interval", TextId::which_interval, "Was it the first or the second?"},
@@ -58,6 +60,9 @@ std::string StudyPlan::text(TextId id) const {
   if (const auto own = texts.find(language); own != texts.end()) {
     if (const auto found = own->second.find(id); found != own->second.end()) return found->second;
   }
+  if (language != "en" && id == TextId::felt) return "";
+  if (language != "en" && id == TextId::not_yet) return text(TextId::wait);
+  if (id == TextId::welcome && run.masking == "off") return "The study begins as soon as you are ready.";
   return std::ranges::find(default_texts(), id, &DefaultText::id)->english;
 }
 
@@ -87,6 +92,18 @@ std::string instruction_of(const StudyPlan& plan, const PlanBlock& block) {
       return plan.text(TextId::rest);
   }
   return {};
+}
+
+std::uint32_t trials_of_method(const StudyPlan& plan) {
+  std::size_t trials = 0;
+  for (const PlanBlock& block : plan.blocks) {
+    if (block.kind == BlockKind::trial && !block.once) trials += block.shapes.size() * block.repeats;
+  }
+  return static_cast<std::uint32_t>(trials);
+}
+
+std::uint32_t usual_least_trials(const StudyPlan& plan) {
+  return (3 * trials_of_method(plan) + 3) / 4;
 }
 
 double sounding_s(const StudyPlan& plan) {

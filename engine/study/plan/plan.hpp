@@ -27,6 +27,9 @@ struct PlanShape {
 struct PlanCounts {
   std::uint32_t participants = 10, trials_per_shape = 10;
   double touch_s = 10;
+  /// Who has fewer answered trials with a method is left out when methods are compared. By default, three quarters of
+  /// the planned ones (usual_least_trials).
+  std::uint32_t least_trials = 30;
 };
 
 /// [observer]
@@ -132,6 +135,8 @@ enum class TextId {
   two_interval,
   rating,
   rest,
+  felt,
+  not_yet,
   which_shape,
   same_or_different,
   which_interval,
@@ -149,6 +154,7 @@ struct DefaultText {
   const char* key;  ///< in [texts.LANGUAGE]
   TextId id;
   const char* english;
+  bool optional = false;  ///< a plan in another language may leave it out; see StudyPlan::text()
 };
 const std::vector<DefaultText>& default_texts();
 
@@ -171,11 +177,17 @@ struct StudyPlan {
   std::size_t touches() const {
     return (methods.size() + candidates.size()) * shapes.size() * observer.depths_m.size() * observer.placements;
   }
-  /// The plan's text in its language, otherwise the built-in English one.
+  /// The plan's text in its language, otherwise the built-in English one. In another language, `not_yet` is `wait` if
+  /// the plan leaves it out, and `felt` is empty: nothing is asked.
   std::string text(TextId id) const;
   /// What participants read for a shape.
   const std::string& label(std::size_t shape) const;
 };
+
+/// A participant's trials with each method.
+std::uint32_t trials_of_method(const StudyPlan& plan);
+/// Three quarters of them, rounded up.
+std::uint32_t usual_least_trials(const StudyPlan& plan);
 
 /// The most touches of a simulated plan: a few hours of computation.
 inline constexpr std::size_t most_planned_touches = 50'000;

@@ -33,7 +33,8 @@ void refuse_twice(const std::vector<Named>& before, const std::string& name, con
 void read_shapes(TomlTable& table, StudyPlan& plan) {
   constexpr std::size_t most_shapes = 16;
   for (TomlTable& one : table.tables("shape")) {
-    PlanShape shape{name_of(one), next_to(plan.file, one.text("model"))};
+    const std::string model = one.text("model");
+    PlanShape shape{name_of(one), is_own_model(model) ? model : next_to(plan.file, model)};
     refuse_twice(plan.shapes, shape.name, one);
     if (std::optional<TomlTable> labels = one.table("labels")) {
       for (const std::string& language : labels->keys())
@@ -74,8 +75,18 @@ void refuse_missing_texts(TomlTable& table, const StudyPlan& plan) {
     throw table.fault("language", fmt::format("language is '{0}', but there is no [texts.{0}]", plan.language));
   }
   for (const DefaultText& text : default_texts()) {
-    if (!own->second.contains(text.id))
+    if (!text.optional && !own->second.contains(text.id))
       throw table.fault("texts", fmt::format("[texts.{}] has no {}: give every text", plan.language, text.key));
+  }
+}
+
+/// Counts are read before the blocks that they bound.
+void settle_least_trials(const TomlTable& table, StudyPlan& plan) {
+  std::uint32_t& least = plan.counts.least_trials;
+  if (least == unset_least_trials) least = usual_least_trials(plan);
+  if (const std::uint32_t all = trials_of_method(plan); least > all) {
+    throw table.fault("study", fmt::format("[study] least_trials is {}, but a participant has only {} with each method",
+                                           least, counted(all, "trial")));
   }
 }
 
@@ -84,6 +95,7 @@ StudyPlan plan_of(TomlTable table, const std::string& name, const std::string& t
   plan.file = name;
   plan.sha256 = sha256(text);
   plan.title = table.text_or("title", "");
+  plan.counts.least_trials = unset_least_trials;
   read_shapes(table, plan);
   read_methods(table, plan);
   if (std::optional<TomlTable> counts = table.table("study")) plan.counts = counts_of(*counts);
@@ -93,6 +105,7 @@ StudyPlan plan_of(TomlTable table, const std::string& name, const std::string& t
   for (TomlTable& one : table.tables("block"))
     plan.blocks.push_back(block_of(one, plan));
   if (plan.blocks.empty()) plan.blocks = usual_blocks(plan);
+  settle_least_trials(table, plan);
   plan.language = table.text_or("language", plan.language);
   if (std::optional<TomlTable> texts = table.table("texts")) texts_of(*texts, plan);
   refuse_missing_texts(table, plan);

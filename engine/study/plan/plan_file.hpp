@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "study/plan/plan.hpp"
 
@@ -12,6 +13,13 @@ namespace palpa::study {
 /// Throws bad_input naming file, line and key. Models and layouts are not opened.
 StudyPlan read_plan(const std::filesystem::path& file);
 StudyPlan parse_plan(const std::string& text, const std::string& name);
+
+/// What the name of a model begins with that is one of palpa's own, wherever the plan lies: "palpa:cube.glb". The plan
+/// keeps this name. setup::load_plan() knows the file.
+inline constexpr std::string_view own_model_prefix = "palpa:";
+inline bool is_own_model(std::string_view model) {
+  return model.starts_with(own_model_prefix);
+}
 
 /// For the simulation. Throws bad_input if the plan has no [fit].
 void refuse_without_fit(const StudyPlan& plan);

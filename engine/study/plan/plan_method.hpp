@@ -17,6 +17,7 @@ struct PlanMethod {
   std::optional<std::uint32_t> stride;
   double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
   std::string layout = "paper";  ///< built-in name, or a file; a plan's is resolved from its folder
+  bool layout_given = false;     ///< by the plan; otherwise, a run takes that of its array
 };
 
 }  // namespace palpa::study

@@ -58,6 +58,7 @@ PlanMethod method_of(TomlTable& table, const std::string& plan) {
   method.dwell_s = table.number_or("dwell_ms", method.dwell_s * 1e3, 0.1, 1000) * 1e-3;
   method.modulation_hz = table.number_or("modulation_hz", method.modulation_hz, 1, 1000);
   method.delta_m = table.number_or("delta_mm", method.delta_m * 1e3, 0.01, 100) * 1e-3;
+  method.layout_given = table.has("layout");
   method.layout = table.text_or("layout", method.layout);
   if (std::filesystem::path(method.layout).extension() == ".toml") method.layout = next_to(plan, method.layout);
   table.done();
@@ -95,6 +96,9 @@ PlanCounts counts_of(TomlTable& table) {
   if (table.has("trials_per_shape"))
     counts.trials_per_shape = static_cast<std::uint32_t>(table.whole("trials_per_shape", 1, 1000));
   counts.touch_s = table.number_or("touch_s", counts.touch_s, 0.01, 600);
+  counts.least_trials = table.has("least_trials")
+                            ? static_cast<std::uint32_t>(table.whole("least_trials", 0, 1'000'000))
+                            : unset_least_trials;
   table.done();
   return counts;
 }

@@ -1,6 +1,7 @@
 // The tables of PLAN.toml, one function each.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ std::string name_of(TomlTable& table);
 
 PlanMethod method_of(TomlTable& table, const std::string& plan);
 PlanObserver observer_of(TomlTable& table);
+/// What `least_trials` is if the plan does not have it.
+inline constexpr std::uint32_t unset_least_trials = ~std::uint32_t{0};
 PlanCounts counts_of(TomlTable& table);
 PlanFit fit_of(TomlTable& table, const StudyPlan& plan);
 PlanRun run_of(TomlTable& table, const StudyPlan& plan);

@@ -46,6 +46,7 @@ void add_variants(HtmlPage& page, const Prediction& p) {
     add(variant.name, variant);
   for (const PredictedLevel& level : p.levels)
     add("level " + level.level.name, level.prediction);
+  if (p.at_plan) add("level " + p.at_plan->level.name + ", noise of the reference", p.at_plan->prediction);
   for (const PredictedVariant& null : p.nulls)
     add("null: " + null.name, null);
   page.table(
@@ -78,6 +79,8 @@ void add_fits(HtmlPage& page, const Prediction& p, const ObservedMethod& o) {
 std::string prediction_html(const Prediction& p, const Beside& beside, const std::string& sha256) {
   HtmlPage page("Which shape will it be? The prediction of an ideal observer");
   page.paragraph(prediction_caution());
+  page.paragraph(interval_caution());
+  if (p.at_plan) page.paragraph(plan_level_line(p));
   page.paragraph(fmt::format("Fitted to {}. {} shapes, {} depths, {} placements. SHA-256 of the prediction: {}.",
                              fitted_line(p), p.shapes.size(), p.depths_m.size(), p.placements, sha256));
   if (!beside.left_out.empty()) {

@@ -77,7 +77,19 @@ void put_prediction(JsonWriter& json, const Prediction& p) {
     put_variant(json, p, level.prediction);
     json.end_object();
   }
-  json.end_array().key("nulls").begin_array(JsonWriter::Style::block);
+  json.end_array().key("plan_level");
+  if (p.at_plan) {
+    json.begin_object();
+    put_short(json, "ceiling", p.at_plan->level.plan_ceiling.value_or(1));
+    put_short(json, "factor", p.at_plan->level.factor);
+    put_short(json, "crest_n", p.at_plan->level.force_n);
+    json.key("prediction");
+    put_variant(json, p, p.at_plan->prediction);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  json.key("nulls").begin_array(JsonWriter::Style::block);
   for (const PredictedVariant& null : p.nulls)
     put_variant(json, p, null);
   json.end_array().key("ranking").begin_array(JsonWriter::Style::block);

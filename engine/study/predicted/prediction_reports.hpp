@@ -22,6 +22,10 @@ std::string prediction_html(const Prediction& prediction, const Beside& beside, 
 
 /// What a prediction does not say, for every report.
 std::string prediction_caution();
+/// That the interval of the fitted number is too narrow.
+std::string interval_caution();
+/// How strong the sound of the plan is beside the level to which the noise is fitted; empty without a level of a plan.
+std::string plan_level_line(const Prediction& prediction);
 /// "single-focus 0.390 (156 of 400 trials)".
 std::string fitted_line(const Prediction& prediction);
 /// The method's name, and "tied" entries share a rank: "1 cross-section 0.618".

@@ -38,6 +38,26 @@ std::string prediction_caution() {
          "its confusions of shapes are not those of people.";
 }
 
+std::string interval_caution() {
+  return "The interval of the fitted number takes all trials as independent. Those of one person are not, so it is too "
+         "narrow, and so are the intervals that follow from it.";
+}
+
+std::string plan_level_line(const Prediction& p) {
+  if (!p.at_plan) return {};
+  const double crest_n = p.at_plan->level.force_n, reference_n = p.reference_force_n;
+  std::string line = fmt::format("At the plan's ceiling of {:g}, the force at a single focus' crest is {:.2g} mN",
+                                 p.at_plan->level.plan_ceiling.value_or(1), crest_n * 1e3);
+  if (crest_n < 0.99 * reference_n) {
+    line += fmt::format(
+        ", {:.0f} times less than the {:g} mN to which the noise is fitted. With that noise, the predictions are those "
+        "of "
+        "the level 'plan'; it may not be felt at all",
+        reference_n / crest_n, reference_n * 1e3);
+  }
+  return line + ".";
+}
+
 std::string fitted_line(const Prediction& prediction) {
   const FittedNumber& fitted = prediction.study.fitted;
   return fmt::format("{} {} ({} of {} trials, 95 % {})", printable(prediction.methods[fitted.method]),
@@ -66,6 +86,8 @@ std::string prediction_text(const Prediction& p, const Beside& beside, const std
     fmt::format_to(out, "  {:<22}{}\n", variant.name, accuracies(variant, methods));
   for (const PredictedLevel& level : p.levels)
     fmt::format_to(out, "  {:<22}{}\n", "level " + level.level.name, accuracies(level.prediction, methods));
+  if (p.at_plan)
+    fmt::format_to(out, "  {:<22}{}\n", "level " + p.at_plan->level.name, accuracies(p.at_plan->prediction, methods));
   for (const PredictedVariant& null : p.nulls)
     fmt::format_to(out, "  {:<22}{}\n", "null: " + null.name, accuracies(null, methods));
   for (const ObservedMethod& observed : beside.methods) {
@@ -96,7 +118,8 @@ std::string prediction_text(const Prediction& p, const Beside& beside, const std
   text += "\nRanking; methods of one rank are tied, because the variants differ more than they do:\n";
   for (const RankedMethod& entry : p.ranking)
     text += rank_line(p, entry) + "\n";
-  return text + "\nsha256 of the prediction: " + sha256 + "\n" + prediction_caution() + "\n";
+  text += "\nsha256 of the prediction: " + sha256 + "\n" + prediction_caution() + "\n" + interval_caution() + "\n";
+  return p.at_plan ? text + plan_level_line(p) + "\n" : text;
 }
 
 std::string prediction_csv(const Prediction& p, const Beside& beside) {
@@ -124,6 +147,7 @@ std::string prediction_csv(const Prediction& p, const Beside& beside) {
     add("variant", p.variants[v], p.variants[v].name, v, &ObservedMethod::variants);
   for (const PredictedLevel& level : p.levels)
     add("level", level.prediction, level.level.name, 0, nullptr);
+  if (p.at_plan) add("plan level", p.at_plan->prediction, p.at_plan->level.name, 0, nullptr);
   for (std::size_t n = 0; n < p.nulls.size(); ++n)
     add("null", p.nulls[n], p.nulls[n].name, n, &ObservedMethod::nulls);
   return csv;

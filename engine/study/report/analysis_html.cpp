@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "study/report/analysis_reports.hpp"
+#include "study/report/excluded.hpp"
 #include "study/report/figures.hpp"
 #include "study/report/html.hpp"
 #include "study/report/measures_text.hpp"
@@ -20,10 +21,11 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
   page.figure(accuracy_figure(analysis),
               "Accuracy of each participant with each method. The last group has the means; its bars show the standard "
               "deviation between participants.");
-  std::vector<HtmlRow> rows{{"method", "participants", "mean accuracy", "SD", "95 % (t)", "95 % (bootstrap)"}};
+  std::vector<HtmlRow> rows{
+      {"method", "participants", "mean accuracy", "SD", "95 % (t)", "95 % (bootstrap)", "void trials"}};
   for (const MethodResult& method : analysis.results.methods) {
     rows.push_back({method.pooled.name, std::to_string(method.accuracies.size()), shown(method.mean_accuracy),
-                    shown(method.deviation), shown(method.t), shown(method.bootstrap)});
+                    shown(method.deviation), shown(method.t), shown(method.bootstrap), std::to_string(method.voids)});
   }
   page.table(fmt::format("The mean over participants and its 95 % intervals: Student's t, and a bootstrap over "
                          "participants ({} resamples, seed {}).",
@@ -34,6 +36,11 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
 void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) {
   const std::string &a = analysis.study.methods[pair.a], &b = analysis.study.methods[pair.b];
   page.heading(fmt::format("{} minus {}", b, a));
+  if (!pair.excluded.empty()) page.list({excluded_line(analysis, pair), with_excluded_line(pair)});
+  if (pair.people.empty()) {
+    page.paragraph("Nobody has enough trials with both methods, so they are not compared.");
+    return;
+  }
   std::vector<HtmlRow> rows{
       {"measure", "value"},
       {"participants with both methods", std::to_string(pair.people.size())},
@@ -84,15 +91,23 @@ void add_courses(HtmlPage& page, const Analysis& analysis) {
 void add_people(HtmlPage& page, const Analysis& analysis) {
   page.heading("Participants");
   std::vector<HtmlRow> rows{
-      {"participant", "method", "turn", "trials", "correct", "accuracy", "d'", "bit", "answer time (s)"}};
+      {"participant", "method", "turn", "trials", "void", "correct", "accuracy", "d'", "bit", "answer time (s)"}};
   for (const PersonResult& result : analysis.results.people) {
     rows.push_back({std::to_string(analysis.study.participants[result.person].number),
                     analysis.study.methods[result.method], std::to_string(result.turn),
-                    std::to_string(result.table.total()), std::to_string(result.table.correct()),
-                    shown(result.accuracy), shown(result.dprime), shown(result.bits), shown(result.response_s)});
+                    std::to_string(result.table.total()), std::to_string(result.voids),
+                    std::to_string(result.table.correct()), shown(result.accuracy), shown(result.dprime),
+                    shown(result.bits), shown(result.response_s)});
   }
   page.table("Turn 1 is the method with which the participant began. The information of few trials is too large.",
              rows);
+  std::vector<std::string> unfelt;
+  for (const Participant& person : analysis.study.participants) {
+    if (person.unfelt > 0)
+      unfelt.push_back(fmt::format("participant {} felt nothing in {} of {}", person.number, person.unfelt,
+                                   counted(person.asked, "familiarisation")));
+  }
+  if (!unfelt.empty()) page.list(unfelt);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ void put_methods(JsonWriter& json, const Analysis& analysis) {
     const MethodResult& method = analysis.results.methods[m];
     const MethodCourse& course = analysis.courses[m];
     json.begin_object().member("name", method.pooled.name).member("participants", std::uint64_t{method.results.size()});
+    json.member("void", method.voids);
     put(json, "mean_accuracy", method.mean_accuracy);
     put(json, "deviation", method.deviation);
     put(json, "t_interval", method.t);
@@ -64,7 +65,7 @@ void put_people(JsonWriter& json, const Analysis& analysis) {
     json.begin_object(Style::line);
     json.member("participant", analysis.study.participants[result.person].number);
     json.member("method", analysis.study.methods[result.method]).member("turn", result.turn);
-    json.member("trials", result.table.total()).member("correct", result.table.correct());
+    json.member("trials", result.table.total()).member("void", result.voids).member("correct", result.table.correct());
     put(json, "accuracy", result.accuracy);
     put(json, "dprime", result.dprime);
     put(json, "bits", result.bits);
@@ -75,6 +76,18 @@ void put_people(JsonWriter& json, const Analysis& analysis) {
   json.end_array();
 }
 
+void put_excluded(JsonWriter& json, const Analysis& analysis, const MethodPair& pair) {
+  json.key("excluded").begin_array(Style::line);
+  for (const std::size_t person : pair.excluded)
+    json.value(analysis.study.participants[person].number);
+  json.end_array();
+  if (!pair.with_excluded) return;
+  json.key("with_excluded").begin_object();
+  put(json, "mean", pair.mean_with_excluded);
+  put(json, "wilcoxon", *pair.with_excluded);
+  json.end_object();
+}
+
 void put_pairs(JsonWriter& json, const Analysis& analysis) {
   json.key("pairs").begin_array(Style::block);
   for (const MethodPair& pair : analysis.between.pairs) {
@@ -82,11 +95,12 @@ void put_pairs(JsonWriter& json, const Analysis& analysis) {
     json.member("a", analysis.study.methods[pair.a]).member("b", analysis.study.methods[pair.b]);
     json.member("participants", std::uint64_t{pair.people.size()});
     put(json, "differences", pair.differences);
-    put(json, "mean", pair.mean);
+    put_excluded(json, analysis, pair);
+    put(json, "mean", pair.people.empty() ? std::nullopt : std::optional(pair.mean));
     put(json, "t_interval", pair.t);
     put(json, "bootstrap_interval", pair.bootstrap);
     put(json, "cohens_d", pair.cohens_d);
-    put(json, "hodges_lehmann", pair.hodges_lehmann.estimate);
+    put(json, "hodges_lehmann", pair.people.empty() ? std::nullopt : std::optional(pair.hodges_lehmann.estimate));
     put(json, "hodges_lehmann_interval", pair.hodges_lehmann.interval);
     put(json, "wilcoxon", pair.drop);
     put(json, "wilcoxon_pratt", pair.pratt);
@@ -115,6 +129,7 @@ std::string analysis_json(const Analysis& analysis) {
   for (const std::string& shape : analysis.study.shapes)
     json.value(shape);
   json.end_array();
+  json.member("least_trials", analysis.study.least_trials);
   put_methods(json, analysis);
   put_pairs(json, analysis);
   json.key("friedman");
@@ -128,6 +143,16 @@ std::string analysis_json(const Analysis& analysis) {
     json.null();
   }
   put_people(json, analysis);
+  json.key("felt_nothing").begin_array(Style::block);
+  for (const Participant& person : analysis.study.participants) {
+    if (person.asked == 0) continue;
+    json.begin_object(Style::line)
+        .member("participant", person.number)
+        .member("asked", person.asked)
+        .member("felt_nothing", person.unfelt)
+        .end_object();
+  }
+  json.end_array();
   json.key("left_out").begin_array(Style::block);
   for (const std::string& line : analysis.study.left_out)
     json.value(line);

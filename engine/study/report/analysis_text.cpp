@@ -4,10 +4,20 @@
 
 #include "base/text.hpp"
 #include "study/report/analysis_reports.hpp"
+#include "study/report/excluded.hpp"
 #include "study/report/measures_text.hpp"
 #include "study/report/numbers.hpp"
 
 namespace palpa::study {
+
+namespace {
+
+void add_excluded(std::string& text, const Analysis& analysis, const MethodPair& pair) {
+  if (pair.excluded.empty()) return;
+  text += "  " + excluded_line(analysis, pair) + "\n  " + with_excluded_line(pair) + "\n";
+}
+
+}  // namespace
 
 std::string analysis_text(const Analysis& analysis) {
   const Study& study = analysis.study;
@@ -15,12 +25,18 @@ std::string analysis_text(const Analysis& analysis) {
                                  study.shapes.size(), counted(study.methods.size(), "method"));
   const auto out = std::back_inserter(text);
   for (const MethodResult& method : analysis.results.methods) {
-    fmt::format_to(out, "\n{}: mean accuracy {} of {}, SD {}, 95 % {}\n", printable(method.pooled.name),
+    fmt::format_to(out, "\n{}: mean accuracy {} of {}, SD {}, 95 % {}; {} void\n", printable(method.pooled.name),
                    shown(method.mean_accuracy), counted(method.accuracies.size(), "participant"),
-                   shown(method.deviation), shown(method.t));
+                   shown(method.deviation), shown(method.t), counted(method.voids, "trial"));
     text += measures_text(method.pooled);
   }
   for (const MethodPair& pair : analysis.between.pairs) {
+    if (pair.people.empty()) {
+      fmt::format_to(out, "\n{} minus {}: nobody has enough trials\n", printable(study.methods[pair.b]),
+                     printable(study.methods[pair.a]));
+      add_excluded(text, analysis, pair);
+      continue;
+    }
     fmt::format_to(out, "\n{} minus {}: mean {} (95 % {}) of {}\n", printable(study.methods[pair.b]),
                    printable(study.methods[pair.a]), shown(pair.mean), shown(pair.t),
                    counted(pair.people.size(), "participant"));
@@ -28,10 +44,16 @@ std::string analysis_text(const Analysis& analysis) {
                    shown_p(pair.drop.two_sided), pair.drop.positive);
     if (pair.holm) fmt::format_to(out, "  after Holm's correction for all pairs: {}\n", shown_p(*pair.holm));
     fmt::format_to(out, "  correlation of the participants' accuracies: {}\n", shown(pair.pearson));
+    add_excluded(text, analysis, pair);
   }
   if (const auto& friedman = analysis.between.friedman) {
     fmt::format_to(out, "\nFriedman's test of all methods: chi-square {} with {} of freedom, {}\n",
                    shown(friedman->chi_square), counted(friedman->degrees, "degree"), shown_p(friedman->p));
+  }
+  for (const Participant& person : study.participants) {
+    if (person.unfelt == 0) continue;
+    fmt::format_to(out, "\nparticipant {} felt nothing in {} of {}\n", person.number, person.unfelt,
+                   counted(person.asked, "familiarisation"));
   }
   if (!study.left_out.empty())
     fmt::format_to(out, "\n{} about files or rows, see above\n", counted(study.left_out.size(), "warning"));

@@ -32,18 +32,35 @@ std::string answer_line(const PowerSetting& setting, const PowerResult& result) 
                      *result.people == 1 ? "reaches" : "reach", setting.power);
 }
 
+std::string other_line(const PowerSetting& setting, const OtherCorrelation& other) {
+  return fmt::format("with a correlation of {}: {}", other.correlation,
+                     other.people ? counted(*other.people, "participant")
+                                  : fmt::format("more than {} participants", setting.most_people));
+}
+
+constexpr const char* why_others =
+    "The correlation is that of ten people, whose accuracies have the chance of their trials in them. Its 95 % "
+    "interval "
+    "is 0.27 to 0.94. At its ends:";
+
 }  // namespace
 
-std::string power_text(const PowerSetting& setting, const PowerResult& result) {
+std::string power_text(const PowerSetting& setting, const PowerResult& result,
+                       const std::vector<OtherCorrelation>& others) {
   std::string text = setting_line(setting) + "\n\n  participants   power   95 %\n";
   for (const PowerRow& row : result.rows) {
     fmt::format_to(std::back_inserter(text), "  {:>12}   {}   {}\n", row.people, shown(row.power),
                    shown(std::optional(row.interval)));
   }
-  return text + "\n" + answer_line(setting, result) + "\n";
+  text += "\n" + answer_line(setting, result) + "\n";
+  if (!others.empty()) text += std::string(why_others) + "\n";
+  for (const OtherCorrelation& other : others)
+    text += "  " + other_line(setting, other) + "\n";
+  return text;
 }
 
-std::string power_json(const PowerSetting& setting, const PowerResult& result) {
+std::string power_json(const PowerSetting& setting, const PowerResult& result,
+                       const std::vector<OtherCorrelation>& others) {
   JsonWriter json;
   json.begin_object().key("accuracies").begin_array().value(setting.a).value(setting.b).end_array();
   json.member("spread", setting.spread).member("correlation", setting.correlation).member("trials", setting.trials);
@@ -54,7 +71,17 @@ std::string power_json(const PowerSetting& setting, const PowerResult& result) {
   } else {
     json.null();
   }
-  json.key("rows").begin_array(JsonWriter::Style::block);
+  json.key("other_correlations").begin_array(JsonWriter::Style::block);
+  for (const OtherCorrelation& other : others) {
+    json.begin_object(JsonWriter::Style::line).member("correlation", other.correlation).key("participants");
+    if (other.people) {
+      json.value(*other.people);
+    } else {
+      json.null();
+    }
+    json.end_object();
+  }
+  json.end_array().key("rows").begin_array(JsonWriter::Style::block);
   for (const PowerRow& row : result.rows) {
     json.begin_object(JsonWriter::Style::line).member("participants", row.people).member("found", row.found);
     put(json, "power", row.power);
@@ -74,10 +101,18 @@ std::string power_csv(const PowerResult& result) {
   return csv;
 }
 
-std::string power_html(const PowerSetting& setting, const PowerResult& result) {
+std::string power_html(const PowerSetting& setting, const PowerResult& result,
+                       const std::vector<OtherCorrelation>& others) {
   HtmlPage page("How many participants?");
   page.paragraph(answer_line(setting, result) + ".");
   page.paragraph("Simulated: " + setting_line(setting) + ".");
+  if (!others.empty()) {
+    page.paragraph(why_others);
+    std::vector<std::string> lines;
+    for (const OtherCorrelation& other : others)
+      lines.push_back(other_line(setting, other));
+    page.list(lines);
+  }
   page.figure(
       power_figure(setting, result),
       "The share of simulated studies in which Wilcoxon's exact signed-rank test finds the difference, with its "

@@ -26,13 +26,26 @@ struct Begun {
   EventStatus status = EventStatus::broken;
   std::string answer{}, why{};
   double deep_s = 0;
+  std::optional<TouchLosses> losses{};  ///< of all its touches
 };
+
+void add(std::optional<TouchLosses>& sum, const std::optional<Stimulus>& stimulus) {
+  if (!stimulus || !stimulus->losses) return;
+  if (!sum) sum.emplace();
+  sum->drives += stimulus->losses->drives;
+  sum->skipped_drives += stimulus->losses->skipped_drives;
+  sum->outdated_frames += stimulus->losses->outdated_frames;
+  sum->thinned_frames += stimulus->losses->thinned_frames;
+}
+
+/// What the log says of a step that was under way when the program ended, however it did.
+constexpr const char* program_ended = "the program ended";
 
 std::vector<Begun> begun_in(std::span<const Entry> run) {
   std::vector<Begun> all;
   for (const Entry& entry : run) {
     if (entry.kind == EntryKind::begin) {
-      all.push_back({.step = entry.step.value_or(0), .begin_ns = entry.at_ns});
+      all.push_back({.step = entry.step.value_or(0), .begin_ns = entry.at_ns, .why = program_ended});
       continue;
     }
     if (all.empty()) continue;
@@ -41,15 +54,18 @@ std::vector<Begun> begun_in(std::span<const Entry> run) {
       case EntryKind::touched:
         last.end_ns = entry.at_ns;
         last.deep_s += entry.deep_s.value_or(0);
+        add(last.losses, entry.stimulus);
         break;
       case EntryKind::answer:
         last.answer_ns = entry.at_ns;
         last.answer = entry.text;
         last.status = EventStatus::answered;
+        last.why.clear();
         break;
       case EntryKind::done:
         if (!last.end_ns) last.end_ns = entry.at_ns;
         last.status = EventStatus::done;
+        last.why.clear();
         break;
       case EntryKind::broken:
         if (!last.end_ns) last.end_ns = entry.at_ns;
@@ -113,7 +129,7 @@ std::vector<std::span<const Entry>> runs_of(std::span<const Entry> entries) {
 std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> run) {
   std::string table =
       "onset\tduration\ttrial_type\tmethod\tshape\tsecond_shape\tanswer\tcorrect\tresponse_time\tstatus\tdeep_time\t"
-      "step\treason\n";
+      "step\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\n";
   const auto name = [&](const std::optional<std::uint32_t>& shape) {
     return shape ? plan.shapes[*shape].name : std::string(not_available);
   };
@@ -123,15 +139,21 @@ std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std
     // In the free exploration, the participant chose the shapes; the stimuli say which.
     const bool free = block.kind == BlockKind::free;
     const std::optional<bool> right = is_right(plan, step, begun);
-    fmt::format_to(std::back_inserter(table), "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\n",
-                   seconds(begun.begin_ns), begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
+    const auto number = [&](std::uint64_t TouchLosses::*which) {
+      return begun.losses ? std::to_string((*begun.losses).*which) : std::string(not_available);
+    };
+    fmt::format_to(std::back_inserter(table),
+                   "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{}\n", seconds(begun.begin_ns),
+                   begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
                    word_of(block_words, block.kind), plan.methods[step.method].name,
                    free ? std::string(not_available) : name(step.shape), name(step.second), cell(begun.answer),
                    !right   ? not_available
                    : *right ? std::string_view("true")
                             : std::string_view("false"),
                    begun.answer_ns && begun.end_ns ? seconds(*begun.answer_ns - *begun.end_ns) : not_available,
-                   word_of(status_words, begun.status), begun.deep_s, begun.step + 1, cell(begun.why));
+                   word_of(status_words, begun.status), begun.deep_s, begun.step + 1, cell(begun.why),
+                   number(&TouchLosses::drives), number(&TouchLosses::skipped_drives),
+                   number(&TouchLosses::outdated_frames), number(&TouchLosses::thinned_frames));
   }
   return table;
 }
@@ -147,7 +169,8 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
       .member("StartTimeUtc", start.text)
       .member("PalpaVersion", start.version)
       .member("PlanTitle", plan.title)
-      .member("PlanSha256", plan.sha256);
+      .member("PlanSha256", plan.sha256)
+      .member("LeastTrials", plan.counts.least_trials);
   if (start.rehearsal) json.member("Rehearsal", true);
   if (!start.masking.empty()) json.member("Masking", start.masking);
   if (ended) json.member("EventsCrc32", fmt::format("{:08x}", crc32_of(table)));
@@ -180,6 +203,10 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
   column(json, "deep_time", "how long nothing was played because a point was too deep", "s");
   column(json, "step", "the number in the participant's order; a repeated step has the same number");
   column(json, "reason", "why the step is void");
+  column(json, "lost_drives", "how many drives that sound the array never got");
+  column(json, "skipped_drives", "how many drives were never sent, because the program was too late");
+  column(json, "outdated_frames", "how many frames were too late to be played");
+  column(json, "thinned_frames", "how many frames were played with fewer pixels or foci, because time was short");
   json.end_object();
   return json.take();
 }
@@ -217,7 +244,8 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
         .member("dwell_s", method.dwell_s)
         .member("modulation_hz", method.modulation_hz)
         .member("delta_m", method.delta_m)
-        .member("layout", without_folders(method.layout));
+        .member("layout", without_folders(entry.stimulus && !entry.stimulus->layout.empty() ? entry.stimulus->layout
+                                                                                            : method.layout));
     if (method.stride) json.member("stride", *method.stride);
     if (entry.stimulus) {
       json.member("ceiling", entry.stimulus->ceiling);

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "study/files/gzip.hpp"
@@ -38,9 +39,9 @@ std::string finger_sidecar() {
 }  // namespace
 
 FingerRecorder::FingerRecorder(const ParticipantFolder& folder, std::uint32_t run)
-    : file_(folder.file(run, std::string(recording) + ".tsv.gz")) {
-  file_.cut(0);
-  write_file(folder.file(run, std::string(recording) + ".json"), finger_sidecar());
+    : file_(folder.file(run, fmt::format("{}.tsv.gz", recording))) {
+  if (file_.size() > 0) throw failure(file_.name() + ": is there already, and is not replaced");
+  write_file(folder.file(run, fmt::format("{}.json", recording)), finger_sidecar());
 }
 
 /// Row n is that of the time n / rate_hz.

@@ -63,7 +63,14 @@ Entry entry_of(const Json& object) {
                               .ceiling = found->at("ceiling").get<double>(),
                               .foci_file = number_or<std::string>(*found, "foci_file", ""),
                               .drives_sha256 = number_or<std::string>(*found, "drives_sha256", ""),
-                              .drives = number_or<std::uint64_t>(*found, "drives", 0)};
+                              .drives = number_or<std::uint64_t>(*found, "drives", 0),
+                              .layout = number_or<std::string>(*found, "layout", "")};
+    if (const auto losses = found->find("losses"); losses != found->end()) {
+      entry.stimulus->losses = TouchLosses{.drives = number_or<std::uint64_t>(*losses, "drives", 0),
+                                           .skipped_drives = number_or<std::uint64_t>(*losses, "skipped_drives", 0),
+                                           .outdated_frames = number_or<std::uint64_t>(*losses, "outdated_frames", 0),
+                                           .thinned_frames = number_or<std::uint64_t>(*losses, "thinned_frames", 0)};
+    }
   }
   return entry;
 }
@@ -74,6 +81,16 @@ void write_stimulus(JsonWriter& json, const Stimulus& stimulus) {
   if (!stimulus.foci_file.empty()) json.member("foci_file", stimulus.foci_file);
   if (!stimulus.drives_sha256.empty())
     json.member("drives_sha256", stimulus.drives_sha256).member("drives", stimulus.drives);
+  if (!stimulus.layout.empty()) json.member("layout", stimulus.layout);
+  if (stimulus.losses) {
+    json.key("losses")
+        .begin_object()
+        .member("drives", stimulus.losses->drives)
+        .member("skipped_drives", stimulus.losses->skipped_drives)
+        .member("outdated_frames", stimulus.losses->outdated_frames)
+        .member("thinned_frames", stimulus.losses->thinned_frames)
+        .end_object();
+  }
   json.end_object();
 }
 

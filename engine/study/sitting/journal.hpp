@@ -51,6 +51,15 @@ inline constexpr Word<EntryKind> entry_words[] = {
     {"pause", EntryKind::pause},   {"resume", EntryKind::resume},   {"stop", EntryKind::stop},
     {"finish", EntryKind::finish}};
 
+/// What a touch lost because the machine or the array could not follow.
+struct TouchLosses {
+  std::uint64_t drives = 0;           ///< that sound and that the array never got
+  std::uint64_t skipped_drives = 0;   ///< that were never sent, because the program was too late
+  std::uint64_t outdated_frames = 0;  ///< whose drives came too late to sound
+  std::uint64_t thinned_frames = 0;   ///< of which only some pixels were looked at, or only some foci played
+  bool operator==(const TouchLosses&) const = default;
+};
+
 /// What was played in a touch, beside what the plan says. Empty where nothing was played.
 struct Stimulus {
   std::string model_sha256{};
@@ -58,6 +67,8 @@ struct Stimulus {
   std::string foci_file{};      ///< name of the file with the foci of the touch
   std::string drives_sha256{};  ///< of all drives that were sent in the touch
   std::uint64_t drives = 0;     ///< their number
+  std::string layout{};         ///< of the array that played
+  std::optional<TouchLosses> losses{};
   bool operator==(const Stimulus&) const = default;
 };
 

@@ -3,14 +3,18 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <charconv>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/file_register.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "study/sitting/events_table.hpp"
 
 namespace palpa::study {
@@ -21,6 +25,32 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t most_journal_bytes = 64u << 20;
 constexpr const char* end_of_log = "_events.tsv";
 
+/// The names of all files in a folder and below it, sorted, from that folder on.
+std::vector<std::string> files_in(const fs::path& folder) {
+  std::vector<std::string> files;
+  std::error_code fault;
+  for (fs::recursive_directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
+    if (!at->is_directory(fault)) files.push_back(at->path().lexically_relative(folder).string());
+  }
+  if (fault) throw bad_input(folder.string(), "cannot be read: " + fault.message());
+  std::ranges::sort(files);
+  return files;
+}
+
+/// The run of a file such as sub-07_task-shapes_run-02_shapes.glb.
+std::optional<std::uint32_t> run_of(const std::string& file, const std::string& participant) {
+  const std::string before = participant + "_task-shapes_run-";
+  if (!file.starts_with(before)) return std::nullopt;
+  std::uint32_t run = 0;
+  const auto [end, fault] = std::from_chars(file.data() + before.size(), file.data() + file.size(), run);
+  return fault == std::errc{} ? std::optional(run) : std::nullopt;
+}
+
+/// With the line that names the columns.
+std::ptrdiff_t rows_in(const std::string& table) {
+  return std::ranges::count(table, '\n');
+}
+
 }  // namespace
 
 Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal)
@@ -29,6 +59,7 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
     throw bad_usage(fmt::format("participant {} withdrew, as {} says: give another participant another number",
                                 participant, folder_.tombstone().string()));
   }
+  refuse_lost_journal();
   make_folders(folder_);
   file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder_.path), .is_folder = true}});
   try {
@@ -51,7 +82,7 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
       throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_->name(),
                                   entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
     }
-    refuse_unknown_logs(runs_of(journal.entries).size());
+    refuse_unknown_files(journal.entries);
     file_->cut(journal.whole);
     entries_ = std::move(journal.entries);
     digits_ = std::move(journal.last_digits);
@@ -103,19 +134,42 @@ void Record::add(const Entry& entry) {
   }
 }
 
-void Record::refuse_unknown_logs(std::size_t runs) const {
+/// A journal that is empty or not there is that of a new participant, who has no files yet.
+void Record::refuse_lost_journal() const {
   std::error_code fault;
-  for (fs::directory_iterator at(folder_.beh(), fault), end; !fault && at != end; at.increment(fault)) {
-    const std::string name = at->path().filename().string();
-    bool known = !name.ends_with(end_of_log);
-    for (std::uint32_t run = 1; run <= runs; ++run)
-      known = known || at->path() == folder_.file(run, end_of_log);
-    if (known) continue;
-    throw bad_input(file_->name(), fmt::format("does not contain the run of {}: restore the journal, or give this "
-                                               "participant another number",
-                                               at->path().string()));
+  if (!fs::is_directory(folder_.path, fault)) return;
+  const fs::path journal = folder_.journal();
+  const bool there = fs::exists(journal, fault);
+  if (there && !(fs::is_regular_file(journal, fault) && fs::file_size(journal, fault) == 0)) return;
+  std::vector<std::string> files = files_in(folder_.path);
+  std::erase(files, journal.filename().string());
+  if (files.empty()) return;
+  const auto log = std::ranges::find_if(files, [](const std::string& file) { return file.ends_with(end_of_log); });
+  throw bad_input(journal.string(),
+                  fmt::format("{}, but there are {} of participant {} in {}, such as {}: restore the journal, or give "
+                              "this participant another number; nothing was changed",
+                              there ? "is empty" : "is missing", counted(files.size(), "file"), folder_.number,
+                              folder_.path.string(), log != files.end() ? *log : files.front()));
+}
+
+/// Files that the journal does not know would be replaced, or be taken for those of a later run.
+void Record::refuse_unknown_files(std::span<const Entry> entries) const {
+  const auto runs = runs_of(entries);
+  const auto refuse = [&](const std::string& file, const char* what) {
+    throw bad_input(file_->name(),
+                    fmt::format("does not contain {} {}: restore the journal, or give this participant another number; "
+                                "nothing was changed",
+                                what, (folder_.beh() / file).string()));
+  };
+  for (const std::string& file : files_in(folder_.beh())) {
+    const std::optional<std::uint32_t> run = run_of(file, folder_.name());
+    const bool known = run && *run >= 1 && *run <= runs.size();
+    if (!known && (run || file.ends_with(end_of_log))) refuse(file, "the run of");
+    if (!known || folder_.beh() / file != folder_.file(*run, end_of_log)) continue;
+    // The log is written from the journal, so it has no more rows.
+    const std::string log = AppendFile(folder_.beh() / file).content(most_journal_bytes);
+    if (rows_in(log) > rows_in(events_table(*plan_, steps_, runs[*run - 1]))) refuse(file, "all rows of");
   }
-  if (fault) throw bad_input(folder_.beh().string(), "cannot be read: " + fault.message());
 }
 
 void Record::write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ class Record {
   /// Opens the participant's journal in the folder of the study, or begins it. A line that was cut off is removed.
   /// Throws bad_usage if the participant withdrew, was begun with another plan, is being run by another process, or if
   /// a rehearsal would continue a person's sitting or the reverse; bad_input for a journal that was edited, is damaged,
-  /// of another version or of another participant, and if there are logs of runs that it does not contain; failure() if
-  /// a file cannot be written. `plan` must outlive it.
+  /// of another version or of another participant, if it is empty or missing although the participant has files, and if
+  /// there are files of runs, or rows of logs, that it does not contain; failure() if a file cannot be written. If it
+  /// throws, no file of a participant was changed. `plan` must outlive it.
   Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal);
   ~Record();
   Record(const Record&) = delete;
@@ -43,7 +45,8 @@ class Record {
   void write_logs(bool ended) const;
 
  private:
-  void refuse_unknown_logs(std::size_t runs) const;
+  void refuse_lost_journal() const;
+  void refuse_unknown_files(std::span<const Entry> entries) const;
   void write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const;
 
   const StudyPlan* plan_;

@@ -19,6 +19,7 @@ std::size_t ScriptedParticipant::answer(const StudyPlan& plan, const Sitting& si
     return right ? shape : (shape + 1 + random.below(choices - 1)) % choices;
   }
   if (kind == BlockKind::same_different) return (step.shape == step.second) == right ? 0 : 1;
+  if (kind == BlockKind::familiarise) return 0;  // something was felt
   return random.below(choices);
 }
 

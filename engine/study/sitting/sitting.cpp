@@ -122,7 +122,7 @@ void Sitting::end_touch(std::int64_t now_ns) {
   if (has_two_touches(block().kind) && !second_) {
     screen_ = Screen::between;
     until_ns_ = now_ns + ns_of(block().between_s);
-  } else if (asks(block().kind)) {
+  } else if (asks_now()) {
     screen_ = Screen::question;
   } else {
     complete({.kind = EntryKind::done, .at_ns = now_ns});
@@ -168,8 +168,7 @@ void Sitting::act(Act act, std::int64_t now_ns) {
     const std::vector<std::uint32_t>& shapes = block().shapes;
     const auto at = static_cast<std::size_t>(std::ranges::find(shapes, chosen_) - shapes.begin());
     const std::size_t by = act == Act::next_shape ? 1 : shapes.size() - 1;
-    chosen_ = shapes[(at + by) % shapes.size()];
-    record({.kind = EntryKind::choose, .at_ns = now, .step = agenda_.current(), .text = plan_.shapes[chosen_].name});
+    choose((at + by) % shapes.size(), now);
     return;
   }
   switch (screen_) {
@@ -238,6 +237,14 @@ void Sitting::answer(std::size_t choice, std::int64_t now_ns) {
   if (feedback && screen_ == Screen::ready) screen_ = Screen::feedback;
 }
 
+void Sitting::choose(std::size_t shape, std::int64_t now_ns) {
+  const std::int64_t now = forward(now_ns);
+  if (screen_ != Screen::touching || block().kind != BlockKind::free || shape >= block().shapes.size()) return;
+  if (block().shapes[shape] == chosen_) return;
+  chosen_ = block().shapes[shape];
+  record({.kind = EntryKind::choose, .at_ns = now, .step = agenda_.current(), .text = plan_.shapes[chosen_].name});
+}
+
 void Sitting::captured(const std::optional<double>& deepest_m, std::int64_t now_ns) {
   const std::int64_t now = forward(now_ns);
   count_deep(now);
@@ -303,6 +310,8 @@ std::string Sitting::text() const {
           return plan_.text(TextId::which_interval);
         case BlockKind::rating:
           return plan_.text(TextId::how_much);
+        case BlockKind::familiarise:
+          return plan_.text(TextId::felt);
         default:
           return plan_.text(TextId::which_shape);
       }
@@ -317,9 +326,22 @@ std::string Sitting::text() const {
   return {};
 }
 
+/// Whether the current step ends with a question. After a familiarisation, it is whether anything was felt.
+bool Sitting::asks_now() const {
+  return asks(block().kind) || (block().kind == BlockKind::familiarise && !plan_.text(TextId::felt).empty());
+}
+
 std::vector<std::string> Sitting::choices() const {
-  if (screen_ != Screen::question) return {};
+  return screen_ == Screen::question ? coming_choices() : std::vector<std::string>();
+}
+
+bool Sitting::has_choice(std::size_t choice) const {
+  return agenda_.current() && asks_now() && choice < coming_choices().size();
+}
+
+std::vector<std::string> Sitting::coming_choices() const {
   const BlockKind kind = block().kind;
+  if (kind == BlockKind::familiarise) return {plan_.text(TextId::accept), plan_.text(TextId::decline)};
   if (kind == BlockKind::same_different) return {plan_.text(TextId::same), plan_.text(TextId::different)};
   if (kind == BlockKind::two_interval) return {plan_.text(TextId::first), plan_.text(TextId::second)};
   std::vector<std::string> choices;
@@ -336,6 +358,8 @@ std::vector<std::string> Sitting::choices() const {
 /// The choice as logs have it, in every language.
 std::string Sitting::answer_word(std::size_t choice) const {
   switch (block().kind) {
+    case BlockKind::familiarise:
+      return choice == 0 ? "yes" : "no";
     case BlockKind::same_different:
       return choice == 0 ? "same" : "different";
     case BlockKind::two_interval:

@@ -62,6 +62,8 @@ class Sitting {
   void act(Act act, std::int64_t now_ns);
   /// The choice of that number, from 0. Ignored unless a question is shown.
   void answer(std::size_t choice, std::int64_t now_ns);
+  /// In the free exploration, the shape of that number among the block's, from 0. Ignored otherwise.
+  void choose(std::size_t shape, std::int64_t now_ns);
   /// The depth of the deepest captured point below the top of the object, metres; nothing if none was captured.
   void captured(const std::optional<double>& deepest_m, std::int64_t now_ns);
   /// A camera, the array or a disk failed: silence, and a pause that says why. The step under way is void.
@@ -82,6 +84,8 @@ class Sitting {
   std::string text() const;
   /// The answers that can be chosen, on the screen question.
   std::vector<std::string> choices() const;
+  /// Whether the question at the end of the current step has that choice. It may not have been asked yet.
+  bool has_choice(std::size_t choice) const;
   bool shows_object() const;  ///< the object is visible, not only its marker
   bool shows_marker() const;
   /// Why it is paused or stopped, for the experimenter.
@@ -106,6 +110,8 @@ class Sitting {
   const Step& step() const { return agenda_.step(*agenda_.current()); }
   std::string right_answer() const;
   std::string answer_word(std::size_t choice) const;
+  bool asks_now() const;
+  std::vector<std::string> coming_choices() const;
 
   const StudyPlan& plan_;
   Agenda agenda_;

@@ -166,6 +166,9 @@ TEST(OpenMpdBoard, CountsTheDrivesThatItsBoardsAreShown) {
   rig.faults[1]->takes_nothing = true;
   rig.play(drive, 0.15);
   EXPECT_LT(counts().completed.drives, 120u);
+  const std::uint64_t before = counts().completed.drives;
+  rig.play(faint, 0.015);
+  EXPECT_EQ(counts().completed.drives, before) << "the board does not take the silence either";
   rig.faults[1]->takes_nothing = false;
   rig.play(silent, 0.03);
   EXPECT_LT(counts().completed.drives, 120u);

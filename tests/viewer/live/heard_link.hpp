@@ -24,6 +24,7 @@ struct Heard {
   std::atomic<int> opened{0};
   std::atomic<bool> breaks{false};    ///< set by a test: the link fails
   std::atomic<bool> swallows{false};  ///< set by a test: drives no longer arrive
+  std::atomic<bool> halves{false};    ///< set by a test: every second drive does not arrive
   std::atomic<std::uint64_t> arrived{0};
   std::atomic<bool> last_sounds{false}, finished{false};
   std::atomic<float> loudest{0};  ///< amplitude in the last drive that sounds
@@ -45,7 +46,8 @@ class HeardLink final : public session::Link {
     ++heard_->drives;
     heard_->last_sounds = sounds;
     heard_->sounding += sounds ? 1 : 0;
-    heard_->arrived += sounds && !heard_->swallows ? 1 : 0;
+    const bool lost = heard_->swallows || (heard_->halves && heard_->drives % 2 == 0);
+    heard_->arrived += sounds && !lost ? 1 : 0;
   }
   void finish() override { heard_->finished = true; }
   std::optional<session::Carried> carried() const override {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,7 @@ TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
     EXPECT_EQ(touch["ceiling"], 0.5);
     EXPECT_EQ(touch["drives_sha256"].get<std::string>().size(), 64u);
     EXPECT_GT(touch["drives"], 10);
+    EXPECT_EQ(touch["layout"], "autd3");
     EXPECT_EQ(touch["model_sha256"],
               sha256_of_file(test::source_file(cube ? "assets/cube.glb" : "assets/semi-sphere.glb")).sha256);
     const json foci = json::parse(test::read_text(beh("").parent_path() / touch["foci_file"].get<std::string>()));
@@ -128,6 +130,9 @@ TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
     EXPECT_GE(played.frames.back().slot - played.frames.front().slot, touch["drives"].get<std::uint64_t>())
         << "slots that were late were skipped";
   }
+  const std::string log = test::read_text(beh("_events.tsv"));
+  EXPECT_CONTAINS(log, "\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\n");
+  EXPECT_CONTAINS(log, "\tn/a\t0\t") << "no reason, no drive was lost";
   // The depth of the finger, as the analysis reads it.
   const study::Study study = study::read_study(std::vector<std::string>{(folder_ / "study").string()});
   ASSERT_EQ(study.participants.at(0).trials.size(), 2u);
@@ -241,9 +246,79 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   EXPECT_EQ(bench.heard()->opened, 2);
 }
 
-TEST_F(ConductorTest, TheArrowKeysChangeTheShapeOfTheFreeExploration) {
+/// The array is gone before the touch begins: nobody feels anything, and the window does not say that it sounds.
+TEST_F(ConductorTest, ATouchWithoutAnArrayIsVoid) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(bench.reaches(Screen::ready));
+  bench.heard()->swallows = true;
+  bool said_sounds = false;
+  ASSERT_TRUE(bench.goes_until([&] {
+    said_sounds = said_sounds || bench.conductor().experimenter_view().sounds;
+    return bench.sitting().screen() == Screen::paused;
+  }));
+  EXPECT_FALSE(said_sounds);
+  EXPECT_CONTAINS(bench.sitting().reason(), "the array takes no drives");
+  EXPECT_EQ(bench.sitting().agenda().voided(), 1u);
+}
+
+TEST_F(ConductorTest, ATouchOfWhichTooLittleArrivesIsVoid) {
+  bench_ = std::make_unique<test::SittingBench>(folder_,
+                                                test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\n", 0.4));
+  bench_->begin();
+  bench_->heard()->halves = true;
+  ASSERT_TRUE(bench_->reaches(Screen::paused));
+  EXPECT_CONTAINS(bench_->sitting().reason(), "did not reach the array");
+  EXPECT_EQ(bench_->sitting().agenda().complete(), 0u);
+  EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "did not reach the array");
+  const ExperimenterView view = bench_->conductor().experimenter_view();
+  const auto overload = std::ranges::find(view.lines, "overload", &StateLine::name);
+  EXPECT_CONTAINS(overload->value, "lost");
+  bench_->heard()->halves = false;
+  bench_->press(Key::space, true);
+  ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 1; }));
+  EXPECT_EQ(bench_->sitting().agenda().voided(), 1u);
+}
+
+TEST_F(ConductorTest, AnAnswerBeforeTheQuestionIsIgnored) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  EXPECT_EQ(bench.conductor().participant_view().hint, "");
+  bench.press(key_of('2'));
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  EXPECT_EQ(bench.conductor().participant_view().hint, "Please wait for the question.");
+  EXPECT_EQ(bench.sitting().agenda().voided(), 0u);
+  bench.press(key_of('3'));
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused) << "there is no third answer, so it is a wish for silence";
+}
+
+/// Otherwise, a plan that is mended afterwards would be another plan than that of the participant.
+TEST_F(ConductorTest, WithoutItsSoundNoFileIsBegun) {
+  const fs::path plan = test::write_study_plan(folder_, "");
+  test::write_text(folder_ / "noise.wav", "no sound");
+  std::string text = test::read_text(plan);
+  text.replace(text.find("\"off\""), 5, "\"noise.wav\"");
+  test::write_text(plan, text);
+  test::SittingBench bench(folder_, plan);
+  std::string fault;  // palpa may have been built without sound
+  try {
+    bench.begin();
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  EXPECT_CONTAINS(fault, "noise.wav");
+  EXPECT_FALSE(fs::exists(folder_ / "study"));
+}
+
+TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   test::SittingBench& bench = long_touches("free");
   ASSERT_TRUE(touches_and_sounds());
+  EXPECT_EQ(bench.conductor().participant_view().hint, "cube");
+  const std::optional<std::int64_t> end = bench.sitting().next_ns();
+  bench.press(key_of('2'));
+  EXPECT_EQ(bench.sitting().presented().shape, 1u);
+  EXPECT_EQ(bench.conductor().participant_view().hint, "semi-sphere");
+  EXPECT_EQ(bench.sitting().next_ns(), end) << "the time goes on";
+  bench.press(key_of('1'));
   bench.press(Key::right);
   EXPECT_EQ(bench.sitting().presented().shape, 1u);
   ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
@@ -276,8 +351,36 @@ TEST(StudyLinks, MayNotWriteFiles) {
   EXPECT_NE(fault().find("does not play into a file"), std::string::npos);
   run.link = "null";
   EXPECT_EQ(fault(), "");
+  EXPECT_NO_THROW(try_study_link(bench.plan(), run, {}));
   run.rig = test::source_file("assets/rigs/paper.toml");
   EXPECT_NE(fault().find("its array is paper, but method single-focus"), std::string::npos);
+}
+
+/// A plan that leaves the array open fits any; one that names it says what is wrong in the plan's own words.
+TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
+  const fs::path folder = test::scratch_folder("study-layouts");
+  test::SittingBench bench(folder, test::write_study_plan(folder, ""));
+  setup::StudyRunOptions run;
+  run.link = "own:X";
+  LiveSession::Kinds kinds;
+  session::LinkKind own = test::heard_link(std::make_shared<test::Heard>());
+  own.name = "own";
+  own.own_layout = [](const std::string&) { return std::string("openmpd"); };
+  kinds.links.push_back(own);
+  study::StudyPlan plan = bench.plan();
+  EXPECT_ERROR(take_layouts(plan, run, kinds), Exit::usage,
+               "method single-focus has layout = \"autd3\", but the boards of --link own:X are the array openmpd");
+  for (study::PlanMethod& method : plan.methods)
+    method.layout_given = false;
+  take_layouts(plan, run, kinds);
+  EXPECT_EQ(plan.methods[1].layout, "openmpd");
+  kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
+    throw bad_usage("no such boards: give --layout x");
+  };
+  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, "it is `layout` of the [[method]] 'single-focus' in");
+  run.rig = test::source_file("assets/rigs/paper.toml");
+  take_layouts(plan, run, kinds);
+  EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";
 }
 
 }  // namespace

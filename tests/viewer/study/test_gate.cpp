@@ -61,7 +61,7 @@ TEST_F(GateTest, IsClosedAtFirst) {
   EXPECT_EQ(told_.voices, std::vector<std::uint32_t>{0});
   EXPECT_EQ(told_.sounds, std::vector<bool>{false});
   EXPECT_FALSE(gate_.sounding());
-  EXPECT_EQ(gate_.take().drives, 0u);
+  EXPECT_EQ(gate_.take().counts.drives, 0u);
 }
 
 TEST_F(GateTest, ClosesForAPlanThatABoardPlaysByItself) {
@@ -139,7 +139,7 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
   gate_.close();
   send(3);
   const PlayedTouch played = gate_.take();
-  EXPECT_EQ(played.drives, 2u);
+  EXPECT_EQ(played.counts.drives, 2u);
   ASSERT_EQ(played.frames.size(), 3u) << "the plan under way when the gate opened, the next one, and silence";
   EXPECT_EQ(played.frames[0].from, 1u) << "from here on it sounds";
   EXPECT_EQ(played.frames[1].from, 2u);
@@ -149,7 +149,7 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
   EXPECT_EQ(played.end, 3u);
   const float floats[] = {0.25F, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(played.drives_sha256, sha256({reinterpret_cast<const char*>(floats), sizeof floats}));
-  EXPECT_EQ(gate_.take().drives, 0u) << "taken";
+  EXPECT_EQ(gate_.take().counts.drives, 0u) << "taken";
 }
 
 TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
@@ -161,7 +161,7 @@ TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
   link.plan({.schedule = schedule_, .slots = {.from = 20, .until = 30}});
   gate_.close();
   const PlayedTouch played = gate_.take();
-  EXPECT_EQ(played.drives, 1u);
+  EXPECT_EQ(played.counts.drives, 1u);
   ASSERT_FALSE(played.frames.empty());
   EXPECT_EQ(played.frames.back().from, 20u);
   EXPECT_EQ(played.end, 20u);
@@ -211,6 +211,37 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
   send(0);
   send(1);
   EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns);
+}
+
+/// What is handed over is not what the array gets.
+TEST_F(GateTest, CountsWhatArrives) {
+  auto heard = std::make_shared<test::Heard>();
+  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
+  drive_[0].amplitude = 1;
+  gate_.open(later());
+  heard->swallows = true;
+  for (std::uint64_t slot = 0; slot < 8; ++slot)
+    link.send(slot, drive_);
+  EXPECT_TRUE(gate_.sounding());
+  EXPECT_FALSE(gate_.heard()) << "nothing has arrived";
+  EXPECT_FALSE(gate_.counts().too_few()) << "a few may be on their way";
+  heard->swallows = false;
+  for (std::uint64_t slot = 10; slot < 102; ++slot)  // two slots were slept through
+    link.send(slot, drive_);
+  EXPECT_TRUE(gate_.heard());
+  EXPECT_EQ(gate_.counts().sounding, 100u);
+  EXPECT_EQ(gate_.counts().arrived, 92u);
+  EXPECT_EQ(gate_.counts().lost(), 8u);
+  EXPECT_EQ(gate_.counts().skipped, 2u);
+  heard->swallows = true;
+  link.send(102, drive_);
+  EXPECT_FALSE(gate_.counts().too_few()) << "1 %, and 8 that silence may overtake";
+  link.send(103, drive_);
+  EXPECT_TRUE(gate_.counts().too_few());
+  heard->arrived += 2;
+  gate_.close();
+  link.send(104, drive_);
+  EXPECT_EQ(gate_.take().counts.lost(), 8u) << "those on their way count when they arrive";
 }
 
 TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {

@@ -1,0 +1,40 @@
+#include "study/report/excluded.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/text.hpp"
+#include "study/report/numbers.hpp"
+
+namespace palpa::study {
+namespace {
+
+std::uint64_t trials_of(const Analysis& analysis, std::size_t person, std::size_t method) {
+  const auto is = [&](const PersonResult& result) { return result.person == person && result.method == method; };
+  const auto found = std::ranges::find_if(analysis.results.people, is);
+  return found == analysis.results.people.end() ? 0 : found->table.total();
+}
+
+}  // namespace
+
+std::string excluded_line(const Analysis& analysis, const MethodPair& pair) {
+  if (pair.excluded.empty()) return {};
+  std::vector<std::string> people;
+  for (const std::size_t person : pair.excluded) {
+    people.push_back(fmt::format("participant {} ({} and {})", analysis.study.participants[person].number,
+                                 trials_of(analysis, person, pair.a), trials_of(analysis, person, pair.b)));
+  }
+  return fmt::format("left out, because the plan asks for at least {} with each method: {}",
+                     counted(analysis.study.least_trials, "trial"), fmt::join(people, ", "));
+}
+
+std::string with_excluded_line(const MethodPair& pair) {
+  if (!pair.with_excluded) return {};
+  return fmt::format("with them: mean {} of {}, Wilcoxon's test {}", shown(pair.mean_with_excluded),
+                     counted(pair.people.size() + pair.excluded.size(), "participant"),
+                     shown_p(pair.with_excluded->two_sided));
+}
+
+}  // namespace palpa::study
