@@ -32,16 +32,25 @@ std::string repr_of(py::handle value) {
   return Py_TYPE(value.ptr())->tp_name;
 }
 
-/// numpy.asarray(value).
-py::array any_array(const std::string& name, py::handle value, const char* wanted) {
-  try {
-    py::array array = py::array::ensure(value);
-    if (array) return array;
-  } catch (const py::error_already_set&) {
-    PyErr_Clear();
-  }
+std::string text_of_error(const py::error_already_set& error) {
+  const py::object text = py::reinterpret_steal<py::object>(PyObject_Str(error.value().ptr()));
+  if (text) return text.cast<std::string>();
   PyErr_Clear();
-  throw bad_usage(fmt::format("{}: give {}, not {}", name, wanted, Py_TYPE(value.ptr())->tp_name));
+  return "NumPy makes no array of it";
+}
+
+/// numpy.asarray(value). What the value's own __array__ raises is thrown on; if NumPy cannot make an array of it, the
+/// message says why.
+py::array any_array(const std::string& name, py::handle value, const char* wanted) {
+  using Numpy = py::detail::npy_api;
+  const py::object array = py::reinterpret_steal<py::object>(
+      Numpy::get().PyArray_FromAny_(value.ptr(), nullptr, 0, 0, Numpy::NPY_ARRAY_ENSUREARRAY_, nullptr));
+  if (array) return py::array(array);
+  py::error_already_set fault;
+  const bool of_numpy = fault.matches(PyExc_ValueError) || fault.matches(PyExc_TypeError);
+  if (!of_numpy || py::hasattr(value, "__array__")) throw fault;
+  throw bad_usage(fmt::format("{}: give {}, not {}: {}", name, wanted, Py_TYPE(value.ptr())->tp_name,
+                              shortened(one_line(text_of_error(fault)), 200)));
 }
 
 bool is_real(const py::array& array) {
@@ -125,7 +134,7 @@ double length_of(const std::string& name, py::handle value) {
   }
   const double metres = PyFloat_AsDouble(value.ptr());
   if (PyErr_Occurred()) {
-    PyErr_Clear();
+    forgive_wrong_value();
     throw refused();
   }
   if (!std::isfinite(metres)) throw refused();
@@ -200,7 +209,7 @@ array::Drive drive_of(const std::string& name, py::handle value, const array::La
   if (!is_real(given) && given.dtype().kind() != 'c') refuse_type(name, given, wanted.c_str());
   const auto array = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>::ensure(given);
   if (!array) throw py::error_already_set();
-  constexpr double rounding = 1e-9;
+  constexpr double rounding = 1e-6;  // of complex64
   array::Drive drive;
   drive.reserve(layout.transducers.size());
   for (py::ssize_t i = 0; i < array.size(); ++i) {

@@ -18,10 +18,13 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "base/words.hpp"
+#include "bodies.hpp"
 #include "bodies_doc.hpp"
 #include "layout.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "placed.hpp"
 #include "places.hpp"
 #include "running.hpp"
 #include "setup/options.hpp"
@@ -46,10 +49,6 @@ py::object vector_or_none(const std::optional<Vec3>& vector) {
 }
 
 // ---- scatter --------------------------------------------------------------------------------------------------------
-
-struct ScatterObject {
-  setup::ScatterResult result;
-};
 
 struct ScatterArguments {
   setup::DriveOptionsGroup drive;
@@ -76,8 +75,8 @@ setup::IncidentSound sound_of(const py::object& plane_wave, const py::object& po
   }
   if (drive.is_none() != layout.is_none()) throw bad_usage("layout and drive go together: give both");
   if (!drive.is_none()) {
-    const std::shared_ptr<const LayoutObject> array = layout_of("layout", layout);
-    return setup::ArraySound{array->layout, drive_of("drive", drive, array->layout), directivity};
+    const std::shared_ptr<LayoutObject> array = layout_of("layout", layout);
+    return setup::ArraySound{array->layout, drive_of_layout("drive", drive, *array), directivity};
   }
   if (directivity_given) throw bad_usage("directivity goes with drive: it belongs to an array's transducers");
   if (!plane_wave.is_none()) return setup::PlaneWave{point_of("plane_wave", plane_wave)};
@@ -223,10 +222,6 @@ BadUsage
 
 // ---- simulate -------------------------------------------------------------------------------------------------------
 
-struct SimulateObject {
-  setup::SimulateResult result;
-};
-
 /// `palpa.FingerBody`: keeps the finger's equations while it stays in one place.
 struct FingerBodyObject {
   FingerBodyObject(NamedMesh mesh, const setup::MediumOptions& tone, const setup::AirOptions& weather, bool force)
@@ -290,6 +285,7 @@ SimulateArguments simulate_arguments(Declared<SimulateArguments>& options, const
   o.task.bare_elongation = bare_elongation;
   o.task.compute = o.common;
   check(o.task);
+  o.task.compute.device = unlocked([&] { return device_for(o.common); });
   return o;
 }
 
@@ -320,15 +316,11 @@ std::shared_ptr<SimulateObject> simulate(const SceneObject& scene, const py::obj
   const SimulateArguments o =
       simulate_arguments(simulate_options(), penetration, skin, noise_free, bare_elongation, kwargs);
   return owned(with_finger(finger, o.task, force, [&](setup::FingerBody& body) {
-    SimulateObject made{setup::simulate(o.task, body, scene.source, scene.solids)};
+    SimulateObject made{setup::simulate(o.task, body, scene.name(), scene.solids)};
     if (made.result.unreached) log::warning(*made.result.unreached);
     return made;
   }));
 }
-
-struct Figure6Object {
-  std::vector<setup::Figure6Touch> touches;
-};
 
 std::shared_ptr<Figure6Object> figure6(const py::object& finger, const py::object& penetration, const std::string& skin,
                                        bool noise_free, bool force, const py::kwargs& kwargs) {
@@ -380,7 +372,7 @@ py::array simulated_foci(const SimulateObject& o) {
   std::vector<Vec3> foci;
   for (const std::optional<Vec3>& focus : o.result.foci)
     foci.push_back(focus.value_or(Vec3(nan)));
-  return copied(foci);
+  return in_world(copied(foci));
 }
 
 void add_simulation_class(py::module_& m) {
@@ -410,6 +402,9 @@ void add_simulation_class(py::module_& m) {
           "tip", [](const SimulateObject& o) { return copied(o.result.tip); },
           "ndarray of float64, shape (3,): the origin of the finger's file in its place, metres, world.")
       .def_property_readonly(
+          "method", [](const SimulateObject& o) { return std::string(word_of(touch::method_words, o.result.method)); },
+          "str: the method that placed the foci.")
+      .def_property_readonly(
           "penetration", [](const SimulateObject& o) { return o.result.penetration_m; }, "float: metres.")
       .def_property_readonly(
           "unreached", [](const SimulateObject& o) { return o.result.unreached; },
@@ -429,9 +424,7 @@ void add_simulation_class(py::module_& m) {
       .def(
           "write_vtu",
           [](const SimulateObject& o, const py::object& file) {
-            const std::optional<std::string> path = path_of(file);
-            if (!path) throw bad_usage("write_vtu: give the path of a file");
-            unlocked([&] { setup::write_vtu(*path, o.result); });
+            unlocked([&, path = file_of("file", file)] { setup::write_vtu(path, o.result); });
           },
           py::arg("file"), "Write the body and both pressures for ParaView.")
       .def("__repr__", [](const SimulateObject& o) {
@@ -471,7 +464,7 @@ force : bool, optional
       .def(py::init([](const py::object& finger, bool force, const py::kwargs& kwargs) {
              const FingerAir o = finger_air().read(kwargs);
              NamedMesh mesh = mesh_of("finger", finger);
-             return unlocked(
+             return cancellable(
                  [&] { return std::make_unique<FingerBodyObject>(std::move(mesh), o.medium, o.air, force); });
            }),
            py::arg("finger"), py::kw_only(), py::arg("force") = false)

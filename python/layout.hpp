@@ -3,9 +3,11 @@
 
 #include <pybind11/pybind11.h>
 
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
@@ -20,11 +22,18 @@ namespace py = pybind11;
 struct LayoutObject {
   array::Layout layout;
   std::string source;  ///< the name or file from which it was loaded; empty: a moved one
+  /// The transducers where they stood before they were moved; null: they were not.
+  std::shared_ptr<const std::vector<array::Transducer>> unmoved{};
+  mutable std::shared_ptr<array::KnownLayout> known{};  ///< if it has no file and was an option
+
+  /// The name or file by which options name it.
+  std::string option() const;
 };
 
 /// `palpa.Drive`.
 struct DriveObject {
   setup::DriveResult result;
+  std::shared_ptr<LayoutObject> layout{};
 };
 
 /// `palpa.Field`.
@@ -42,6 +51,15 @@ struct FingerSoundObject {
 
 /// Adds the classes Drive and Field.
 void add_sounds(py::module_& m);
+/// Adds the class Layout, without what it computes.
+py::class_<LayoutObject, std::shared_ptr<LayoutObject>> add_layout_class(py::module_& m);
+/// Adds Layout.transfer.
+void add_transfer(py::class_<LayoutObject, std::shared_ptr<LayoutObject>>& made);
+
+/// The options of a drive that is given, or of the air alone.
+void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o);
+inline constexpr std::initializer_list<const char*> only_the_air = {"--amplitude", "--solver", "--transfer",
+                                                                    "--constraint", "--pressure"};
 
 /// The drive of these foci by a Python function, checked like the content of a file. The function gets the transfer
 /// matrix (n, M) and the gains (n,), and returns a complex vector (M,). Needs the interpreter's lock.
@@ -49,6 +67,6 @@ array::Drive drive_by(const py::object& solver, const array::Layout& layout, std
                       const array::DriveOptions& options);
 
 /// A Layout, or a name or file to be loaded.
-std::shared_ptr<const LayoutObject> layout_of(const char* name, const py::object& value);
+std::shared_ptr<LayoutObject> layout_of(const char* name, const py::object& value);
 
 }  // namespace palpa::python

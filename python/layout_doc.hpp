@@ -30,7 +30,8 @@ Drive
 Raises
 ------
 BadUsage
-    A focus is at a transducer or farther than 100 m away, or options do not go together.
+    A focus is at a transducer or farther than 100 m away, options do not go together, or the foci are known to be in
+    another frame, as Finger.foci are in the world.
 NoDevice
     There is no usable GPU; `backend="cpu"` needs none.)";
 
@@ -48,6 +49,20 @@ Returns
 -------
 ndarray of complex128, shape (n, M)
     Pascals, peak; the time factor is exp(-i w t).)";
+
+inline constexpr const char* from_world_doc = R"(Points of the world in the layout's own frame.
+
+Parameters
+----------
+points : array_like, shape (n, 3)
+    Metres, world, such as Finger.foci.
+pose : array_like, shape (4, 4), optional
+    From the layout's own frame to the world. The default is `default_pose`; a rig may give another.
+
+Returns
+-------
+ndarray of float64, shape (n, 3)
+    Metres, in the layout's own frame.)";
 
 inline constexpr const char* field_doc = R"(The sound of a drive at places, in free air.
 
@@ -89,12 +104,13 @@ Returns
 ndarray of complex128, shape (M,)
     Amplitude times exp(i phase).)";
 
-inline constexpr const char* solve_touch_doc = R"(The drive for a slot of a touch that was written as JSON.
+inline constexpr const char* solve_touch_doc =
+    R"(The drive for a slot of a touch. The layout stands in its default pose.
 
 Parameters
 ----------
-touch : path
-    A file that `palpa touch --json` wrote, or a program with Touch.json().
+touch : Touch or path
+    A touch, or a file that `palpa touch --json` wrote, or a program with Touch.json().
 slot : int, optional
     In the touch's order, from 0.
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <set>
 
 #include "arrays.hpp"
 #include "base/activity.hpp"
@@ -11,6 +12,8 @@
 #include "base/start_thread.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/sources.hpp"
+#include "module.hpp"
+#include "placed.hpp"
 #include "session/links/gain_link.hpp"
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
@@ -63,18 +66,26 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
   return made;
 }
 
-/// Calls a callback with the interpreter's lock. Its exception, or the answer False, ends the run.
+/// Calls a callback with the interpreter's lock. Its exception ends the run at once, as an error; the answer False ends
+/// it with the ramp.
 template <typename Make>
-void call_back(Run& run, const py::object& callback, const Make& argument) {
-  const py::gil_scoped_acquire locked;
-  if (run.callback_fault) return;
-  try {
-    const py::object answer = callback(argument());
-    if (answer.is(py::bool_(false))) run.stop = true;
-  } catch (py::error_already_set& error) {
-    run.callback_fault.emplace(error);
-    run.stop = true;
+void call_back(SessionObject& o, const py::object& callback, const Make& argument) {
+  Run& run = o.run;
+  {
+    const Locked locked;
+    if (!locked || run.callback_fault) return;
+    const OwnFunctions::Called called(o.own);
+    try {
+      call_python([&] {
+        const py::object answer = callback(argument());
+        if (answer.is(py::bool_(false))) run.stop = true;
+      });
+      return;
+    } catch (py::error_already_set& error) {
+      run.callback_fault.emplace(error);
+    }
   }
+  throw failure("a callback failed");
 }
 
 void change_solids(Run& run, session::Session& session) {
@@ -108,38 +119,16 @@ bool open(const setup::LiveOptions& options, std::span<const session::SourceKind
   return true;
 }
 
-/// Keeps the state that this thread has in the interpreter. Otherwise each callback would make one and delete it. A
-/// fork() of another thread at that moment hangs in CPython 3.11.
-class KeptThreadState {
- public:
-  KeptThreadState() : lock_(PyGILState_Ensure()), state_(PyEval_SaveThread()) {}
-  ~KeptThreadState() {
-    PyEval_RestoreThread(state_);
-    PyGILState_Release(lock_);
+/// Nobody is called back from here on.
+void drop_callbacks(Run& run) {
+  const Locked locked;
+  for (py::object* const callback : {&run.on_frame, &run.on_event}) {
+    if (locked) {
+      *callback = py::object();
+    } else {
+      callback->release();  // the interpreter is gone
+    }
   }
-  KeptThreadState(const KeptThreadState&) = delete;
-  KeptThreadState& operator=(const KeptThreadState&) = delete;
-
- private:
-  PyGILState_STATE lock_;
-  PyThreadState* state_;
-};
-
-/// The run is over: nobody is called back from here on.
-void end_of(Run& run, const std::exception_ptr& fault, std::optional<KeptThreadState>& kept,
-            std::optional<EndsWithInterpreter>& ends) {
-  {
-    const py::gil_scoped_acquire locked;
-    run.on_frame = py::object();
-    run.on_event = py::object();
-  }
-  kept.reset();  // while the interpreter waits for this thread
-  ends.reset();
-  const std::lock_guard lock(run.mutex);
-  if (!run.stats) run.stats = std::make_shared<StatsObject>();
-  run.fault = fault;
-  run.over = true;
-  run.changed.notify_all();
 }
 
 /// Calls the caller's functions for this session.
@@ -150,12 +139,12 @@ session::RunOptions observers_of(SessionObject& o, session::Session& session) {
                         const session::FrameReport& report, const session::Plan& plan) {
     change_solids(run, session);
     if (run.on_frame)
-      call_back(run, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.own.method}); });
+      call_back(o, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.own.method}); });
   };
   if (run.on_event) {
-    looking.events = [&run, solids = session.solid_names()](std::span<const session::Event> events) {
+    looking.events = [&o, &run, solids = session.solid_names()](std::span<const session::Event> events) {
       for (EventObject& event : events_of(events, solids))
-        call_back(run, run.on_event, [&] { return std::move(event); });
+        call_back(o, run.on_event, [&] { return std::move(event); });
     };
   }
   return looking;
@@ -182,33 +171,95 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
 }
 
+void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
+  Run& run = o.run;
+  const std::vector<session::LinkKind> links = links_with_gain(run.gain);
+  const Outputs outputs(setup::outputs_of(options, links));
+  refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
+  if (o.from_points()) {
+    run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
+    return;
+  }
+  const std::vector<session::SourceKind> sources = driver::camera_sources();
+  std::optional<setup::LiveRun> live;
+  if (open(options, sources, links, run.stop, live))
+    run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+}
+
 /// The whole of a run, on its own thread.
 void play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
-  std::optional<EndsWithInterpreter> ends(std::in_place, run.stop);
-  std::optional<KeptThreadState> kept(std::in_place);
   std::exception_ptr fault;
-  try {
-    const std::vector<session::LinkKind> links = links_with_gain(run.gain);
-    const Outputs outputs(setup::outputs_of(options, links));
-    refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
-    if (o.from_points()) {
-      run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
-    } else {
-      const std::vector<session::SourceKind> sources = driver::camera_sources();
-      std::optional<setup::LiveRun> live;
-      if (open(options, sources, links, run.stop, live)) {
-        run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
-      }
+  {
+    const EndsWithInterpreter ends(run.stop);
+    const KeptThreadState kept;
+    try {
+      open_and_play(o, options);
+    } catch (...) {
+      fault = std::current_exception();
     }
-  } catch (...) {
-    fault = std::current_exception();
+    drop_callbacks(run);
   }
-  end_of(run, fault, kept, ends);
+  const std::lock_guard lock(run.mutex);
+  if (!run.stats) run.stats = std::make_shared<StatsObject>();
+  run.fault = fault;
+  run.over = true;
+  run.changed.notify_all();
 }
 
 double steady_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Sessions whose runs nobody has waited for; guarded by the interpreter's lock.
+std::set<SessionObject*>& unheard() {
+  static auto* const all = new std::set<SessionObject*>();
+  return *all;
+}
+
+/// Throws what ended the run, and forgets it.
+void throw_faults(SessionObject& o) {
+  Run& run = o.run;
+  const std::exception_ptr consequence = std::exchange(run.fault, nullptr);
+  if (run.callback_fault) {
+    py::error_already_set fault(std::move(*run.callback_fault));
+    run.callback_fault.reset();
+    throw fault;
+  }
+  o.own.throw_fault();
+  if (consequence) std::rethrow_exception(consequence);
+}
+
+void tell_unheard_of(SessionObject& o) {
+  if (unheard().erase(&o) == 0) return;
+  const py::error_scope other;  // a session may be destroyed while an error is on its way
+  try {
+    throw_faults(o);
+    return;
+  } catch (py::error_already_set& error) {
+    error.restore();
+  } catch (const Error& error) {
+    raise(error);
+  } catch (const std::exception& error) {
+    PyErr_SetString(PyExc_RuntimeError, error.what());
+  }
+  PyErr_WriteUnraisable(py::str("the run of a palpa.Session, whose end nobody has waited for").ptr());
+}
+
+/// Waits for the end of a run that was stopped. False if it does not come, because a callback does not return.
+bool wait_for_callback(SessionObject& o) {
+  constexpr double patience_s = 1;
+  Run& run = o.run;
+  if (run.thread.get_id() == std::this_thread::get_id()) return false;
+  const Unlocked open;
+  std::unique_lock lock(run.mutex);
+  while (!run.changed.wait_for(lock, std::chrono::milliseconds(50), [&] { return run.over; })) {
+    const double called_s = o.own.called_s;
+    if (is_over() || (called_s != 0 && steady_s() - called_s > patience_s)) return false;
+  }
+  lock.unlock();
+  run.thread.join();
+  return true;
 }
 
 py::object callback_of(const char* name, const py::object& given) {
@@ -218,6 +269,37 @@ py::object callback_of(const char* name, const py::object& given) {
 }
 
 }  // namespace
+
+void EndingSession::operator()(SessionObject* object) const {
+  if (!is_own_process()) return;
+  object->run.stop = true;
+  if (object->run.thread.joinable() && !wait_for_callback(*object)) {
+    unheard().erase(object);
+    return;
+  }
+  tell_unheard_of(*object);
+  delete object;
+}
+
+void end_quietly(SessionObject& o) {
+  refuse_fork();
+  o.run.stop = true;
+  if (!wait_for_callback(o)) return;
+  o.run.running = false;
+  unheard().erase(&o);
+}
+
+void tell_unheard() {
+  const std::set<SessionObject*> all = unheard();
+  for (SessionObject* const session : all) {
+    bool over = false;
+    {
+      const std::lock_guard lock(session->run.mutex);
+      over = session->run.over;
+    }
+    if (over) tell_unheard_of(*session);
+  }
+}
 
 void push_points(SessionObject& o, const py::object& points, const py::object& time) {
   if (!o.from_points()) throw bad_usage("push_points is for sessions with source=\"points\"");
@@ -230,6 +312,7 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
     if (given.size() != 1) throw bad_usage("time: give one number, in seconds");
     time_s = given[0];
   }
+  refuse_other_frame("points", points);
   std::vector<glm::vec3> skin;
   for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
     skin.push_back(point.position);
@@ -256,6 +339,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   SessionObject* const session = o.get();  // its destructor waits for the thread
   run.thread = start_thread("the session", [session, options] { play(*session, options); });
   run.running = true;
+  unheard().insert(session);
 }
 
 /// Waits for the end, and looks for signals meanwhile: the error of a signal's handler ends the run.
@@ -269,13 +353,21 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
   if (run.waited_for) throw bad_usage("wait: another thread waits for the end of this run");
   run.waited_for = true;
   std::optional<py::error_already_set> interrupted;
-  const auto is_over = [&] {
+  const auto is_over = [&](std::chrono::milliseconds at_most) {
     const Unlocked open;
     std::unique_lock lock(run.mutex);
-    return run.changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return run.over; });
+    return run.changed.wait_for(lock, at_most, [&] { return run.over; });
   };
-  while (!is_over()) {
-    if (interrupted || PyErr_CheckSignals() == 0) continue;
+  while (!is_over(std::chrono::milliseconds(20))) {
+    if (PyErr_CheckSignals() == 0) continue;
+    if (interrupted) {
+      // A callback does not return. Its Python code is interrupted, too. If it waits elsewhere, it is left alone.
+      PyErr_Clear();
+      interrupt(run.thread.get_id(), PyExc_KeyboardInterrupt);
+      if (is_over(std::chrono::milliseconds(500))) break;
+      run.waited_for = false;
+      throw py::error_already_set(std::move(*interrupted));
+    }
     interrupted.emplace();
     run.stop = true;
   }
@@ -284,14 +376,9 @@ std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& o) {
     run.thread.join();
   }
   run.running = run.waited_for = false;
+  unheard().erase(o.get());
   if (interrupted) throw py::error_already_set(std::move(*interrupted));
-  if (run.callback_fault) {
-    py::error_already_set fault(std::move(*run.callback_fault));
-    run.callback_fault.reset();
-    throw fault;
-  }
-  o->own.throw_fault();
-  if (run.fault) std::rethrow_exception(std::exchange(run.fault, nullptr));
+  throw_faults(*o);
   return run.stats;
 }
 

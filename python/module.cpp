@@ -2,28 +2,21 @@
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
+#include <deque>
 #include <exception>
 #include <filesystem>
-#include <map>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
+#include "driver/guard/process.hpp"
 #include "running.hpp"
 #include "setup/asset_folder.hpp"
 
@@ -35,7 +28,7 @@ namespace {
 
 /// The classes live as long as the process.
 struct Classes {
-  PyObject *error = nullptr, *bad_input = nullptr, *bad_usage = nullptr, *no_device = nullptr;
+  PyObject *warning = nullptr, *error = nullptr, *bad_input = nullptr, *bad_usage = nullptr, *no_device = nullptr;
 } classes;
 
 PyObject* new_class(py::module_& m, const char* name, const char* doc, const py::tuple& bases) {
@@ -77,6 +70,8 @@ PyObject* class_of(Exit code) {
   return classes.error;
 }
 
+}  // namespace
+
 void raise(const Error& error) {
   const std::string message = error.what();
   const py::object value = py::reinterpret_steal<py::object>(
@@ -87,7 +82,12 @@ void raise(const Error& error) {
   PyErr_SetObject(class_of(error.code()), value.ptr());
 }
 
-}  // namespace
+void forgive_wrong_value() {
+  for (PyObject* const kind : {PyExc_TypeError, PyExc_ValueError, PyExc_OverflowError}) {
+    if (PyErr_ExceptionMatches(kind)) return PyErr_Clear();
+  }
+  throw py::error_already_set();
+}
 
 void add_errors(py::module_& m) {
   const py::object exception = py::reinterpret_borrow<py::object>(PyExc_Exception);
@@ -103,6 +103,11 @@ void add_errors(py::module_& m) {
                                 py::make_tuple(error, py::handle(PyExc_ValueError)));
   classes.no_device = new_class(m, "NoDevice", "No usable Vulkan device; exit code 3.",
                                 py::make_tuple(error, py::handle(PyExc_RuntimeError)));
+  classes.warning = PyErr_NewExceptionWithDoc(
+      "palpa.PalpaWarning", "An unusual value, or something that a run has left out. `warnings` can filter it.",
+      PyExc_UserWarning, nullptr);
+  if (!classes.warning) throw py::error_already_set();
+  m.attr("PalpaWarning") = py::handle(classes.warning);
   // NOLINTNEXTLINE(performance-unnecessary-value-param): the type that pybind11 takes
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
@@ -132,6 +137,85 @@ std::string bytes_of(const std::string& name, py::handle text) {
   return bytes;
 }
 
+// ---- messages -------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Keeps the newest lines of the log. It is never destroyed, because threads may log until the process ends.
+log::Tail& tail() {
+  static auto* const kept = new log::Tail();
+  return *kept;
+}
+
+/// Those that messages() has not returned yet; guarded by the interpreter's lock.
+std::deque<log::Line>& lines() {
+  static auto* const kept = new std::deque<log::Line>();
+  return *kept;
+}
+
+/// Lets Python's `warnings` tell what was logged meanwhile, unless it is already printed, or `result` is null, because
+/// the call failed. Returns the result, or null if a warning became an error.
+PyObject* tell_warnings(PyObject* result) {
+  if (!is_own_process()) return result;
+  const std::vector<log::Line> fresh = tail().take();
+  lines().insert(lines().end(), fresh.begin(), fresh.end());
+  while (lines().size() > log::Tail::most)
+    lines().pop_front();
+  if (!result || log::level() >= log::Level::warning) return result;
+  for (const log::Line& line : fresh) {
+    if (line.level != log::Level::warning) continue;
+    const py::object text = shown_text(line.text).attr("encode")("utf-8", "backslashreplace");
+    if (PyErr_WarnEx(classes.warning, PyBytes_AsString(text.ptr()), 1) == 0) continue;
+    Py_DECREF(result);
+    return nullptr;
+  }
+  return result;
+}
+
+log::Level level_of(const std::string& word) {
+  std::string known;
+  for (const auto& entry : log::level_words) {
+    if (word == entry.word) return entry.value;
+    known += (known.empty() ? "" : ", ") + std::string(entry.word);
+  }
+  throw bad_usage(fmt::format("level: '{}' is no log level; the levels are {}", printable(word, 60), known));
+}
+
+void add_log(py::module_& m) {
+  // A module must not write on stderr by itself. The lines are kept instead.
+  log::set_level(log::Level::quiet);
+  tail();
+  m.def(
+      "set_log_level", [](const std::string& level) { log::set_level(level_of(level)); }, py::arg("level"),
+      R"(Set which messages are printed on stderr.
+
+Parameters
+----------
+level : {"quiet", "error", "warning", "info", "debug"}
+    The least important messages that are printed. The module begins with "quiet": it prints nothing, and gives
+    warnings to Python's `warnings` as PalpaWarning. With "warning" and beyond, they are only printed.)");
+  m.def(
+      "messages",
+      [] {
+        tell_warnings(nullptr);
+        py::list taken;
+        for (const log::Line& line : lines())
+          taken.append(py::make_tuple(std::string(word_of(log::level_words, line.level)), shown_text(line.text)));
+        lines().clear();
+        return taken;
+      },
+      R"(Take the messages since the last call, such as warnings of unusual values.
+
+Returns
+-------
+list of (str, str)
+    Level and text of each message, oldest first; at most the newest 500.)");
+}
+
+}  // namespace
+
+// ---- guards ---------------------------------------------------------------------------------------------------------
+
 namespace {
 
 /// Called instead of the allocation that pybind11 makes for an object that has no value, such as one that was made by
@@ -146,7 +230,7 @@ PyCFunctionWithKeywords dispatcher = nullptr;
 
 PyObject* call_guarded(PyObject* self, PyObject* arguments, PyObject* keywords) {
   try {
-    return dispatcher(self, arguments, keywords);
+    return tell_warnings(dispatcher(self, arguments, keywords));
   } catch (const std::exception&) {
     PyErr_SetString(PyExc_TypeError, "the arguments do not fit; help() says what the function takes");
     return nullptr;
@@ -178,211 +262,6 @@ void guard(const py::module_& m) {
   }
 }
 
-// ---- the interpreter beside the engine ------------------------------------------------------------------------------
-namespace {
-
-pid_t importer = 0;
-
-/// How the interpreter's end and the threads outside it find each other.
-struct End {
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool begun = false;
-  int returning = 0;                      ///< threads that are about to take the interpreter's lock
-  std::vector<std::atomic<bool>*> flags;  ///< of EndsWithInterpreter
-};
-End& end() {
-  static auto* const instance = new End();  // used until the process ends
-  return *instance;
-}
-
-std::thread::id main_thread;
-
-/// Called by Python's atexit, with the interpreter's lock. From now on, no other thread returns into Python.
-void begin_end() {
-  if (!is_own_process()) return;
-  PyThreadState* const state = PyEval_SaveThread();
-  {
-    std::unique_lock lock(end().mutex);
-    end().begun = true;
-    for (std::atomic<bool>* const flag : end().flags)
-      *flag = true;
-    end().changed.wait(lock, [] { return end().flags.empty() && end().returning == 0; });
-  }
-  PyEval_RestoreThread(state);
-}
-
-[[noreturn]] void wait_for_end_of_process() {
-  while (true)
-    pause();
-}
-
-}  // namespace
-
-bool is_own_process() {
-  return getpid() == importer;
-}
-
-void refuse_fork() {
-  if (is_own_process()) return;
-  throw failure(
-      "palpa cannot be used in a process that fork() made: its threads and the GPU stay in the parent; start processes "
-      "with multiprocessing.get_context(\"spawn\"), or import palpa only after the fork");
-}
-
-Unlocked::Unlocked() : state_(PyEval_SaveThread()) {}
-
-Unlocked::~Unlocked() noexcept(false) {
-  {
-    const std::lock_guard lock(end().mutex);
-    ++end().returning;
-    if (end().begun && std::this_thread::get_id() != main_thread) {
-      --end().returning;
-      end().changed.notify_all();
-      end().mutex.unlock();
-      wait_for_end_of_process();
-    }
-  }
-  PyEval_RestoreThread(state_);
-  const std::lock_guard lock(end().mutex);
-  --end().returning;
-  end().changed.notify_all();
-}
-
-void run_beside(std::atomic<bool>& stop, const std::function<void()>& work) {
-  refuse_fork();
-  std::mutex mutex;
-  std::condition_variable ended;
-  bool over = false;
-  std::exception_ptr fault;
-  std::optional<EndsWithInterpreter> ends(std::in_place, stop);
-  std::thread thread = start_thread("python", [&] {
-    try {
-      work();
-    } catch (...) {
-      fault = std::current_exception();
-    }
-    ends.reset();  // here, because the waiting thread may not return if the interpreter ends
-    const std::lock_guard lock(mutex);
-    over = true;
-    ended.notify_all();
-  });
-  const auto wait = [&](std::optional<std::chrono::milliseconds> at_most) {
-    const Unlocked open;
-    std::unique_lock lock(mutex);
-    if (at_most) return ended.wait_for(lock, *at_most, [&] { return over; });
-    ended.wait(lock, [&] { return over; });
-    return true;
-  };
-  constexpr std::chrono::milliseconds between_looks{20};
-  bool interrupted = false;
-  while (!wait(between_looks)) {
-    if (PyErr_CheckSignals() == 0) continue;
-    interrupted = true;
-    break;
-  }
-  if (interrupted) {
-    PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
-    PyErr_Fetch(&type, &value, &trace);  // callbacks still run Python code
-    stop = true;
-    wait(std::nullopt);
-    PyErr_Restore(type, value, trace);
-  }
-  thread.join();
-  if (interrupted) throw py::error_already_set();
-  if (fault) std::rethrow_exception(fault);
-}
-
-void run_cancellable(const std::function<void()>& work) {
-  std::atomic<bool> stop{false};
-  run_beside(stop, [&] {
-    const Cancellable cancellable(stop);
-    work();
-  });
-}
-
-EndsWithInterpreter::EndsWithInterpreter(std::atomic<bool>& stop) : stop_(&stop) {
-  const std::lock_guard lock(end().mutex);
-  if (end().begun) stop = true;
-  end().flags.push_back(&stop);
-}
-
-EndsWithInterpreter::~EndsWithInterpreter() {
-  const std::lock_guard lock(end().mutex);
-  std::erase(end().flags, stop_);
-  end().changed.notify_all();
-}
-
-std::mutex& device_turn() {
-  static auto* const mutex = new std::mutex();
-  return *mutex;
-}
-
-const gpu::Device* device_for(const setup::ComputeOptions& options) {
-  if (options.backend == setup::Backend::cpu) return nullptr;
-  static auto* const devices =
-      new std::map<std::pair<std::string, std::optional<gpu::Validation>>, std::unique_ptr<gpu::Device>>();
-  const std::lock_guard turn(device_turn());
-  std::unique_ptr<gpu::Device>& device = (*devices)[{options.gpu, options.validation}];
-  if (!device) device = std::make_unique<gpu::Device>(setup::device_options(options));
-  return device.get();
-}
-
-void add_running(py::module_& m) {
-  importer = getpid();
-  main_thread = std::this_thread::get_id();
-  py::module_::import("atexit").attr("register")(py::cpp_function(begin_end));
-  m.def("_end", begin_end);
-}
-
-// ---- messages -------------------------------------------------------------------------------------------------------
-
-namespace {
-
-/// Keeps the newest lines of the log. It is never destroyed, because threads may log until the process ends.
-log::Tail& tail() {
-  static auto* const kept = new log::Tail();
-  return *kept;
-}
-
-log::Level level_of(const std::string& word) {
-  std::string known;
-  for (const auto& entry : log::level_words) {
-    if (word == entry.word) return entry.value;
-    known += (known.empty() ? "" : ", ") + std::string(entry.word);
-  }
-  throw bad_usage(fmt::format("level: '{}' is no log level; the levels are {}", printable(word, 60), known));
-}
-
-void add_log(py::module_& m) {
-  // A module must not write on stderr by itself. The lines are kept instead.
-  log::set_level(log::Level::quiet);
-  tail();
-  m.def(
-      "set_log_level", [](const std::string& level) { log::set_level(level_of(level)); }, py::arg("level"),
-      R"(Set which messages are printed on stderr.
-
-Parameters
-----------
-level : {"quiet", "error", "warning", "info", "debug"}
-    The least important messages that are printed. The module begins with "quiet": it prints nothing.)");
-  m.def(
-      "messages",
-      [] {
-        py::list lines;
-        for (const log::Line& line : tail().take())
-          lines.append(py::make_tuple(std::string(word_of(log::level_words, line.level)), shown_text(line.text)));
-        return lines;
-      },
-      R"(Take the messages since the last call, such as warnings of unusual values.
-
-Returns
--------
-list of (str, str)
-    Level and text of each message, oldest first; at most the newest 500.)");
-}
-
-}  // namespace
 }  // namespace palpa::python
 
 PYBIND11_MODULE(_engine, m) {
@@ -393,16 +272,27 @@ PYBIND11_MODULE(_engine, m) {
   m.def(
       "_use_assets", [](pybind11::handle folder) { palpa::setup::set_asset_folder(bytes_of("folder", folder)); },
       "Look for palpa's own models and rigs in this folder.");
+  m.def(
+      "_use_guards",
+      [](const pybind11::list& files) {
+        std::vector<std::string> places;
+        for (const pybind11::handle file : files)
+          places.push_back(bytes_of("files", file));
+        palpa::driver::look_for_guard_at(std::move(places));
+      },
+      "Look for palpa-guard at these places first.");
   add_errors(m);
   add_running(m);
   add_log(m);
   add_options(m);
   add_shapes(m);
+  add_camera(m);
   add_touch(m);
   add_layout(m);
   add_bodies(m);
   add_tasks(m);
   add_session(m);
   add_sweeps(m);
+  add_pickles(m);
   guard(m);
 }

@@ -6,6 +6,8 @@
 
 #include <string>
 
+#include "base/error.hpp"
+
 namespace palpa::python {
 
 namespace py = pybind11;
@@ -17,12 +19,21 @@ void guard(const py::module_& m);
 void add_running(py::module_& m);
 void add_options(py::module_& m);
 void add_shapes(py::module_& m);
+void add_camera(py::module_& m);
 void add_touch(py::module_& m);
 void add_layout(py::module_& m);
 void add_bodies(py::module_& m);
 void add_tasks(py::module_& m);
 void add_session(py::module_& m);
 void add_sweeps(py::module_& m);
+void add_pickles(py::module_& m);
+
+/// Makes it the Python error of this thread, which needs the interpreter's lock.
+void raise(const Error& error);
+
+/// Clears the Python error if it says that a value is of no use (TypeError, ValueError, OverflowError): the caller has
+/// a better message. Throws any other error, such as one of the caller's own code.
+void forgive_wrong_value();
 
 /// A name or a message. Bytes that are not UTF-8, as names of files may have, become what os.fsdecode makes of them.
 py::str shown_text(const std::string& text);

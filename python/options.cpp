@@ -5,6 +5,7 @@
 
 #include <CLI/App.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -17,6 +18,8 @@
 #include "layout.hpp"
 #include "module.hpp"
 #include "own.hpp"
+#include "placed.hpp"
+#include "running.hpp"
 #include "setup/nearest_word.hpp"
 #include "setup/option_table.hpp"
 #include "shapes.hpp"
@@ -45,18 +48,19 @@ std::string text_of(const std::string& name, py::handle value) {
     // Python writes no number of more than 4300 digits.
     if (const py::object text = py::reinterpret_steal<py::object>(PyObject_Str(number.ptr())))
       return bytes_of(name, text);
-    PyErr_Clear();
+    forgive_wrong_value();
     throw not_a_value(name, "a smaller number");
   }
   if (py::isinstance<py::float_>(value) || py::hasattr(value, "__float__")) {
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred()) {
-      PyErr_Clear();
+      forgive_wrong_value();
       throw not_a_value(name, "one number");
     }
     return fmt::format("{}", number);
   }
-  if (py::hasattr(value, "source")) return text_of(name, value.attr("source"));  // of a Layout or a Scene
+  if (py::isinstance<LayoutObject>(value)) return value.cast<const LayoutObject&>().option();
+  if (py::hasattr(value, "source")) return text_of(name, value.attr("source"));  // of a Scene
   if (const std::optional<std::string> path = path_of(value)) return *path;
   throw not_a_value(name, "a number, a text or a path");
 }
@@ -123,7 +127,7 @@ std::string in_python(const std::string& help) {
 bool is_list(py::handle value) {
   if (py::isinstance<py::str>(value) || !py::isinstance<py::sequence>(value)) return false;
   if (PySequence_Size(value.ptr()) >= 0) return true;
-  PyErr_Clear();
+  forgive_wrong_value();
   return false;
 }
 
@@ -210,7 +214,9 @@ std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, c
   whole->values.solids.assign(finger.solid + std::size_t{1}, "");
   whole->values.fingers.resize(1);
   whole->values.schedule.add_voice();
-  std::vector<Vec3> foci = points_of("method", method(FingerObject{whole, 0}));
+  const py::object returned = method(FingerObject{whole, 0});
+  refuse_other_frame("method", returned);
+  std::vector<Vec3> foci = points_of("method", returned);
   if (foci.empty() || foci.size() > touch::max_foci)
     throw bad_usage(fmt::format("method: returned {} foci; a finger has 1 to {}", foci.size(), touch::max_foci));
   for (const Vec3& focus : foci) {
@@ -224,17 +230,25 @@ std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, c
 /// Calls a function with the interpreter's lock, unless one has failed before.
 template <typename Call>
 void call_own(OwnFunctions& own, const Call& call) {
-  const py::gil_scoped_acquire locked;
-  if (own.fault) return;
-  try {
-    call();
-  } catch (...) {
-    own.fault = std::current_exception();
-    if (own.stop) *own.stop = true;
+  {
+    const Locked locked;
+    if (!locked || own.fault) return;
+    const OwnFunctions::Called called(own);
+    try {
+      call_python(call);
+      return;
+    } catch (...) {
+      own.fault = std::current_exception();
+    }
   }
+  if (own.live) throw failure("a function of the caller's failed");
 }
 
 }  // namespace
+
+OwnFunctions::Called::Called(OwnFunctions& own) : since(own.called_s) {
+  since = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 void OwnFunctions::throw_fault() {
   if (fault) std::rethrow_exception(std::exchange(fault, nullptr));

@@ -16,9 +16,19 @@ namespace palpa::python {
 namespace py = pybind11;
 
 struct OwnFunctions {
-  py::object method, solver;          ///< null: palpa's own
-  std::exception_ptr fault;           ///< what one of them raised first; none is called before throw_fault()
-  std::atomic<bool>* stop = nullptr;  ///< becomes true at a fault
+  py::object method, solver;        ///< null: palpa's own
+  std::exception_ptr fault;         ///< what one of them raised first; none is called before throw_fault()
+  bool live = false;                ///< a fault ends the run at once: it throws failure() through the engine
+  std::atomic<double> called_s{0};  ///< since when Python code runs, on the steady clock; 0: none runs
+
+  /// Python code runs during its lifetime.
+  struct Called {
+    std::atomic<double>& since;
+    explicit Called(OwnFunctions& own);
+    ~Called() { since = 0; }
+    Called(const Called&) = delete;
+    Called& operator=(const Called&) = delete;
+  };
 
   /// Throws what a function raised, and forgets it. Needs the interpreter's lock.
   void throw_fault();

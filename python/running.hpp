@@ -2,6 +2,7 @@
 // fork(), and they end before the interpreter does.
 #pragma once
 
+#include <cxxabi.h>
 #include <pybind11/pybind11.h>
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "gpu/device.hpp"
@@ -24,9 +26,14 @@ namespace py = pybind11;
 void refuse_fork();
 /// Whether this process imported palpa.
 bool is_own_process();
+/// Whether the interpreter ends, and no longer waits for the threads of EndsWithInterpreter.
+bool is_over();
+[[noreturn]] void wait_for_end_of_process();
+/// Raises `error` in the Python code that this thread runs, or will run. Needs the interpreter's lock.
+void interrupt(std::thread::id thread, PyObject* error);
 
 /// Releases the interpreter's lock during its lifetime. If the interpreter ends meanwhile, the thread waits for the end
-/// of the process instead of running Python code.
+/// of the process instead of running Python code, unless the interpreter waits for it (EndsWithInterpreter).
 class Unlocked {
  public:
   Unlocked();
@@ -37,6 +44,47 @@ class Unlocked {
  private:
   PyThreadState* state_;
 };
+
+/// Takes the interpreter's lock during its lifetime, on a thread that may belong to the engine. It is not taken once
+/// the interpreter has stopped waiting for this thread; run no Python code then. A thread for which it never waits gets
+/// no further.
+class Locked {
+ public:
+  Locked();
+  ~Locked();
+  Locked(const Locked&) = delete;
+  Locked& operator=(const Locked&) = delete;
+  explicit operator bool() const { return taken_; }
+
+ private:
+  bool taken_;
+  PyGILState_STATE state_{};
+};
+
+/// Keeps the state that this thread has in the interpreter. Otherwise each callback would make one and delete it. A
+/// fork() of another thread at that moment hangs in CPython 3.11.
+class KeptThreadState {
+ public:
+  KeptThreadState();
+  ~KeptThreadState();
+  KeptThreadState(const KeptThreadState&) = delete;
+  KeptThreadState& operator=(const KeptThreadState&) = delete;
+
+ private:
+  std::optional<PyGILState_STATE> lock_;
+  PyThreadState* state_ = nullptr;
+};
+
+/// Calls Python code on a thread of the engine, with the interpreter's lock. If the interpreter ends the thread
+/// meanwhile, it waits here for the end of the process: it must not unwind the engine's code.
+template <typename Work>
+void call_python(const Work& work) {
+  try {
+    work();
+  } catch (const abi::__forced_unwind&) {
+    wait_for_end_of_process();
+  }
+}
 
 /// Calls `work` without the interpreter's lock.
 template <typename Work>
@@ -60,7 +108,12 @@ auto cancellable(Work&& work) {
   return std::move(*result);
 }
 
-/// A flag that becomes true when the interpreter ends. The caller then ends its work soon and destroys this object.
+/// Calls `look` when the interpreter begins to end, with its lock.
+void at_end(void (*look)());
+
+/// Work of the thread that makes this object, and that must destroy it. When the interpreter ends, `stop` becomes true,
+/// and the interpreter waits for the end of this object, but less than a second. Meanwhile the thread may run Python
+/// code. Code that does not return by itself is interrupted with SystemExit.
 class EndsWithInterpreter {
  public:
   explicit EndsWithInterpreter(std::atomic<bool>& stop);
@@ -72,8 +125,9 @@ class EndsWithInterpreter {
   std::atomic<bool>* stop_;
 };
 
-/// The device of these options; null for the processor. It is opened once for each choice of device, and stays open
-/// until the process ends. Hold `device_turn()` while it computes.
+/// The device of these options; null for the processor. It is opened once for each choice of device, keeps its
+/// pipelines, and stays open until the process ends, or until it is lost. Any thread may compute on it. Hold
+/// `device_turn()` while it computes a drive or a field.
 const gpu::Device* device_for(const setup::ComputeOptions& options);
 std::mutex& device_turn();
 

@@ -18,9 +18,11 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
+#include "cameras.hpp"
 #include "layout.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "placed.hpp"
 #include "running.hpp"
 #include "sensing/surroundings.hpp"
 #include "session_doc.hpp"
@@ -91,7 +93,7 @@ void add_event(py::module_& m) {
       .def_property_readonly(
           "depth", [](const EventObject& o) { return double{o.event.depth_m}; }, "float: metres.")
       .def_property_readonly(
-          "centroid", [](const EventObject& o) { return copied(Vec3(o.event.centroid)); },
+          "centroid", [](const EventObject& o) { return in_world(copied(Vec3(o.event.centroid))); },
           "ndarray of float64, shape (3,): of its contacts, metres, world.")
       .def("__repr__", [](const EventObject& o) {
         return fmt::format("<palpa.Event {} of finger {} on {} at {:.3f} s>",
@@ -117,15 +119,20 @@ void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras)
   const setup::LiveOptions& options = o.options;
   setup::check(options.drive, o.scene->solids);
   setup::PosedRig rig;
-  if (!options.rig.layout.empty() || !options.rig.rig.empty()) rig = setup::load_posed_rig(options.rig);
+  if (!options.rig.layout.empty() || !options.rig.rig.empty()) {
+    rig = setup::load_posed_rig(options.rig);
+    o.array =
+        std::make_shared<LayoutObject>(LayoutObject{rig.layout, "",
+                                                    std::make_shared<const std::vector<array::Transducer>>(
+                                                        setup::load_placed_layout(options.rig).layout.transducers)});
+  }
   session::SessionSetting setting =
       setup::session_setting(options, o.scene->solids, std::move(cameras), std::move(rig.layout));
   setting.surroundings = sensing::surroundings_of(rig.rig);
   setting.frame_by_frame = true;
-  if (options.common.backend == setup::Backend::gpu)
-    o.device = std::make_unique<gpu::Device>(setup::device_options(options.common));
-  o.session = o.device ? std::make_unique<session::Session>(*o.device, std::move(setting))
-                       : std::make_unique<session::Session>(std::move(setting));
+  const gpu::Device* const device = device_for(options.common);
+  o.session = device ? std::make_unique<session::Session>(*device, std::move(setting))
+                     : std::make_unique<session::Session>(std::move(setting));
 }
 
 SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::object& camera, bool depth,
@@ -134,19 +141,18 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   SessionPtr made(new SessionObject(), EndingSession());
   made->scene = scene;
   const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
-  made->own.stop = &made->run.stop;
   take_method(rest, made->own);
   take_solver(rest, made->own);
   made->options = session_options().read(rest).live;
   setup::LiveOptions& o = made->options;
   o.own_method = own_method(made->own);
   o.own_solver = own_solver(made->own);
-  o.scene = scene->source;
-  o.gltf_scene = scene->gltf_scene;
-  o.solids = scene->options;
+  set_scene(*scene, o);
+  if (kwargs.contains("layout")) made->layout = kwargs["layout"];
   o.common.quiet = true;  // a bar on a terminal would be printing
   o.watched = true;
   check(o.common);
+  made->own.live = made->live();
   if (made->live()) {
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
     check(o);
@@ -160,20 +166,13 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (!depth && !camera.is_none()) throw bad_usage("camera goes with depth=True");
   if (!depth) setup::refuse_finger_width(o.touch, "depth=True");
   made->has_cameras = depth;
-  std::vector<std::string> cameras;
-  if (const std::optional<std::string> one = path_of(camera)) {
-    cameras = {*one};
-  } else if (!camera.is_none()) {
-    if (!is_list(camera)) throw bad_usage("camera: give a path, or a list of these");
-    for (const py::object file : camera.cast<py::sequence>())
-      cameras.push_back(file_of("camera", file));
-  }
+  setup::TouchInputOptions images;
+  take_cameras(camera, images);
+  images.depths.assign(images.cameras.size(), "image");
   cancellable([&] {
     std::vector<sensing::Camera> eyes;
-    if (depth && cameras.empty()) eyes = setup::load_posed_rig(o.rig).rig.cameras;
-    if (!cameras.empty()) {
-      eyes = setup::load_cameras({.depths = std::vector<std::string>(cameras.size(), "image"), .cameras = cameras});
-    }
+    if (depth && images.cameras.empty()) eyes = setup::load_posed_rig(o.rig).rig.cameras;
+    if (!images.cameras.empty()) eyes = setup::load_cameras(images);
     open_frame_by_frame(*made, std::move(eyes));
     return true;
   });
@@ -196,6 +195,7 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
   std::vector<sensing::SkinPoint> points;
   std::vector<sensing::DepthFrame> images;
   if (depth.is_none()) {
+    refuse_other_frame("skin", skin);
     points = setup::skin_points("skin", points_of("skin", skin)).points;
   } else {
     const std::vector<sensing::Camera>& cameras = session.setting().cameras;
@@ -228,7 +228,7 @@ py::object drives_of(SessionObject& o) {
   std::complex<double>* to = drives.mutable_data();
   for (const auto [amplitude, phase] : std::span(plan.drives).first(std::size_t{plan.cycle.length} * transducers))
     *to++ = std::polar(double{amplitude}, double{phase});
-  return sealed(std::move(drives));
+  return of_layout(sealed(std::move(drives)), o.array);
 }
 
 // ---- classes --------------------------------------------------------------------------------------------------------
@@ -340,14 +340,14 @@ pose : array_like, shape (4, 4)
            [](const SessionPtr& o, const py::object& type, const py::object&, const py::object&) {
              if (!o->run.running) return;
              o->run.stop = true;
-             try {
+             if (type.is_none()) {
                wait_for_end(o);
-             } catch (...) {
-               if (type.is_none()) throw;  // otherwise, the error of the block counts
+             } else {
+               end_quietly(*o);  // the error of the block counts
              }
            })
       .def("__repr__", [](const SessionObject& o) {
-        return shown_text(fmt::format("<palpa.Session of {}{}>", o.scene->source,
+        return shown_text(fmt::format("<palpa.Session of {}{}>", o.scene->name(),
                                       o.live() ? fmt::format(" from {} to {}", o.options.source, o.options.link) : ""));
       });
 }
@@ -358,6 +358,7 @@ void add_session(py::module_& m) {
   add_event(m);
   add_stats(m);
   add_session_class(m);
+  at_end(&tell_unheard);
 }
 
 }  // namespace palpa::python

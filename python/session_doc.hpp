@@ -16,8 +16,8 @@ Parameters
 scene : Scene
 depth : bool, optional
     Frames are depth images of the rig's cameras, or of `camera`, and not points.
-camera : path or list of paths, optional
-    TOML files of these cameras.
+camera : Camera, path or list of these, optional
+    These cameras, or their TOML files.
 method : str or callable, optional
     `method` may also be a function: it gets a Finger and returns its foci, an array_like of shape (n, 3), metres, world.
 solver : str or callable, optional
@@ -47,8 +47,8 @@ on_event : callable, optional
 
 inline constexpr const char* run_doc = R"(Run the live loop until it ends, and return what it measured.
 
-Ctrl-C ends it in silence and raises KeyboardInterrupt. An exception of a callback, a method or a solver ends it in
-silence and is raised here.
+Ctrl-C ends it in silence and raises KeyboardInterrupt; a second one leaves a callback that does not return. An exception
+of a callback, a method or a solver ends it in silence at once, without a ramp, and is raised here.
 
 Parameters
 ----------

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "gpu/device.hpp"
+#include "layout.hpp"
 #include "own.hpp"
 #include "running.hpp"
 #include "session/points_run.hpp"
@@ -52,7 +52,8 @@ struct Run {
   std::condition_variable changed;
   std::vector<std::pair<std::uint32_t, Transform>> poses;  ///< for the next frame
   std::optional<Vec3> aim;
-  bool running = false, over = true;
+  bool running = false;  ///< nobody has waited for its end yet
+  bool over = true;
   bool waited_for = false;                              ///< by a call of wait() or run()
   std::exception_ptr fault;                             ///< of the engine
   std::optional<py::error_already_set> callback_fault;  ///< of a callback, which ended the run
@@ -67,8 +68,9 @@ struct Run {
 struct SessionObject {
   std::shared_ptr<const SceneObject> scene;
   setup::LiveOptions options;
+  py::object layout;  ///< as it was given: a Layout without a file is known as long as it lives
   bool has_cameras = false;
-  std::unique_ptr<gpu::Device> device;  ///< frame by frame
+  std::shared_ptr<LayoutObject> array;  ///< frame by frame, if there is one
   std::unique_ptr<session::Session> session;
   std::vector<EventObject> events;
   std::mutex turn;  ///< of its calls frame by frame; see Turn
@@ -78,11 +80,6 @@ struct SessionObject {
 
   bool live() const { return !options.source.empty(); }
   bool from_points() const { return options.source == "points"; }
-  ~SessionObject() {
-    if (!run.thread.joinable()) return;
-    run.stop = true;
-    run.thread.join();
-  }
 };
 
 /// One call at a time. The interpreter's lock is released while this thread waits, because another call may need it for
@@ -105,17 +102,10 @@ class Turn {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// A session may be destroyed while it runs: its end needs the interpreter's lock for callbacks.
+/// Ends the run and destroys the session. If a callback does not return within a second, or if it is the callback that
+/// drops the session, the session is left alone: its array is silent.
 struct EndingSession {
-  void operator()(SessionObject* object) const {
-    if (!is_own_process()) return;
-    {
-      const Unlocked open;
-      object->run.stop = true;
-      if (object->run.thread.joinable()) object->run.thread.join();
-    }
-    delete object;
-  }
+  void operator()(SessionObject* object) const;
 };
 using SessionPtr = std::shared_ptr<SessionObject>;
 
@@ -124,6 +114,10 @@ void start(const SessionPtr& session, std::uint64_t frames, const py::object& on
 /// Waits for its end, and looks for signals meanwhile: the error of a signal's handler ends the run. Throws that error,
 /// or that of a callback, or the engine's.
 std::shared_ptr<StatsObject> wait_for_end(const SessionPtr& session);
+/// Ends the run, and drops its errors. If a callback does not return within a second, the run is left alone.
+void end_quietly(SessionObject& session);
+/// Tells Python's sys.unraisablehook of the errors of runs that nobody has waited for.
+void tell_unheard();
 /// For the frames that follow; any thread may call these during a run.
 void set_pose(SessionObject& session, const py::object& solid, const py::object& pose);
 void set_aim(SessionObject& session, const py::object& offset);

@@ -11,6 +11,7 @@
 
 #include "arrays.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
@@ -19,6 +20,7 @@
 #include "geometry/haptics.hpp"
 #include "module.hpp"
 #include "options.hpp"
+#include "placed.hpp"
 #include "places.hpp"
 #include "running.hpp"
 #include "setup/load.hpp"
@@ -66,13 +68,23 @@ NamedMesh mesh_of(const std::string& what, py::handle value) {
       fmt::format("{}: give a palpa.Mesh, the path of a PLY or glTF file, or a pair (vertices, faces)", what));
 }
 
+void set_scene(const SceneObject& scene, setup::FrameOptions& options) {
+  options.scene = scene.name();
+  options.gltf_scene = scene.gltf_scene;
+  options.solids = scene.options;
+  if (scene.source.empty()) {
+    options.made_solids = std::make_shared<const std::vector<geometry::Solid>>(scene.solids);
+    options.solids = {};
+  }
+}
+
 std::size_t solid_index(const SceneObject& scene, const py::object& key) {
   if (py::isinstance<py::str>(key)) {
     const std::string name = bytes_of("solid", key);
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
       if (scene.solids[i].name == name) return i;
     }
-    throw py::key_error(fmt::format("{} has no solid \"{}\"", printable(scene.source), printable(name, 60)));
+    throw py::key_error(fmt::format("{} has no solid \"{}\"", printable(scene.name()), printable(name, 60)));
   }
   const auto count = static_cast<py::ssize_t>(scene.solids.size());
   if (!PyIndex_Check(key.ptr())) throw py::type_error("give the name or the index of a solid");
@@ -117,11 +129,46 @@ Declared<SceneOptions>& scene_options() {
   return *options;
 }
 
+/// A mesh, or several with the names of their solids. `kept`: copies of the same.
+geometry::Scene scene_of_arrays(const py::object& given, py::dict& kept) {
+  geometry::Scene scene{.file = SceneObject().name(), .meshes = {}};
+  const bool one = py::isinstance<MeshObject>(given) || py::isinstance<py::tuple>(given);
+  if (!one && !py::isinstance<py::dict>(given)) {
+    throw bad_usage(
+        "Scene: give the path of a glTF file, a palpa.Mesh, a pair (vertices, faces), or a dict of these by the names "
+        "of "
+        "their solids");
+  }
+  py::dict named;
+  if (one) {
+    named["solid"] = given;
+  } else {
+    named = py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
+  }
+  for (const auto& [name, mesh] : named) {
+    if (!py::isinstance<py::str>(name)) throw bad_usage("Scene: the name of a solid is a text");
+    const std::string text = bytes_of("Scene", name);
+    scene.meshes.push_back({.name = text, .mesh = mesh_of(text, mesh).mesh});
+    kept[name] = MeshObject{scene.meshes.back().mesh, ""};
+  }
+  return scene;
+}
+
 std::shared_ptr<SceneObject> load_scene(const py::object& file, const py::kwargs& kwargs) {
   const SceneOptions o = scene_options().read(kwargs);
   const std::optional<std::string> path = path_of(file);
-  if (!path) throw bad_usage("Scene: give the path of a glTF file");
   auto scene = std::make_shared<SceneObject>();
+  scene->given = file;
+  scene->keywords = kwargs;
+  if (!path) {
+    if (o.gltf_scene) throw bad_usage("gltf_scene goes with the path of a glTF file");
+    py::dict kept;
+    const geometry::Scene made = scene_of_arrays(file, kept);
+    scene->given = kept;
+    scene->options = o.solids;
+    scene->solids = cancellable([&] { return setup::solids_of(made, o.solids); });
+    return scene;
+  }
   scene->source = *path;
   scene->gltf_scene = o.gltf_scene;
   scene->options = o.solids;
@@ -255,12 +302,16 @@ void add_scene(py::module_& m) {
       .def(
           "depth",
           [](const SolidObject& o, const py::object& points) {
+            refuse_other_frame("points", points);
             const std::vector<Vec3> at = points_of("points", points);
             py::array_t<double> depths(static_cast<py::ssize_t>(at.size()));
             double* const to = depths.mutable_data();
-            unlocked([&] {
-              for (std::size_t i = 0; i < at.size(); ++i)
-                to[i] = geometry::depth(o.solid(), at[i]);
+            cancellable([&] {
+              parallel_chunks(at.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                  to[i] = geometry::depth(o.solid(), at[i]);
+              });
+              return true;
             });
             return sealed(std::move(depths));
           },
@@ -282,21 +333,28 @@ ndarray of float64, shape (n,)
                            counted(o.solid().mesh.triangles.size(), "face"));
       });
 
-  const std::string doc = scene_options().documented(R"(The solids of a glTF model, ready to be touched.
+  const std::string doc = scene_options().documented(R"(The solids of a glTF model or of arrays, ready to be touched.
 
 Parameters
 ----------
-file : path
-    A .gltf or .glb file; its meshes must be closed. Coordinates are in metres, in the world, +y is up.
+file : path, Mesh, (vertices, faces), or dict
+    A .gltf or .glb file; or a mesh, or meshes by the names of their solids. Meshes must be closed, and their corners run
+    counter-clockwise seen from outside. Coordinates are in metres, in the world, +y is up.
 
 Raises
 ------
 BadInput
-    The file is missing or broken, or has no solid.)");
+    The file is missing or broken, a mesh is open or passes through itself, or there is no solid.)");
   py::class_<SceneObject, std::shared_ptr<SceneObject>>(m, "Scene", doc.c_str())
       .def(py::init(&load_scene), py::arg("file"))
       .def_property_readonly(
-          "source", [](const SceneObject& o) { return shown_text(o.source); }, "str: the file.")
+          "source", [](const SceneObject& o) { return shown_text(o.source); },
+          "str: the file; empty for a scene of arrays.")
+      .def("__reduce__",
+           [](const SceneObject& o) {
+             return py::make_tuple(py::module_::import("palpa._pickle").attr("scene"),
+                                   py::make_tuple(o.given, o.keywords));
+           })
       .def("__len__", [](const SceneObject& o) { return o.solids.size(); })
       .def("__getitem__",
            [](const std::shared_ptr<SceneObject>& o, const py::object& key) {
@@ -315,7 +373,7 @@ BadInput
         std::string names;
         for (std::size_t i = 0; i < o.solids.size() && i < 5; ++i)
           names += (i ? ", " : "") + o.solids[i].name;
-        return shown_text(fmt::format("<palpa.Scene {}: {}{}>", o.source, names, o.solids.size() > 5 ? ", ..." : ""));
+        return shown_text(fmt::format("<palpa.Scene {}: {}{}>", o.name(), names, o.solids.size() > 5 ? ", ..." : ""));
       });
 }
 

@@ -11,6 +11,7 @@
 
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
+#include "setup/frames.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::python {
@@ -25,11 +26,17 @@ struct MeshObject {
 
 /// `palpa.Scene`.
 struct SceneObject {
-  std::string source;
+  std::string source;                       ///< its file; empty: it was made from arrays
   std::optional<std::uint32_t> gltf_scene;  ///< how it was loaded, for those who load it again
   setup::SolidOptions options;
   std::vector<geometry::Solid> solids;
+  py::object given;  ///< what it was made of, for pickles
+  py::dict keywords;
+  std::string name() const { return source.empty() ? "the scene of arrays" : source; }
 };
+
+/// Lets a run load the scene's file again, or use its solids, if there is none.
+void set_scene(const SceneObject& scene, setup::FrameOptions& options);
 
 /// `palpa.Solid`: one of a scene, which it keeps alive.
 struct SolidObject {

@@ -14,6 +14,7 @@
 #include "base/text.hpp"
 #include "layout.hpp"
 #include "options.hpp"
+#include "placed.hpp"
 #include "running.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/options.hpp"
@@ -59,7 +60,7 @@ py::object spread_of(const FieldObject& o) {
 }
 
 void add_drive_class(py::module_& m) {
-  const auto vector = [](const DriveObject& o) { return complex_of(o.result.drive); };
+  const auto vector = [](const DriveObject& o) { return of_layout(complex_of(o.result.drive), o.layout); };
   py::class_<DriveObject, std::shared_ptr<DriveObject>>(
       m, "Drive", "A drive and the sound at its foci. numpy.asarray(drive) is its complex vector.")
       .def_property_readonly("vector", vector,
@@ -70,6 +71,8 @@ void add_drive_class(py::module_& m) {
              const py::object made = vector(o);
              return args.empty() || args[0].is_none() ? made : made.attr("astype")(args[0]);
            })
+      .def_property_readonly(
+          "layout", [](const DriveObject& o) { return o.layout; }, "Layout: the array that it is for.")
       .def("__len__", [](const DriveObject& o) { return o.result.drive.size(); })
       .def_property_readonly(
           "foci",
@@ -77,7 +80,7 @@ void add_drive_class(py::module_& m) {
             std::vector<Vec3> foci;
             for (const array::SlotFocus& focus : o.result.foci)
               foci.push_back(focus.position);
-            return copied(foci);
+            return of_layout(copied(foci), o.layout);
           },
           "ndarray of float64, shape (n, 3): metres, in the layout's own frame.")
       .def_property_readonly(
@@ -108,7 +111,7 @@ void add_drive_class(py::module_& m) {
           "aimed",
           [](const DriveObject& o) -> py::object {
             if (o.result.aimed.empty()) return py::none();
-            return copied(o.result.aimed);
+            return of_layout(copied(o.result.aimed), o.layout);
           },
           "ndarray of float64, shape (n, 3), or None: with a finger, where each focus sounds, on the skin.")
       .def_property_readonly(

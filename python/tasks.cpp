@@ -81,6 +81,7 @@ std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs
   refuse_fork();
   DecomposeArguments o = decompose_options().read(kwargs);
   if (const SceneObject* const loaded = loaded_scene(scene, kwargs, {"gltf_scene"})) {
+    if (loaded->source.empty()) throw bad_usage("decompose: this Scene comes from arrays, but a glTF file is needed");
     o.task.scene = loaded->source;
     o.task.gltf_scene = loaded->gltf_scene;
   } else {
@@ -380,9 +381,7 @@ std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::o
   }
   if (const SceneObject* const loaded =
           loaded_scene(scene, kwargs, {"gltf_scene", "surface", "parts", "internal_faces"})) {
-    o.task.scene = loaded->source;
-    o.task.gltf_scene = loaded->gltf_scene;
-    o.task.solids = loaded->options;
+    set_scene(*loaded, o.task);
   } else {
     o.task.scene = file_of("scene", scene);
   }
@@ -396,10 +395,10 @@ std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::o
     const Outputs outputs({{"--foci", o.task.foci},
                            {"--drives", o.task.drives},
                            {"--events", writes_events ? o.task.events : std::string()}});
+    o.task.common.device = device_for(o.task.common);
     setup::FocusRows rows;
     session::Link* link = &rows;
-    setup::ExportRun run(o.task, sources, stop, {&link, 1});
-    made->result = run.run();
+    made->result = setup::ExportRun(o.task, sources, stop, {&link, 1}).run();
     made->rows = rows.rows();
   });
   return made;

@@ -12,9 +12,11 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "cameras.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "own.hpp"
+#include "placed.hpp"
 #include "running.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
@@ -78,10 +80,9 @@ setup::TouchInput depth_arrays(const std::vector<py::object>& images, const setu
 setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, const py::object& depth,
                           const py::object& camera, const py::object& rig, const py::object& penetration) {
   setup::TouchInputOptions o;
-  o.scene = scene.source;
+  o.scene = scene.name();
   const std::vector<py::object> images = one_or_several("depth", depth);
-  for (const py::object& file : one_or_several("camera", camera))
-    o.cameras.push_back(file_of("camera", file));
+  take_cameras(camera, o);
   if (!rig.is_none()) o.rig = file_of("rig", rig);
   if (!penetration.is_none()) o.penetration_m = length_of("penetration", penetration);
   if (o.penetration_m && std::abs(*o.penetration_m) > 10) throw bad_usage("penetration: at most 10 m");
@@ -89,6 +90,7 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
   for (std::size_t i = 0; i < images.size(); ++i)
     o.depths.push_back(files ? file_of("depth", images[i]) : fmt::format("image {}", i));
   std::vector<Vec3> points;
+  refuse_other_frame("skin", skin);
   if (!skin.is_none()) {
     o.points = path_of(skin).value_or("skin");
     if (!is_text_or_path(skin)) points = points_of("skin", skin);
@@ -119,11 +121,17 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
   const setup::Stopwatch begin;
   const setup::TouchInput input = skin_of(scene, skin, depth, camera, rig, penetration);
   check(o.task, !input.cameras.empty());
-  std::shared_ptr<TouchObject> made = unlocked([&] {
-    const setup::TouchResult result = setup::touch_scene(o.task, scene.source, scene.solids, input, begin);
+  const auto compute = [&] {
+    o.task.compute.device = device_for(o.common);
+    const setup::TouchResult result = setup::touch_scene(o.task, scene.name(), scene.solids, input, begin);
     if (result.unreached && !own.fault) log::warning(*result.unreached);
     return std::make_shared<TouchObject>(TouchObject{values_of(result), 0, result.unreached});
-  });
+  };
+  // Ctrl-C needs another thread, which costs more time than a small touch.
+  constexpr std::size_t few_points = 100'000;
+  const bool is_small = o.common.backend == setup::Backend::cpu && !o.task.touch.tune && !o.task.felt.spectrum &&
+                        input.points.size() < few_points && input.frames.empty();
+  std::shared_ptr<TouchObject> made = is_small ? unlocked(compute) : cancellable(compute);
   own.throw_fault();
   return made;
 }
@@ -151,7 +159,7 @@ py::array foci_of(const touch::Placement& placement) {
     for (int axis = 0; axis < 3; ++axis)
       *to++ = placement.has(i) ? double{placement.foci[i].position[axis]} : nan;
   }
-  return sealed(std::move(foci));
+  return in_world(sealed(std::move(foci)));
 }
 
 /// The pressures at the foci, nan for a sector without its own focus.
@@ -230,7 +238,7 @@ void add_finger(py::module_& m) {
             std::vector<Vec3> positions;
             for (const std::uint32_t row : o.finger().contacts)
               positions.emplace_back(o.values().touch.contacts[row].position);
-            return copied(positions);
+            return in_world(copied(positions));
           },
           "ndarray of float64, shape (k, 3): of its contacts, metres, world.")
       .def_property_readonly(
@@ -243,7 +251,7 @@ void add_finger(py::module_& m) {
           },
           "ndarray of float64, shape (k,): of its contacts, metres below the surface.")
       .def_property_readonly(
-          "centroid", [](const FingerObject& o) { return copied(wide(o.finger().section.centroid)); },
+          "centroid", [](const FingerObject& o) { return in_world(copied(wide(o.finger().section.centroid))); },
           "ndarray of float64, shape (3,): mean of its contacts, metres, world.")
       .def_property_readonly(
           "axes",
@@ -282,7 +290,7 @@ void add_finger(py::module_& m) {
           "order", [](const FingerObject& o) { return copied(std::span<const std::uint32_t>(o.voice().order)); },
           "ndarray of uint32, shape (k,): the order in which played_foci sound.")
       .def_property_readonly(
-          "played_foci", [](const FingerObject& o) { return copied(o.voice().foci); },
+          "played_foci", [](const FingerObject& o) { return in_world(copied(o.voice().foci)); },
           "ndarray of float64, shape (k, 3): the foci as they sound; an empty sector has its neighbour's. Metres, "
           "world.")
       .def_property_readonly(
@@ -315,12 +323,6 @@ void add_finger(py::module_& m) {
       });
 }
 
-/// A view of a touch's contacts.
-struct ContactsObject {
-  std::shared_ptr<const TouchObject> whole;
-  const std::vector<touch::Contact>& all() const { return whole->values.touch.contacts; }
-};
-
 void add_contacts(py::module_& m) {
   py::class_<ContactsObject>(m, "Contacts", "The skin points in the shell of a solid (Eq. 1), ascending by index.")
       .def("__len__", [](const ContactsObject& o) { return o.all().size(); })
@@ -343,7 +345,7 @@ void add_contacts(py::module_& m) {
             positions.reserve(o.all().size());
             for (const touch::Contact& contact : o.all())
               positions.emplace_back(contact.position);
-            return copied(positions);
+            return in_world(copied(positions));
           },
           "ndarray of float64, shape (n, 3): metres, world.")
       .def_property_readonly(
@@ -423,8 +425,8 @@ skin : array_like, shape (n, 3), or path, optional
     Points of the skin, in metres, world; or a PLY file with them.
 depth : path, ndarray of uint16, or list of these, optional
     Depth images instead of `skin`, shape (height, width), in the unit of their cameras.
-camera : path or list of paths, optional
-    TOML file of the camera of each depth image.
+camera : Camera, path or list of these, optional
+    The camera of each depth image, or its TOML file.
 rig : path, optional
     TOML file of all cameras, instead of `camera`. The default is the paper's rig.
 penetration : float or str, optional

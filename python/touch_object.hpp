@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "array/schedule.hpp"
 #include "session/plan/scheduler.hpp"
@@ -28,6 +29,12 @@ struct FingerObject {
   const touch::Finger& finger() const { return values().touch.fingers[index]; }
   const session::ScheduledFinger& scheduled() const { return values().fingers[index]; }
   const array::Voice& voice() const { return values().schedule.voices[index]; }
+};
+
+/// `palpa.Contacts`: a view of a touch's contacts.
+struct ContactsObject {
+  std::shared_ptr<const TouchObject> whole;
+  const std::vector<touch::Contact>& all() const { return whole->values.touch.contacts; }
 };
 
 }  // namespace palpa::python

@@ -11,7 +11,7 @@ assets = os.environ.get("PALPA_ASSETS", "assets")
 figure = palpa.figure6(f"{assets}/finger.ply", backend="cpu")
 for n in range(len(figure)):
     name, one = figure[n]
-    print(f"{name:14} peak {one.langevin_spot['peak']:7.1f} Pa, elongation {one.langevin_spot['elongation']:.2f} "
+    print(f"{name:14} {one.method:13} peak {one.langevin_spot['peak']:7.1f} Pa, elongation {one.langevin_spot['elongation']:.2f} "
           f"(without the finger {one.bare_elongation:.2f})")
 
 # %%
@@ -25,6 +25,9 @@ for n in range(len(figure)):
     low = one.centroids[:, 1] < one.centroids[:, 1].min() + 8e-3
     plt.subplot(rows, columns, n + 1)
     plt.scatter(one.centroids[low, 0] * 1e3, one.centroids[low, 2] * 1e3, c=one.langevin[low], s=3)
-    plt.title(name)
+    plt.title(f"{name}\n{one.method}")
     plt.axis("equal")
-plt.savefig("figure6.png")
+    plt.xlabel("x (mm)")
+    plt.ylabel("z (mm)")
+plt.tight_layout()
+plt.savefig("figure6.png", bbox_inches="tight")

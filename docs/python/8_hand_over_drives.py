@@ -32,10 +32,10 @@ print(column.shape, column.dtype)
 
 # %% [markdown]
 # An optimisation of your own needs only the transfer matrix: here, the loudest drive for one point is the conjugate of
-# its row.
+# its row. It drives all transducers in full, so palpa's is computed with the same constraint, `uniform`.
 
 # %%
 row = array.transfer([0, 0, 0.15])[0]
 own = np.conj(row) / np.abs(row)
-field = array.field(own, [0, 0, 0.15], backend="cpu")
-print("own drive:", field.peak, "Pa; palpa's:", array.solve([0, 0, 0.15], backend="cpu").pressures[0], "Pa")
+palpas = array.solve([0, 0, 0.15], constraint="uniform", backend="cpu")
+print("own drive:", abs(row @ own), "Pa; palpa's:", palpas.pressures[0], "Pa")

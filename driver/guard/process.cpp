@@ -1,7 +1,8 @@
 #include "driver/guard/process.hpp"
 
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -80,18 +81,31 @@ bool ready(int fd, double at_most_s) {
   }
 }
 
+/// The places of look_for_guard_at().
+std::vector<std::string>& own_places() {
+  static std::vector<std::string> places;
+  return places;
+}
+
 }  // namespace
 
+void look_for_guard_at(std::vector<std::string> places) {
+  own_places() = std::move(places);
+}
+
 std::string guard_program() {
+  std::vector<std::string> places = own_places();
   std::error_code fault;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", fault);
-  const std::filesystem::path beside = self.parent_path() / "palpa-guard";
-  const std::filesystem::path installed = self.parent_path() / PALPA_LIBEXEC_FROM_BIN / "palpa-guard";
-  for (const auto& program : {beside, installed}) {
-    if (!fault && access(program.c_str(), X_OK) == 0) return program.string();
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path();
+  if (!fault) {
+    places.push_back((self / "palpa-guard").string());
+    places.push_back((self / PALPA_LIBEXEC_FROM_BIN / "palpa-guard").lexically_normal().string());
   }
-  throw failure(fmt::format("a board needs palpa-guard, which is neither at {} nor at {}: install all of palpa",
-                            beside.string(), installed.lexically_normal().string()));
+  for (const std::string& program : places) {
+    if (access(program.c_str(), X_OK) == 0) return program;
+  }
+  throw failure(fmt::format("a board needs palpa-guard, which is not at {}: install all of palpa",
+                            fmt::join(places, ", nor at ")));
 }
 
 GuardProcess::GuardProcess(const std::string& program, const Brief& brief, std::uint32_t most_cycle)
@@ -99,6 +113,7 @@ GuardProcess::GuardProcess(const std::string& program, const Brief& brief, std::
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) throw not_started(program, errno);
   socket_ = Descriptor(ends[0]);
+  kept_socket_.emplace(ends[0]);
   const Descriptor other(ends[1]);
   child_ = spawn(program, other.get(), memory_.fd());
   child_handle_ = Descriptor(static_cast<int>(syscall(SYS_pidfd_open, child_, 0)));

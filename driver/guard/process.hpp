@@ -4,17 +4,23 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "base/kept_from_forks.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 
 namespace palpa::driver {
 
-/// The path of the `palpa-guard` that belongs to the running program: beside it in a build tree, in libexec when
-/// installed. Throws failure() if there is none.
+/// The path of the `palpa-guard` that belongs to the running program: the first of the places of look_for_guard_at(),
+/// beside the program in a build tree, in libexec when installed. Throws failure(), naming these places, if there is
+/// none.
 std::string guard_program();
+/// For a library in a program that is not palpa's, such as the Python module.
+void look_for_guard_at(std::vector<std::string> places);
 
 class GuardProcess {
  public:
@@ -47,6 +53,8 @@ class GuardProcess {
  private:
   SharedMemory memory_;
   Descriptor socket_, child_handle_;
+  /// Otherwise a process that fork() made would keep the guard, and the guard its board, when this one is gone.
+  std::optional<KeptFromForks> kept_socket_;
   pid_t child_ = -1;
   Exit exit_;
 };

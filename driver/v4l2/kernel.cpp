@@ -7,7 +7,11 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <system_error>
+
+#include "base/kept_from_forks.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {
@@ -16,9 +20,16 @@ class Machine final : public Kernel {
  public:
   int open(const std::string& path) override {
     const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    return fd < 0 ? -errno : fd;
+    if (fd < 0) return -errno;
+    const std::lock_guard lock(mutex_);
+    kept_.emplace(fd, fd);
+    return fd;
   }
-  void close(int fd) override { ::close(fd); }
+  void close(int fd) override {
+    const std::lock_guard lock(mutex_);
+    kept_.erase(fd);
+    ::close(fd);
+  }
 
   int ioctl(int fd, unsigned long request, void* argument) override {
     for (;;) {
@@ -30,7 +41,9 @@ class Machine final : public Kernel {
 
   const std::byte* map(int fd, std::size_t length, std::size_t offset) override {
     void* memory = mmap(nullptr, length, PROT_READ, MAP_SHARED, fd, static_cast<off_t>(offset));
-    return memory == MAP_FAILED ? nullptr : static_cast<const std::byte*>(memory);
+    if (memory == MAP_FAILED) return nullptr;
+    madvise(memory, length, MADV_DONTFORK);  // it would keep the camera
+    return static_cast<const std::byte*>(memory);
   }
   void unmap(const std::byte* memory, std::size_t length) override { munmap(const_cast<std::byte*>(memory), length); }
 
@@ -40,6 +53,10 @@ class Machine final : public Kernel {
     const std::filesystem::path real = std::filesystem::canonical(path, fault);
     return fault ? path : real.string();
   }
+
+ private:
+  std::mutex mutex_;
+  std::map<int, KeptFromForks> kept_;
 };
 
 }  // namespace

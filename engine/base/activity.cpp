@@ -31,6 +31,19 @@ Cancellable::~Cancellable() {
   stop_of_thread = nullptr;
 }
 
+const std::atomic<bool>* cancel_flag() {
+  return stop_of_thread;
+}
+
+void stop_if_cancelled(const std::atomic<bool>* flag) {
+  if (flag && *flag) throw failure("cancelled");
+}
+
+void Activity::advance(std::uint64_t steps) {
+  stop_if_cancelled(stop_of_thread);
+  done_.fetch_add(steps, std::memory_order_relaxed);
+}
+
 Activity::Activity(std::string what, std::uint64_t total) : what_(std::move(what)), total_(total) {
   if (stop_of_thread && *stop_of_thread) throw failure("cancelled before: " + what_);
   const std::lock_guard lock(activities().mutex);

@@ -24,7 +24,8 @@ class Activity {
   Activity(const Activity&) = delete;
   Activity& operator=(const Activity&) = delete;
 
-  void advance(std::uint64_t steps = 1) { done_.fetch_add(steps, std::memory_order_relaxed); }
+  /// Throws failure() if this thread is Cancellable and was cancelled.
+  void advance(std::uint64_t steps = 1);
   /// Sets the number of finished steps.
   void reach(std::uint64_t done) { done_.store(done, std::memory_order_relaxed); }
 
@@ -36,7 +37,8 @@ class Activity {
   std::atomic<std::uint64_t> done_{0};
 };
 
-/// During its lifetime, work on its thread ends at the next Activity that begins after `stop` was set.
+/// During its lifetime, work on its thread ends soon after `stop` is set: when an Activity begins or advances, or
+/// between the chunks of parallel_chunks().
 class Cancellable {
  public:
   explicit Cancellable(const std::atomic<bool>& stop);
@@ -44,6 +46,11 @@ class Cancellable {
   Cancellable(const Cancellable&) = delete;
   Cancellable& operator=(const Cancellable&) = delete;
 };
+
+/// The flag of this thread's Cancellable; null if there is none.
+const std::atomic<bool>* cancel_flag();
+/// Throws failure() if the flag of cancel_flag() is set.
+void stop_if_cancelled(const std::atomic<bool>* flag);
 
 /// The current activity of the process, if any.
 std::optional<Doing> doing();

@@ -22,9 +22,11 @@ LockedBytes::LockedBytes(const std::filesystem::path& file) : file_(file) {
     close(descriptor_);
     throw;
   }
+  kept_.emplace(descriptor_);
 }
 
 LockedBytes::~LockedBytes() {
+  kept_.reset();
   close(descriptor_);
 }
 

@@ -4,6 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+
+#include "base/kept_from_forks.hpp"
 
 namespace palpa {
 
@@ -31,6 +34,7 @@ class LockedBytes {
 
   std::filesystem::path file_;
   int descriptor_ = -1;
+  std::optional<KeptFromForks> kept_;
 };
 
 }  // namespace palpa

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/activity.hpp"
 #include "base/start_thread.hpp"
 
 namespace palpa {
@@ -28,11 +29,13 @@ void parallel_chunks(std::size_t count, std::size_t size,
   std::mutex mutex;
   std::exception_ptr error;
   std::size_t failed = chunks;
+  const std::atomic<bool>* const cancelled = cancel_flag();
   const auto run = [&] {
     for (;;) {
       const std::size_t chunk = next.fetch_add(1);
       if (chunk >= chunks) return;
       try {
+        stop_if_cancelled(cancelled);
         work(chunk, chunk * size, std::min(count, (chunk + 1) * size));
       } catch (...) {
         next.store(chunks);

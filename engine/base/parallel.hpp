@@ -13,7 +13,8 @@ unsigned worker_count();
 /// Calls `work(chunk, begin, end)` for the chunks 0, 1, ... of `count` items, `size` items each (the last one fewer),
 /// on worker_count() threads, including the calling thread. Chunks begin in ascending order. Results stored per chunk
 /// are the same for any number of threads. After an exception no further chunk begins, and the exception is rethrown
-/// here; of several, that of the lowest chunk.
+/// here; of several, that of the lowest chunk. If the calling thread is Cancellable (base/activity.hpp) and was
+/// cancelled, no further chunk begins, and failure() is thrown.
 void parallel_chunks(std::size_t count, std::size_t size,
                      const std::function<void(std::size_t chunk, std::size_t begin, std::size_t end)>& work);
 

@@ -2,18 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 
 namespace palpa::geometry {
-
-std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride) {
-  std::uint32_t better = foci == 0 ? 1 : stride % foci;
-  while (better > 1 && std::gcd(better, foci) != 1)
-    --better;
-  return std::max(better, 1U);
-}
 
 std::uint32_t usual_stride(std::uint32_t foci) {
   std::uint32_t best = 1;
@@ -31,7 +24,7 @@ std::string stride_fault(std::uint32_t foci, std::uint32_t stride) {
   if (foci == 1 || shared == 1) return {};
   return fmt::format(
       "stride {} and {} foci share the divisor {}, so some foci would never sound; give a stride such as {}", stride,
-      foci, shared, coprime_stride(foci, stride));
+      foci, shared, usual_stride(foci));
 }
 
 }  // namespace palpa::geometry

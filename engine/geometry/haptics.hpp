@@ -27,11 +27,8 @@ struct Haptics {
 /// of two equally near, the larger: 3 for 10 foci.
 std::uint32_t usual_stride(std::uint32_t foci);
 
-/// A stride that leaves out no focus: the nearest below `stride` (modulo `foci`), at least 1.
-std::uint32_t coprime_stride(std::uint32_t foci, std::uint32_t stride);
-
-/// An error text if the stride shares a divisor with the number of foci, so that its order leaves out foci; it names a
-/// valid stride. Empty if the stride is valid. A single focus works with every stride.
+/// An error text if the stride shares a divisor with the number of foci, so that its order leaves out foci; it names
+/// the usual stride. Empty if the stride is valid. A single focus works with every stride.
 std::string stride_fault(std::uint32_t foci, std::uint32_t stride);
 
 }  // namespace palpa::geometry

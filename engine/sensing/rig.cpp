@@ -266,6 +266,11 @@ std::string to_toml(const Camera& camera) {
   return text;
 }
 
+void check_camera(const Camera& camera, const std::string& name) {
+  TomlTable root = TomlTable::parse(to_toml(camera), name, "a camera");
+  read_cameras(root, {});
+}
+
 std::string to_toml(const Rig& rig) {
   std::string text;
   for (const Camera& camera : rig.cameras)

@@ -43,6 +43,8 @@ struct Rig {
 /// orthonormal to 1e-4), a `roi` that is not inside the image, a `mask` that read_png8 rejects or that leaves no pixel,
 /// a `background` that is not a 16-bit image of this camera, a room without an inside.
 Rig load_rig(const std::filesystem::path& file);
+/// Throws as load_rig does, for a camera that comes from no file; `name` stands in place of the file.
+void check_camera(const Camera& camera, const std::string& name);
 /// The text that load_rig reads; doubles round-trip. Masks and backgrounds are named, not written.
 std::string to_toml(const Rig& rig);
 

@@ -243,7 +243,7 @@ void check(const FrameOptions& o) {
 Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced, FingerMesh mesh) {
   const Preparing preparing(o.common.quiet);
   allow_outside_references(o.common.allow_outside);  // in the viewer, the next run may differ from the last
-  std::vector<geometry::Solid> solids = load_solids(o.scene, o.gltf_scene, o.solids);
+  std::vector<geometry::Solid> solids = o.made_solids ? *o.made_solids : load_solids(o.scene, o.gltf_scene, o.solids);
   check(o.drive, solids);
   const PosedRig rig = load_posed_rig(o.rig);
   if (o.keep_boards && rig.layout.boards.empty()) {
@@ -256,10 +256,9 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   setting.surroundings = sensing::surroundings_of(rig.rig);
   check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);
-  if (o.common.backend == Backend::cpu)
-    return {std::move(source), nullptr, std::make_unique<session::Session>(std::move(setting))};
-  auto device = std::make_unique<gpu::Device>(device_options(o.common));
-  auto session = std::make_unique<session::Session>(*device, std::move(setting));
+  UsedDevice device(o.common);
+  auto session = device.get() ? std::make_unique<session::Session>(*device.get(), std::move(setting))
+                              : std::make_unique<session::Session>(std::move(setting));
   return {std::move(source), std::move(device), std::move(session)};
 }
 

@@ -22,6 +22,8 @@ namespace palpa::setup {
 struct FrameOptions {
   CommonOptions common;
   std::string scene;
+  /// The scene's solids, if they come from no file; `scene` is then only their name in messages.
+  std::shared_ptr<const std::vector<geometry::Solid>> made_solids{};
   std::optional<std::uint32_t> gltf_scene;
   std::string source = "synthetic";
   RigOptions rig;
@@ -80,7 +82,7 @@ void check(const FrameOptions& options);
 /// The objects made from the options. The order of the members matters: the session is destroyed first.
 struct Prepared {
   std::unique_ptr<sensing::DepthSource> source;
-  std::unique_ptr<gpu::Device> device;  ///< null if the processor computes
+  UsedDevice device;  ///< none if the processor computes
   std::unique_ptr<session::Session> session;
 };
 /// Loads and opens all of it, shows the progress of long steps, and warns of unusual values. `sources` are added to

@@ -50,6 +50,11 @@ PlacedLayout array_of(const sensing::Rig& rig, const std::string& layout) {
   return {std::move(own), pose};
 }
 
+void refuse_idle_parts(const SolidOptions& options) {
+  if (options.parts && options.surface != geometry::SurfaceKind::parts)
+    throw bad_usage("--parts goes with --surface parts");
+}
+
 array::Layout in_world(const PlacedLayout& placed) {
   return transformed(placed.layout, placed.T_world_layout);
 }
@@ -58,10 +63,15 @@ array::Layout in_world(const PlacedLayout& placed) {
 
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene,
                                          const SolidOptions& options) {
-  const bool into_parts = options.surface == geometry::SurfaceKind::parts;
-  if (options.parts && !into_parts) throw bad_usage("--parts goes with --surface parts");
+  refuse_idle_parts(options);
   const std::optional<int> index = gltf_scene ? std::optional(static_cast<int>(*gltf_scene)) : std::nullopt;
-  std::vector<geometry::Solid> solids = geometry::make_solids(read_scene(scene, index), options.surface);
+  return solids_of(read_scene(scene, index), options);
+}
+
+std::vector<geometry::Solid> solids_of(const geometry::Scene& scene, const SolidOptions& options) {
+  refuse_idle_parts(options);
+  const bool into_parts = options.surface == geometry::SurfaceKind::parts;
+  std::vector<geometry::Solid> solids = geometry::make_solids(scene, options.surface);
   warn_of_dwell(solids);
   warn_of_size(solids);
   const auto has_parts = [](const geometry::Solid& solid) { return !solid.parts.parts.empty(); };

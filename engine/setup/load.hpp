@@ -18,6 +18,8 @@ namespace palpa::setup {
 /// there are no parts.
 std::vector<geometry::Solid> load_solids(const std::string& scene, const std::optional<std::uint32_t>& gltf_scene = {},
                                          const SolidOptions& options = {});
+/// The same of a scene that is read already, or comes from no file.
+std::vector<geometry::Solid> solids_of(const geometry::Scene& scene, const SolidOptions& options = {});
 
 /// The physical set-up.
 struct PosedRig {

@@ -80,8 +80,10 @@ bool read_voice(const Item& finger, std::uint32_t index, const Playing& common, 
 }  // namespace
 
 PlayedTouch load_touch(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  const std::string text = read_text_file(file, most_bytes);
+  return read_touch(file.string(), read_text_file(file, most_bytes));
+}
+
+PlayedTouch read_touch(const std::string& name, const std::string& text) {
   const geometry::gltf::Parsed parsed(name, text);
   const Json& json = parsed.json();
   const auto has = [&](const char* key, Json::value_t type) { return json.contains(key) && json[key].type() == type; };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "array/schedule.hpp"
 
@@ -18,5 +19,7 @@ struct PlayedTouch {
 /// long as the shortest dwell. Throws bad_input if the file is not a touch, for an invalid focus, order or dwell, for
 /// no finger, and for more fingers than a touch can have.
 PlayedTouch load_touch(const std::filesystem::path& file);
+/// The same from the content of such a file, which messages call `name`.
+PlayedTouch read_touch(const std::string& name, const std::string& text);
 
 }  // namespace palpa::setup

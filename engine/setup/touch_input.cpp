@@ -81,18 +81,23 @@ std::vector<sensing::Camera> load_rig_cameras(const TouchInputOptions& options) 
   return cameras;
 }
 
+sensing::Camera load_camera(const std::string& file) {
+  const sensing::Rig one = sensing::load_rig(file);
+  if (one.cameras.size() != 1) {
+    throw bad_input(file,
+                    fmt::format("has {} cameras, but --camera takes one; --rig takes several", one.cameras.size()));
+  }
+  return one.cameras.front();
+}
+
 }  // namespace
 
 std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options) {
   if (options.cameras.empty()) return load_rig_cameras(options);
   std::vector<sensing::Camera> cameras;
   for (const std::string& file : options.cameras) {
-    const sensing::Rig one = sensing::load_rig(file);
-    if (one.cameras.size() != 1) {
-      throw bad_input(file,
-                      fmt::format("has {} cameras, but --camera takes one; --rig takes several", one.cameras.size()));
-    }
-    cameras.push_back(one.cameras.front());
+    const auto made = options.made_cameras.find(file);
+    cameras.push_back(made == options.made_cameras.end() ? load_camera(file) : made->second);
     if (const std::uint64_t pixels = sensing::padded_pixels(cameras); pixels > sensing::most_pixels) {
       throw bad_input(file, fmt::format("brings the cameras to {} pixels together; palpa takes at most {}", pixels,
                                         sensing::most_pixels));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,7 @@ struct TouchInputOptions {
   SolidOptions solids;
   std::string points;
   std::vector<std::string> depths, cameras;
+  std::map<std::string, sensing::Camera> made_cameras;  ///< those of `cameras` that are no files, by their names
   std::string rig;
   std::optional<double> penetration_m;
 };

@@ -4,7 +4,7 @@ Scenes, touches, drives, sound fields and live sessions, computed by the engine 
 metres, angles in radians, times in seconds, pressures in pascals (peak). Arrays are float64 or complex128, in C order,
 with one row of three coordinates per point. Options have the names of the command line, with _ instead of -.
 
-The module prints nothing. `palpa.messages()` has the warnings.
+Warnings are Python's, of the category PalpaWarning.
 """
 import pathlib as _pathlib
 
@@ -30,4 +30,7 @@ for _folder in (_pathlib.Path(__file__).parent / "assets", _pathlib.Path(__file_
     if _folder.is_dir():
         _engine._use_assets(str(_folder))
         break
+# The guard of boards: beside the module, or where `cmake --install` puts it.
+_folder = _pathlib.Path(__file__).resolve().parent
+_engine._use_guards([str(_folder / "palpa-guard"), str((_folder / "../../../../libexec/palpa/palpa-guard").resolve())])
 del _folder

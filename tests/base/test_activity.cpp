@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "base/activity.hpp"
+#include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa {
 namespace {
@@ -35,6 +37,25 @@ TEST(Activity, ManyThreadsAdvanceIt) {
     EXPECT_TRUE(doing());
   });
   EXPECT_EQ(doing()->done, 10'000u);
+}
+
+TEST(Cancellable, EndsWorkBetweenItsChunksAndSteps) {
+  std::atomic<bool> stop{false};
+  const Cancellable cancellable(stop);
+  std::atomic<int> chunks{0};
+  const auto work = [&] {
+    parallel_chunks(1'000'000, 1, [&](std::size_t, std::size_t, std::size_t) {
+      ++chunks;
+      stop = true;
+    });
+  };
+  EXPECT_EQ(test::thrown_by(work).code(), Exit::failed);
+  EXPECT_LE(chunks, static_cast<int>(worker_count()));
+  stop = false;
+  Activity steps("counts", 2);
+  steps.advance();
+  stop = true;
+  EXPECT_EQ(test::thrown_by([&] { steps.advance(); }).code(), Exit::failed);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ def run(words, cwd=ROOT):
 
 def without_lateness(err):
     """What a program wrote to stderr, without the warnings that a live run gives where a slow or busy machine has frames late."""
-    late = re.compile("palpa: warning: (overloaded: |frames arrive .* late or in bursts: )")
+    late = re.compile(r"(palpa: warning|<string>:\d+: PalpaWarning): (overloaded: |frames arrive .* late or in bursts: )")
     return "".join(line for line in err.splitlines(keepends=True) if not late.match(line))
 
 

@@ -58,12 +58,40 @@ def test_no_points_touch_nothing(cube):
 @pytest.mark.parametrize("drive, says", [
     (np.ones(255, complex), "shape (255,)"),
     (np.ones((256, 1), complex), "shape (256, 1)"),
+    (np.full(256, 1.0001 + 0j), "entry 0 has the amplitude 1.0001"),
     (np.full(256, 1.001 + 0j), "entry 0 has the amplitude 1.001"),
     (np.full(256, np.nan + 0j), "entry 0 has the amplitude nan"),
     (np.array(["x"] * 256), "type <U1"),
 ])
 def test_drives(openmpd, drive, says):
     assert says in message(palpa.BadUsage, lambda: openmpd.field(drive, [0, 0, 0.15], backend="cpu"))
+
+
+def test_a_drive_of_single_precision(openmpd):
+    single = np.exp(1j * np.linspace(0, 50, 256)).astype(np.complex64)
+    assert np.abs(single.astype(complex)).max() > 1
+    assert openmpd.field(single, [0, 0, 0.15], backend="cpu").peak > 0
+
+
+def test_errors_of_the_callers_arrays_are_theirs(cube, openmpd):
+    class Array:
+        def __array__(self, *_, **__):
+            raise OSError("the disk is gone")
+
+    class Number:
+        def __float__(self):
+            raise OSError("the disk is gone")
+
+    class Sequence(list):
+        def __len__(self):
+            raise OSError("the disk is gone")
+
+    for call in (lambda: cube.touch(Array(), backend="cpu"), lambda: openmpd.solve(Array(), backend="cpu"),
+                 lambda: openmpd.field(Array(), [0, 0, 0.15], backend="cpu"), lambda: openmpd.solve([0, 0, 0.15], pressure=Number(), backend="cpu"),
+                 lambda: cube.touch([0, 0, 0], penetration=Number(), backend="cpu"), lambda: cube.touch([0, 0, 0], layout=Sequence(), backend="cpu")):
+        with pytest.raises(OSError, match="the disk is gone"):
+            call()
+    assert "inhomogeneous" in message(palpa.BadUsage, lambda: cube.touch([[1, 2, 3], [4, 5]], backend="cpu"))
 
 
 @pytest.mark.parametrize("call, says", [
@@ -107,7 +135,7 @@ def test_arguments(openmpd, call, says):
 
 
 @pytest.mark.parametrize("options, says", [
-    ({"foci": 0}, "--foci"), ({"foci": 2.5}, "--foci"), ({"foci": 10, "stride": 5}, "--stride"), ({"delta": "3kg"}, "--delta"),
+    ({"foci": 12, "stride": 3}, "a stride such as 5"), ({"foci": 0}, "--foci"), ({"foci": 2.5}, "--foci"), ({"foci": 10, "stride": 5}, "--stride"), ({"delta": "3kg"}, "--delta"),
     ({"delta": float("nan")}, "--delta"), ({"method": "best"}, "cross-section"), ({"layout": "nowhere"}, "nowhere"), ({"pressure": 100}, "--layout"),
     ({"spot": 1e-3}, "--spot"), ({"finger_width": 0.02}, "--finger-width"), ({"tune": "yes"}, "True or False"), ({"method": ""}, "empty"),
     ({"delta": [1, 2]}, "--delta"), ({"delta": None, "dwell": -1}, "--dwell"), ({"penetration": 11}, "penetration"), ({"penetration": "3 apples"}, "a length such as"),

@@ -1,5 +1,6 @@
 """Results: their shapes, their memory, their text, and that they agree with each other."""
 import gc
+import warnings
 
 import numpy as np
 import pytest
@@ -181,9 +182,19 @@ def test_a_mesh_reads_back(tmp_path):
     assert np.array_equal(again.vertices, mesh.vertices) and np.array_equal(again.faces, mesh.faces) and again.volume > 0
 
 
-def test_warnings_are_kept_and_not_printed(cube, capfd):
+def test_warnings_are_pythons_and_kept(cube, capfd):
     palpa.messages()
-    cube.touch([0, 1, 0], dwell=0.1, backend="cpu")
+    with pytest.warns(palpa.PalpaWarning, match="100ms") as told:
+        cube.touch([0, 1, 0], dwell=0.1, backend="cpu")
+    assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(palpa.PalpaWarning):
+            cube.touch([0, 1, 0], dwell=0.1, backend="cpu")
+    palpa.messages()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        cube.touch([0, 1, 0], dwell=0.1, backend="cpu")
     lines = palpa.messages()
     assert [level for level, _ in lines] == ["warning"] and "100ms" in lines[0][1] and palpa.messages() == []
     assert capfd.readouterr() == ("", "")

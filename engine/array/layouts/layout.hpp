@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/math.hpp"
@@ -46,6 +48,30 @@ Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
 /// The same as text for people: "autd3, paper, ...".
 std::string known_layouts();
+/// The layout with axes of exactly length 1, for transducers that come from no file. Throws bad_usage naming what is
+/// wrong: no transducer or too many, one too far out, an axis that is no unit vector, two at the same place, a value
+/// out of range.
+Layout checked(Layout layout);
+/// During its lifetime, load_layout() knows a layout that has no file, by a name of its own.
+class KnownLayout {
+ public:
+  explicit KnownLayout(Layout layout);
+  ~KnownLayout();
+  KnownLayout(const KnownLayout&) = delete;
+  KnownLayout& operator=(const KnownLayout&) = delete;
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+};
+/// Farther out, an array's phases are meaningless, and floats are too imprecise for them.
+inline constexpr double most_layout_m = 10;
+inline constexpr double most_source_level_pa_m = 1e4, most_transducer_radius_m = 0.1;
+/// How far an axis may be from length 1. For values typed by people: 0.7071 for the root of a half.
+inline constexpr double axis_tolerance = 1e-3;
+/// The first two transducers at the same place, by position and index.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> coinciding(const std::vector<Transducer>& transducers);
+
 /// Whether this is the name of a built-in layout or of an existing file.
 bool is_layout(const std::string& name_or_file);
 

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
@@ -21,17 +20,12 @@
 namespace palpa::array {
 namespace {
 
-// Farther out, an array's phases are meaningless in this medium, and floats are too imprecise for them.
-constexpr double most_metres = 10;
-// For values typed by people: 0.7071 for the root of a half.
-constexpr double unit_tolerance = 1e-3;
-
 Vec3 read_position(TomlTable& table) {
   const std::vector<double> position = table.numbers("position_m", 3);
   for (const double metres : position) {
-    if (std::abs(metres) > most_metres) {
+    if (std::abs(metres) > most_layout_m) {
       throw table.fault("position_m",
-                        fmt::format("position_m has a coordinate of {} m; the limit is {} m", metres, most_metres));
+                        fmt::format("position_m has a coordinate of {} m; the limit is {} m", metres, most_layout_m));
     }
   }
   return {position[0], position[1], position[2]};
@@ -41,7 +35,7 @@ Transform read_pose(TomlTable& table) {
   const Vec3 position = read_position(table);
   const std::vector<double> q = table.numbers("quaternion_wxyz", 4);
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(std::abs(length - 1) <= unit_tolerance)) {
+  if (!(std::abs(length - 1) <= axis_tolerance)) {
     throw table.fault("quaternion_wxyz", fmt::format("quaternion_wxyz has length {}, not 1", length));
   }
   Transform pose = glm::mat4_cast(glm::dquat(q[0] / length, q[1] / length, q[2] / length, q[3] / length));
@@ -63,7 +57,7 @@ void read_transducer(TomlTable& table, Layout& layout) {
   const std::vector<double> given = table.numbers("axis", 3);
   const Vec3 axis(given[0], given[1], given[2]);
   const double length = glm::length(axis);
-  if (!(std::abs(length - 1) <= unit_tolerance)) {
+  if (!(std::abs(length - 1) <= axis_tolerance)) {
     throw table.fault("axis", fmt::format("axis has length {}, not 1", length));
   }
   table.done();
@@ -88,21 +82,11 @@ void read_each(TomlTable& top, std::string_view key, const Read& read, Layout& l
 }
 
 void refuse_coinciding(const Layout& layout, const std::vector<Origin>& origins) {
-  std::vector<std::uint32_t> order(layout.transducers.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = i;
-  const auto key = [&](std::uint32_t i) {
-    const Vec3& p = layout.transducers[i].position;
-    return std::array{p.x, p.y, p.z};
-  };
-  std::ranges::sort(order,
-                    [&](std::uint32_t a, std::uint32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    if (key(order[i - 1]) != key(order[i])) continue;
-    const auto past = std::ranges::upper_bound(origins, std::size_t{order[i]}, {}, &Origin::first);
-    throw std::prev(past)->table.fault(
-        "", fmt::format("transducers {} and {} are at the same place", order[i - 1], order[i]));
-  }
+  const auto pair = coinciding(layout.transducers);
+  if (!pair) return;
+  const auto past = std::ranges::upper_bound(origins, std::size_t{pair->second}, {}, &Origin::first);
+  throw std::prev(past)->table.fault(
+      "", fmt::format("transducers {} and {} are at the same place", pair->first, pair->second));
 }
 
 }  // namespace
@@ -114,7 +98,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
   layout.default_T_world_layout = below_facing_up();
   if (top.has("source_level_pa_m")) {
     layout.source_level_pa_m = top.number("source_level_pa_m");
-    if (!(layout.source_level_pa_m > 0 && layout.source_level_pa_m <= 1e4)) {
+    if (!(layout.source_level_pa_m > 0 && layout.source_level_pa_m <= most_source_level_pa_m)) {
       throw top.fault("source_level_pa_m",
                       fmt::format("source_level_pa_m is {}; it must be above 0 and at most 10000 Pa m, such as 4.386",
                                   layout.source_level_pa_m));
@@ -122,7 +106,7 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
   }
   if (top.has("transducer_radius_m")) {
     layout.transducer_radius_m = top.number("transducer_radius_m");
-    if (!(layout.transducer_radius_m > 0 && layout.transducer_radius_m <= 0.1)) {
+    if (!(layout.transducer_radius_m > 0 && layout.transducer_radius_m <= most_transducer_radius_m)) {
       throw top.fault("transducer_radius_m",
                       fmt::format("transducer_radius_m is {}; it must be above 0 and at most 0.1 m, such as 0.0045",
                                   layout.transducer_radius_m));

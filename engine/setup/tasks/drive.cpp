@@ -189,7 +189,7 @@ void check(const DriveTask& task) {
   if (task.touch.empty()) {
     if (task.slot || !task.rig.empty())
       throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
-    if (task.layout.empty())
+    if (task.layout.empty() && !task.placed)
       throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
     if (task.foci.empty()) {
       throw bad_usage(
@@ -198,7 +198,7 @@ void check(const DriveTask& task) {
     return;
   }
   if (!task.foci.empty()) throw bad_usage("--focus and --touch exclude each other: give one of them");
-  if (task.layout.empty() && task.rig.empty())
+  if (task.layout.empty() && task.rig.empty() && !task.placed)
     throw bad_usage("--touch needs an array: give --layout, or the --rig that it stands in");
 }
 
@@ -295,12 +295,13 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 
 DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const std::function<void()>& finger_read) {
   check(task);
-  const PlayedTouch played = task.touch.empty() ? PlayedTouch() : load_touch(task.touch);
+  PlayedTouch played;
+  if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
   const array::DriveOptions options =
       drive_options(task.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
                     task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
   check_pressures(task, played.schedule);
-  const PlacedLayout placed = load_placed_layout({.rig = task.rig, .layout = task.layout});
+  const PlacedLayout placed = task.placed ? *task.placed : load_placed_layout({.rig = task.rig, .layout = task.layout});
   const array::Layout& layout = placed.layout;
   warn_of_frequency(layout, options.medium);
   array::Schedule schedule =

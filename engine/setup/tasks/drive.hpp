@@ -21,6 +21,7 @@
 #include "array/resolution.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
+#include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/spread.hpp"
 #include "setup/tasks/foci.hpp"
@@ -29,11 +30,14 @@ namespace palpa::setup {
 
 /// The input as names and files, as on the command line.
 struct DriveTask {
-  std::string layout;                 ///< a built-in name or a file; empty with `touch`: the rig's
-  std::vector<std::string> foci;      ///< texts for schedule_of; empty with `touch`
-  std::string touch;                  ///< output file of `palpa touch --json`
-  std::optional<std::uint32_t> slot;  ///< in that touch's order, default 0
-  std::string rig;                    ///< gives the array's pose for that touch; empty: the layout's default pose
+  std::string layout;             ///< a built-in name or a file; empty with `touch`: the rig's
+  std::vector<std::string> foci;  ///< texts for schedule_of; empty with `touch`
+  std::string touch;              ///< output file of `palpa touch --json`
+  /// The content of that file, if it is not one; `touch` is then its name in messages.
+  std::optional<std::string> touch_json;
+  std::optional<std::uint32_t> slot;   ///< in that touch's order, default 0
+  std::string rig;                     ///< gives the array's pose for that touch; empty: the layout's default pose
+  std::optional<PlacedLayout> placed;  ///< the array itself, instead of `layout` and `rig`
   DriveOptionsGroup drive;
   std::string mesh;    ///< finger for a finger's transfer: a closed mesh in the layout's frame
   bool force = false;  ///< allow a finger that is too coarse for the wavelength

@@ -1,0 +1,12 @@
+"""What pickles of palpa's objects call. A function of the compiled part has no name that pickle could look up."""
+from . import _engine
+
+
+def restore(name, data):
+    """An object of this class."""
+    return _engine._restore(name, data)
+
+
+def scene(given, options):
+    """A scene, loaded again."""
+    return _engine.Scene(given, **options)

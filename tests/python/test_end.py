@@ -1,0 +1,159 @@
+"""The interpreter's end and Ctrl-C, whatever the functions of a session do. Each case is a process of its own."""
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import palpa
+from commands import ROOT, without_lateness
+from test_session import assert_it_sounded_and_ended_in_silence, drives_in
+
+SESSION = """
+import sys, threading, time
+import numpy as np
+import palpa
+scene, skin = palpa.Scene("assets/cube.glb"), palpa.read_ply("assets/finger.ply")
+sounds = threading.Event()
+seen = 0
+def look(touch):
+    global seen
+    seen += bool(touch.fingers)
+    if seen > 30: sounds.set()
+def focus(transfer, gains):
+    return np.conj(transfer[0]) / abs(transfer[0])
+def ring(finger):
+    openmpd.transfer(openmpd.from_world(finger.positions))
+    return finger.centroid + 4e-3 * finger.axes
+openmpd = palpa.Layout("openmpd")
+options = {"source": "synthetic", "layout": "openmpd", "backend": "cpu", "link": "record:" + sys.argv[1]}
+"""
+ENDLESS = """
+def stuck(touch):
+    look(touch)
+    if sounds.is_set():
+        print("stuck", flush=True)
+        %s
+"""
+CASES = {
+    "a solver": "session = palpa.Session(scene, solver=focus, **options)\nsession.start(on_frame=look)\n",
+    "a method": "session = palpa.Session(scene, method=ring, **options)\nsession.start(on_frame=look)\n",
+    "a callback that calls palpa": "def calls(touch):\n    look(touch)\n    touch.csv()\n    scene.touch(skin, penetration=2e-3, backend='cpu')\n"
+                                   "session = palpa.Session(scene, **options)\nsession.start(on_frame=calls)\n",
+    "a callback that computes": ENDLESS % "while True: pass" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
+    "a callback that catches everything": ENDLESS % "while True:\n            try: time.sleep(0.01)\n            except BaseException: pass"
+                                          + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
+    "a callback that sleeps": ENDLESS % "time.sleep(1e6)" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
+    "a callback that waits": ENDLESS % "threading.Event().wait()" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_interpreter_ends_whatever_a_session_runs(case, tmp_path):
+    code = SESSION + CASES[case] + "sounds.wait()\nprint('ends', flush=True)\nsys.exit(3)\n"
+    done = subprocess.run([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, without_lateness(done.stderr)) == (3, "") and "ends\n" in done.stdout
+    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
+
+
+@pytest.mark.parametrize("waits", ["while True: pass", "time.sleep(1e6)"])
+def test_a_second_ctrl_c_leaves_a_callback_that_does_not_return(waits, tmp_path):
+    code = SESSION + ENDLESS % waits + """
+import signal
+raised = [0]
+def handle(*_):
+    if len(raised) < 3 and time.monotonic() - raised[-1] > 0.1:
+        raised.append(time.monotonic())
+        raise KeyboardInterrupt
+signal.signal(signal.SIGINT, handle)
+session = palpa.Session(scene, **options)
+try:
+    with session:
+        session.run(on_frame=stuck)
+except KeyboardInterrupt:
+    del session
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    print("interrupted", flush=True)
+"""
+    with subprocess.Popen([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True) as process:
+        assert process.stdout.readline() == "stuck\n"
+        for _ in range(300):  # one that comes while another is handled is the same one
+            process.send_signal(signal.SIGINT)
+            try:
+                process.wait(0.2)
+                break
+            except subprocess.TimeoutExpired:
+                pass
+        out, err = process.communicate(timeout=60)
+    assert (out, process.returncode, without_lateness(err)) == ("interrupted\n", 0, "")
+    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
+
+
+@pytest.mark.times
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_ctrl_c_ends_a_field_and_a_spread(backend):
+    """Without it, each takes a minute."""
+    paper = palpa.Layout("paper")
+    drive = paper.drive([0, 0, 0], backend="cpu")
+    plane = palpa.plane("xy", size=(0.2, 0.2), pixels=(2048, 2048))
+    foci = [[0.01 * n, 0, 0] for n in range(10)]
+    for work in (lambda: paper.field(drive, plane, backend=backend),
+                 lambda: paper.solve(foci, spread="amplitude=10%,phase=0.2", draws=10000, backend=backend)):
+        sent = []
+
+        def interrupt(sent=sent):
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        timer = threading.Timer(0.3, interrupt)
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert time.monotonic() - sent[0] < 10
+        timer.join()
+
+
+def test_an_error_that_nobody_waits_for_is_told(cube, monkeypatch):
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda what: told.append((what.exc_type, str(what.exc_value))))
+
+    def fails(touch):
+        raise LookupError("mine")
+
+    session = palpa.Session(cube, source="synthetic", layout="openmpd", backend="cpu")
+    session.start(on_frame=fails)
+    while session.running:
+        time.sleep(0.01)
+    del session
+    assert told == [(LookupError, "mine")]
+    code = SESSION + "def fails(touch): raise LookupError('mine')\nsession = palpa.Session(scene, **(options | {'link': 'null'}))\n" \
+        "session.start(on_frame=fails)\nwhile session.running: time.sleep(0.01)\n"
+    done = subprocess.run([sys.executable, "-c", code, "-"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0 and "LookupError: mine" in done.stderr and "nobody has waited for" in done.stderr
+
+
+@pytest.mark.parametrize("who", ["on_frame", "on_event", "method", "solver"])
+def test_there_is_no_ramp_after_an_error(who, cube, tmp_path):
+    """As docs/safety.md promises: the drive before the silence is not a quiet one."""
+    calls = []
+
+    def fails(*arguments):
+        calls.append(arguments)
+        if len(calls) > 30:
+            raise LookupError("mine")
+        if who == "method":
+            return arguments[0].centroid + 4e-3 * arguments[0].axes
+        return np.conj(arguments[0][0]) / np.abs(arguments[0][0]) if who == "solver" else None
+
+    options = {"source": "synthetic", "layout": "openmpd", "backend": "cpu", "every_frame": True, "ramp": 0.4, "link": f"record:{tmp_path}/drives.bin"}
+    session = palpa.Session(cube, **options, **({who: fails} if not who.startswith("on_") else {"event_move": 0.0}))
+    with pytest.raises(LookupError, match="mine"):
+        session.run(**({who: fails} if who.startswith("on_") else {}))
+    loudest = drives_in(tmp_path / "drives.bin").max(axis=1)
+    sounding = loudest[loudest > 0]
+    assert loudest[-1] == 0 and sounding[-1] > 0.5 * sounding.max()

@@ -1,0 +1,72 @@
+"""Points know their frame and drives their array: what is used elsewhere is refused."""
+import numpy as np
+import pytest
+
+import palpa
+
+
+@pytest.fixture(scope="module")
+def touch(cube, finger):
+    return cube.touch(finger, penetration=3e-3, layout="openmpd", backend="cpu")
+
+
+@pytest.fixture(scope="module")
+def sonic():
+    """As many transducers as openmpd, in another order and at other places."""
+    return palpa.Layout("sonicsurface")
+
+
+def refused(call, *says):
+    with pytest.raises(palpa.BadUsage) as caught:
+        call()
+    assert all(one in str(caught.value) for one in says), caught.value
+
+
+def test_a_drive_of_another_layout(openmpd, sonic, cube, finger, tmp_path):
+    drive = openmpd.drive([0, 0, 0.15], backend="cpu")
+    solved = openmpd.solve([0, 0, 0.15], backend="cpu")
+    assert len(sonic) == len(openmpd) and solved.layout is openmpd
+    openmpd.write_drive(tmp_path / "d.csv", drive)
+    session = palpa.Session(cube, layout="openmpd", backend="cpu")
+    session.touch(finger - [0, 2e-3 + finger[:, 1].min(), 0], 0.0)
+    for one in (drive, solved, solved.vector, drive.copy(), drive[:], openmpd.read_drive(tmp_path / "d.csv"), session.drives[0]):
+        refused(lambda one=one: sonic.field(one, [0, 0, 0.15], backend="cpu"), "drive", "openmpd", "sonicsurface")
+        refused(lambda one=one: sonic.write_drive(tmp_path / "s.csv", one), "openmpd", "sonicsurface")
+        refused(lambda one=one: palpa.scatter("assets/finger.ply", layout=sonic, drive=one), "openmpd", "sonicsurface")
+        assert openmpd.field(one, [0, 0, 0.15], backend="cpu").peak > 100
+    # The same array, loaded again or moved, and plain arrays.
+    peak = openmpd.field(drive, [0, 0, 0.15], backend="cpu").peak
+    moved = openmpd.moved(openmpd.default_pose)
+    for array, at in ((palpa.Layout("openmpd"), [0, 0, 0.15]), (moved, [0, 0, 0])):
+        assert array.field(drive, at, backend="cpu").peak == pytest.approx(peak, rel=1e-5)
+    assert sonic.field(np.asarray(drive), [0, 0, 0.15], backend="cpu").peak > 0
+    assert type(0.5 * drive) is type(np.conj(drive)) is type(np.stack([drive, drive])) is type(drive.dot(np.eye(256))) is np.ndarray
+
+
+def test_foci_of_the_world(openmpd, sonic, touch):
+    foci = touch.fingers[0].foci
+    for call in (lambda: openmpd.solve(foci[:3], backend="cpu"), lambda: openmpd.drive(touch.fingers[0].centroid, backend="cpu"),
+                 lambda: openmpd.transfer(touch.contacts.positions), lambda: openmpd.field(np.ones(256), touch.fingers[0].played_foci, backend="cpu")):
+        refused(call, "in the world", "layout openmpd", "from_world")
+    own = openmpd.from_world(foci)
+    assert np.allclose(own, np.c_[foci, np.ones(10)] @ np.linalg.inv(openmpd.default_pose).T[:, :3], atol=1e-12)
+    # What palpa touch says of the same focus.
+    louder = openmpd.solve(own[0], backend="cpu")
+    assert louder.pressures[0] == pytest.approx(touch.fingers[0].pressures[0], rel=1e-4)
+    refused(lambda: sonic.solve(own[0], backend="cpu"), "openmpd", "sonicsurface")
+    refused(lambda: sonic.field(np.ones(256), louder.foci, backend="cpu"), "openmpd", "sonicsurface")
+    refused(lambda: palpa.Scene("assets/cube.glb").touch(own, backend="cpu"), "layout openmpd", "in the world")
+    # The paper's layout is in the world, and so is one that was moved there.
+    assert palpa.Layout("paper").solve(foci[0], backend="cpu").pressures[0] > 0
+    assert openmpd.moved(openmpd.default_pose).solve(foci[0], backend="cpu").pressures[0] == pytest.approx(louder.pressures[0], rel=1e-4)
+    assert type(foci + 0) is np.ndarray and openmpd.solve(np.asarray(foci[0]), backend="cpu").pressures[0] > 0
+
+
+def test_a_touch_is_solved_as_its_file(openmpd, touch, tmp_path):
+    (tmp_path / "touch.json").write_text(touch.json())
+    for slot in (None, 4):
+        ours, files = (openmpd.solve_touch(one, slot=slot, backend="cpu") for one in (touch, tmp_path / "touch.json"))
+        assert np.array_equal(ours.vector, files.vector) and ours.pressures[0] == pytest.approx(touch.fingers[0].pressures[touch.order[slot or 0]], rel=1e-4)
+    refused(lambda: openmpd.solve_touch(touch, slot=99, backend="cpu"), "slot", "touch")
+    with pytest.raises(palpa.BadInput, match="no finger"):
+        openmpd.solve_touch(palpa.Scene("assets/cube.glb").touch([0, 1, 0], backend="cpu"), backend="cpu")
