@@ -65,8 +65,9 @@ DoctorSection look_at_validation() {
 DoctorSection look_at_features() {
   const std::pair<const char*, std::string> optional[]{
       {"V-HACD", geometry::how_to_get_vhacd()},
-      {"SDL2", "only the noise in the headphones of a study needs it: install libsdl2-dev (./dev deps audio) and build "
-               "palpa again"}};
+      {"SDL2",
+       "only the noise in the headphones of a study needs it: install libsdl2-dev (./dev deps audio) and build "
+       "palpa again"}};
   DoctorSection section{"features", "Optional libraries of this build", {}, {}};
   for (const auto& [name, advice] : optional) {
     const bool has = built_with(name);
