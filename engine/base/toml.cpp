@@ -18,6 +18,9 @@ namespace palpa {
 struct TomlTable::Document {
   std::string file;
   toml::table root;
+  /// The fault of a file that gives a key twice; empty otherwise. `root` is then the file without the second. It may be
+  /// any file, and then nothing of it must be shown, so `twice_named` is for a file that has a key which is asked for.
+  std::string twice{}, twice_named{};
 };
 
 namespace {
@@ -122,22 +125,36 @@ std::string_view key_of(std::string_view line) {
   return {};
 }
 
-/// "key fx is already given in line 7", for the second of two equal keys in this line. Empty if there is no first one:
-/// both are in one pair of braces.
-std::string given_twice(std::string_view text, std::uint32_t second_line) try {
+/// A line that gives a key for the second time.
+struct Second {
+  std::string_view key{};
+  std::uint32_t first_line = 0;
+  toml::table rest{};  ///< the file without it, or only what comes before it
+};
+
+/// nullopt if there is no first line: both keys are in one pair of braces.
+std::optional<Second> find_first(std::string_view text, std::uint32_t second_line) try {
   std::size_t begin = 0;
   for (std::uint32_t line = 1; line < second_line; ++line)
     begin = text.find('\n', begin) + 1;
-  const std::string_view line = text.substr(begin, text.find('\n', begin) - begin), key = key_of(line);
+  const std::size_t end = std::min(text.find('\n', begin), text.size());
+  const std::string_view line = text.substr(begin, end - begin);
+  Second second{key_of(line)};
   // A key that the file does not have shows which table the second line belongs to.
   constexpr std::string_view probe = "palpa looks for this table";
   const toml::table before = toml::parse(fmt::format("{}\n\"{}\" = 0\n", text.substr(0, begin), probe));
   const bool heading = line.find_first_not_of(" \t") == line.find('[');
   const toml::table* place = heading ? &before : owner_of(probe, before);
-  const std::uint32_t first = place == nullptr ? 0 : line_at(*place, toml::parse(fmt::format("{} = 0", key)));
-  return first == 0 ? "" : fmt::format("key {} is already given in line {}", printable(key, 40), first);
+  if (place != nullptr) second.first_line = line_at(*place, toml::parse(fmt::format("{} = 0", second.key)));
+  if (second.first_line == 0) return std::nullopt;
+  try {
+    second.rest = toml::parse(fmt::format("{}{}", text.substr(0, begin), text.substr(end)));
+  } catch (const toml::parse_error&) {
+    second.rest = toml::parse(text.substr(0, begin));
+  }
+  return second;
 } catch (const toml::parse_error&) {
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -156,8 +173,14 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::
     // Its description would quote the file, which is untrusted and may contain anything.
     const toml::source_position at = error.source().begin;
     if (error.description().find("redefine existing") != std::string_view::npos) {
-      const std::string twice = given_twice(text, at.line);
-      throw bad_input(file, fmt::format("line {}: {}", at.line, twice.empty() ? "a key is given twice" : twice));
+      std::optional<Second> second = find_first(text, at.line);
+      if (!second) throw bad_input(file, fmt::format("line {}: a key is given twice", at.line));
+      const auto fault = [&](const std::string& key) {
+        return fmt::format("line {}: {} is already given in line {}", at.line, key, second->first_line);
+      };
+      const auto document = std::make_shared<const Document>(Document{
+          file, std::move(second->rest), fault("its key"), fault(fmt::format("key {}", printable(second->key, 40)))});
+      return {document, &document->root, std::string(what)};
     }
     throw bad_input(file, fmt::format("line {}: not TOML: a syntax error at column {}", at.line, at.column));
   }
@@ -167,6 +190,8 @@ TomlTable::TomlTable(std::shared_ptr<const Document> document, const void* table
     : document_(std::move(document)), table_(table), name_(std::move(name)) {}
 
 void TomlTable::ask(std::string_view key, bool read) {
+  if (!document_->twice.empty() && as_table(table_).contains(key))
+    throw bad_input(document_->file, document_->twice_named);
   const auto known = std::find_if(asked_.begin(), asked_.end(), [&](const Asked& asked) { return asked.key == key; });
   if (known == asked_.end()) {
     asked_.push_back({std::string(key), read});
@@ -236,6 +261,7 @@ std::optional<TomlValue> value_of(const toml::node& node, int levels) {
 }  // namespace
 
 std::vector<std::string> TomlTable::keys() const {
+  refuse_twice();
   std::vector<std::string> names;
   for (const toml::key* key : in_order(as_table(table_)))
     names.emplace_back(key->str());
@@ -254,6 +280,7 @@ TomlValue TomlTable::value(std::string_view key) {
 const void* TomlTable::need(std::string_view key) {
   const void* node = find(key);
   if (node == nullptr) {
+    refuse_twice();
     throw fault(
         key, name_.starts_with('[') ? fmt::format("{} {} is missing", name_, key) : fmt::format("{} is missing", key));
   }
@@ -385,7 +412,12 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   return tables;
 }
 
+void TomlTable::refuse_twice() const {
+  if (!document_->twice.empty()) throw bad_input(document_->file, document_->twice);
+}
+
 void TomlTable::done() const {
+  refuse_twice();
   std::vector<std::string_view> keys;
   for (const Asked& asked : asked_)
     keys.emplace_back(asked.key);

@@ -41,7 +41,8 @@ struct TomlValue {
   std::vector<std::string> keys{};  ///< of a table: those of its items
 };
 
-/// One table. Every getter throws bad_input; `done()` at the end refuses keys that were never read.
+/// One table. Every getter throws bad_input; `done()` at the end refuses keys that were never read. The first getter
+/// that finds its key, or else `done()`, refuses a file that gives a key twice.
 class TomlTable {
  public:
   /// Reads a regular file; `what` names its kind in messages: "a rig".
@@ -90,6 +91,8 @@ class TomlTable {
 
   TomlTable(std::shared_ptr<const Document> document, const void* table, std::string name);
   void ask(std::string_view key, bool read);
+  /// Throws for a file that gives a key twice.
+  void refuse_twice() const;
   /// These return toml++'s nodes.
   const void* find(std::string_view key);
   const void* need(std::string_view key);

@@ -70,15 +70,24 @@ y = 2
 }
 
 TEST(Toml, AKeyThatIsGivenTwiceIsNamedWithBothLines) {
-  EXPECT_EQ(load_fault_of("[[c]]\na = 1\n[[c]]\na = 2\nb = 3\n\na = 4\n"),
-            "x: line 7: key a is already given in line 4");
-  EXPECT_EQ(load_fault_of("a = 1\n[t]\nb = 1\n[t.u]\n\"b c\" = [\n1]\n \"b c\" = 2\n"),
+  const auto fault = [](const std::string& text, const char* asked) {
+    return fault_of([&] {
+      TomlTable table = table_of(text);
+      table.has(asked);
+      table.done();
+    });
+  };
+  EXPECT_EQ(fault("[[c]]\na = 1\n[[c]]\na = 2\nb = 3\n\na = 4\n", "c"), "x: line 7: key a is already given in line 4");
+  EXPECT_EQ(fault("a = 1\n[t]\nb = 1\n[t.u]\n\"b c\" = [\n1]\n \"b c\" = 2\n[v]\n", "v"),
             "x: line 7: key \"b c\" is already given in line 5");
-  EXPECT_EQ(load_fault_of("[t]\nb = 1\n[u]\n[t]\nb = 1\n"), "x: line 4: key t is already given in line 1");
-  EXPECT_EQ(load_fault_of("t = 1\n[t]\n"), "x: line 2: key t is already given in line 1");
-  EXPECT_EQ(load_fault_of("p.q = 1\np.r = 1\np.q = 2\n"), "x: line 3: key p.q is already given in line 1");
-  EXPECT_EQ(load_fault_of("b = 1\na = {b = 1, b = 2}\n"), "x: line 2: a key is given twice");
-  EXPECT_EQ(load_fault_of("a = 1\na.b = 2\n"), "x: line 2: key a.b is already given in line 1");
+  EXPECT_EQ(fault("[t]\nb = 1\n[u]\n[t]\nb = 1\n", "u"), "x: line 4: key t is already given in line 1");
+  EXPECT_EQ(fault("t = 1\n[t]\n", "t"), "x: line 2: key t is already given in line 1");
+  EXPECT_EQ(fault("p.q = 1\np.r = 1\np.q = 2\n", "p"), "x: line 3: key p.q is already given in line 1");
+  EXPECT_EQ(fault("a = 1\na.b = 2\n", "a"), "x: line 2: key a.b is already given in line 1");
+  EXPECT_EQ(fault("b = 1\na = {b = 1, b = 2}\n", "b"), "x: line 2: a key is given twice");
+  // Without a key that is asked for, it may be any file, and nothing of it is shown.
+  EXPECT_EQ(fault("a = 1\na = 2\n", "b"), "x: line 2: its key is already given in line 1");
+  EXPECT_EQ(fault_of([] { table_of("a = 1\na = 2\n").number("b"); }), "x: line 2: its key is already given in line 1");
 }
 
 TEST(Toml, FaultsNameFileLineAndKey) {
