@@ -23,17 +23,15 @@ bool has_word(int argc, const char* const* argv, std::string_view word) {
 }
 
 setup::HelpText study_help() {
-  return {
-      .name = "palpa-viewer --study",
-      .arguments = "",
-      .summary = "a participant's sitting in front of an array; palpa study run starts it",
-      .usual =
-          "--study --participant --out --source --link --rig --monitor --size --stereo --override --rehearse --hold",
-      .examples = "  palpa-viewer --study plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n",
-      .notes =
-          "docs/study.md explains the two windows. A sitting that was stopped is continued by the same command. "
-          "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input.",
-      .common = ""};
+  return {.name = "palpa-viewer --study",
+          .arguments = "",
+          .summary = "a participant's sitting in front of an array; palpa study run starts it",
+          .usual = "--study --participant --out --source --link --rig --monitor --size --override --rehearse --hold",
+          .examples = "  palpa-viewer --study plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n",
+          .notes =
+              "docs/study.md explains the two windows. A sitting that was stopped is continued by the same command. "
+              "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input.",
+          .common = ""};
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ drawing::Pixels ParticipantScene::draw(const gpu::Device& device, std::optional<
   if (half.width == width && half.height == height) return viewer::draw(view, width, height, under ? &*under : nullptr);
   // Each eye sees one half of the picture, so that both halves have the text.
   std::vector<drawing::Pixels> halves;
+  halves.reserve(2);
   for (const std::uint32_t second : {0u, 1u}) {
     std::optional<drawing::Pixels> scene;
     if (under)

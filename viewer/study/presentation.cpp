@@ -172,6 +172,7 @@ void Presentation::place() {
   if (!scene || placed_ == shape_) return;
   session_->place(only(*shape_, scene->solid_names));
   placed_ = shape_;
+  may_be_old_ = true;
   since_.reset();
   since_s_.reset();
   lowest_.reset();
@@ -207,7 +208,8 @@ void Presentation::look() {
     const LiveNumbers& numbers = session_->snapshot().numbers;
     rate_hz_ = numbers.rate_hz;
     overload_ = {numbers.thinned, numbers.outdated};
-    if (placed_ && !since_) since_ = newest_ + frames_until_placed;
+    // The first snapshot after the shape was placed may be one that has waited here since long before.
+    if (placed_ && !since_ && !std::exchange(may_be_old_, false)) since_ = newest_ + frames_until_placed;
     if (since_ && newest_ >= *since_ && !since_s_) since_s_ = session_->snapshot().time_s;
   }
   if (session_->take_seen() && since_ && session_->seen().sequence >= *since_) {

@@ -111,6 +111,7 @@ class Presentation {
   std::optional<std::size_t> method_, shape_;  ///< that are wanted
   std::optional<std::size_t> session_method_, placed_;
   std::uint64_t newest_ = 0;            ///< sequence of the newest frame that was planned
+  bool may_be_old_ = false;             ///< the next snapshot, because the shape was just placed
   std::optional<std::uint64_t> since_;  ///< frames from here on have the shape that is placed
   std::optional<double> since_s_;       ///< the capture time of the first of them that was looked at
   bool wanted_ = false;                 ///< a session should be under way

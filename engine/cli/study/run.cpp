@@ -58,7 +58,7 @@ void add_study_run(Program& program) {
        "  palpa study run plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n"
        "  palpa study run assets/studies/five-minutes.toml --participant 1 --out rehearsal \\\n"
        "                  --rehearse 0.6 --size 1024x768",
-       "--participant --out --source --link --rig --monitor --size --stereo --override --rehearse --hold",
+       "--participant --out --source --link --rig --monitor --size --override --rehearse --hold",
        "Starts palpa-viewer --study, so it needs a display; without one, it ends with exit code 3. A sitting that was "
        "stopped is continued by the same command. docs/study.md explains the windows."},
       add_options_of_run, run_study);

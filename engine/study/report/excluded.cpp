@@ -22,6 +22,7 @@ std::uint64_t trials_of(const Analysis& analysis, std::size_t person, std::size_
 std::string excluded_line(const Analysis& analysis, const MethodPair& pair) {
   if (pair.excluded.empty()) return {};
   std::vector<std::string> people;
+  people.reserve(pair.excluded.size());
   for (const std::size_t person : pair.excluded) {
     people.push_back(fmt::format("participant {} ({} and {})", analysis.study.participants[person].number,
                                  trials_of(analysis, person, pair.a), trials_of(analysis, person, pair.b)));

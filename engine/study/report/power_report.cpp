@@ -109,6 +109,7 @@ std::string power_html(const PowerSetting& setting, const PowerResult& result,
   if (!others.empty()) {
     page.paragraph(why_others);
     std::vector<std::string> lines;
+    lines.reserve(others.size());
     for (const OtherCorrelation& other : others)
       lines.push_back(other_line(setting, other));
     page.list(lines);
