@@ -80,7 +80,8 @@ LayoutObject make_layout(const py::object& source, const py::object& name, const
   if (positions.size() != axes.size())
     throw bad_usage(fmt::format("axes: there are {} for {} positions", axes.size(), positions.size()));
   array::Layout made;
-  made.name = name.is_none() ? "of arrays" : bytes_of("name", py::str(name));
+  if (!name.is_none() && !py::isinstance<py::str>(name)) throw bad_usage("name: give a text");
+  made.name = name.is_none() ? "of arrays" : bytes_of("name", name);
   made.default_T_world_layout = pose.is_none() ? array::below_facing_up() : transform_of("pose", pose);
   const auto read = [](const char* what, const py::object& given, double& value) {
     if (given.is_none()) return;

@@ -76,10 +76,7 @@ void call_back(SessionObject& o, const py::object& callback, const Make& argumen
     if (!locked || run.callback_fault) return;
     const OwnFunctions::Called called(o.own);
     try {
-      call_python([&] {
-        const py::object answer = callback(argument());
-        if (answer.is(py::bool_(false))) run.stop = true;
-      });
+      if (call_python(callback, py::make_tuple(argument())).is(py::bool_(false))) run.stop = true;
       return;
     } catch (py::error_already_set& error) {
       run.callback_fault.emplace(error);

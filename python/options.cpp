@@ -214,7 +214,7 @@ std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, c
   whole->values.solids.assign(finger.solid + std::size_t{1}, "");
   whole->values.fingers.resize(1);
   whole->values.schedule.add_voice();
-  const py::object returned = method(FingerObject{whole, 0});
+  const py::object returned = call_python(method, py::make_tuple(FingerObject{whole, 0}));
   refuse_other_frame("method", returned);
   std::vector<Vec3> foci = points_of("method", returned);
   if (foci.empty() || foci.size() > touch::max_foci)
@@ -235,7 +235,7 @@ void call_own(OwnFunctions& own, const Call& call) {
     if (!locked || own.fault) return;
     const OwnFunctions::Called called(own);
     try {
-      call_python(call);
+      call();
       return;
     } catch (...) {
       own.fault = std::current_exception();

@@ -1,5 +1,6 @@
 #include "running.hpp"
 
+#include <cxxabi.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -168,6 +169,17 @@ Locked::Locked() : taken_(may_return()) {
 
 Locked::~Locked() {
   if (taken_) PyGILState_Release(state_);
+}
+
+py::object call_python(const py::object& function, const py::tuple& arguments) {
+  PyObject* answer = nullptr;
+  try {
+    answer = PyObject_CallObject(function.ptr(), arguments.ptr());
+  } catch (const abi::__forced_unwind&) {
+    wait_for_end_of_process();
+  }
+  if (!answer) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(answer);
 }
 
 KeptThreadState::KeptThreadState() {

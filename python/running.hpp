@@ -2,7 +2,6 @@
 // fork(), and they end before the interpreter does.
 #pragma once
 
-#include <cxxabi.h>
 #include <pybind11/pybind11.h>
 
 #include <atomic>
@@ -75,16 +74,10 @@ class KeptThreadState {
   PyThreadState* state_ = nullptr;
 };
 
-/// Calls Python code on a thread of the engine, with the interpreter's lock. If the interpreter ends the thread
-/// meanwhile, it waits here for the end of the process: it must not unwind the engine's code.
-template <typename Work>
-void call_python(const Work& work) {
-  try {
-    work();
-  } catch (const abi::__forced_unwind&) {
-    wait_for_end_of_process();
-  }
-}
+/// Calls a function of the caller's, on any thread that has the interpreter's lock. If the interpreter ends the thread
+/// meanwhile, it waits here for the end of the process: it must not unwind the engine's code, and without the lock, it
+/// must not drop an object of Python's.
+py::object call_python(const py::object& function, const py::tuple& arguments);
 
 /// Calls `work` without the interpreter's lock.
 template <typename Work>

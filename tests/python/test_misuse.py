@@ -93,7 +93,13 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
     cpu = {"backend": "cpu"}
     return [
         (palpa.Scene, {"file": ASSETS / "cube.glb"}, "Scene"), (palpa.Mesh, {"source": ASSETS / "finger.ply"}, None),
-        (palpa.Layout, {"source": "openmpd"}, None), (palpa.Recording, {"folder": ASSETS / "depth/take"}, None),
+        (palpa.Layout, {"source": "openmpd"}, None), (palpa.Scene, {"file": {"cube": (cube[0].vertices, cube[0].faces)}}, None),
+        (palpa.Layout, {"source": (openmpd.positions, openmpd.axes), "name": "mine", "source_level": 4.0, "frequency": 4e4, "transducer_radius": 4e-3,
+                        "pose": np.eye(4)}, None),
+        (palpa.Camera, {"width": 64, "height": 48, "matrix": [[50, 0, 31.5], [0, 50, 23.5], [0, 0, 1]], "distortion": [0.0], "depth_unit": 1e-3,
+                        "min_range": 0.1, "pose": np.eye(4), "name": "mine"}, None),
+        (openmpd.from_world, {"points": finger, "pose": np.eye(4)}, None), (openmpd.solve_touch, {"touch": touch, **cpu}, None),
+        (palpa.Recording, {"folder": ASSETS / "depth/take"}, None),
         (palpa.Recording(ASSETS / "depth/take").images, {"frame": 0}, None), (palpa.read_ply, {"file": ASSETS / "finger.ply"}, None),
         (palpa.write_ply, {"file": folder / "w.ply", "points": finger, "faces": [[0, 1, 2]]}, None),
         (palpa.plane, {"plane": "xz", "centre": [0, 0, 0.1], "size": (0.1, 0.1), "pixels": (3, 3)}, None),
