@@ -279,7 +279,7 @@ TEST(Touch, SkinAndSolidsInMillimetresAreWarnedOf) {
 TEST(TouchErrors, AStrideThatLeavesFociOutIsRefusedWithABetterOne) {
   const std::vector<std::string> line = with(with({"touch"}, cube_touch()), {"--backend", "cpu"});
   expect_failure(palpa_here(with(line, {"--stride", "5"})), 2, "give a stride such as");
-  expect_failure(palpa_here(with(line, {"--foci", "12", "--stride", "3"})), 2, "give a stride such as");
+  expect_failure(palpa_here(with(line, {"--foci", "12", "--stride", "3"})), 2, "give a stride such as 5");
   EXPECT_EQ(palpa_here(with(line, {"--foci", "12", "--quiet"})).exit_code, 0);
   EXPECT_EQ(palpa_here(with(line, {"--foci", "1", "--quiet"})).exit_code, 0);
   EXPECT_EQ(palpa_here(with(line, {"--foci", "64", "--quiet"})).exit_code, 0);
