@@ -99,7 +99,7 @@ struct Autd3Rig {
   }
   /// As a guard does between drives.
   template <typename Done>
-  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::milliseconds(3000)) {
+  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::minutes(1)) {
     for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
       board->tend();
       {

@@ -21,6 +21,7 @@
 #include "driver/autd3/remote.hpp"
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
+#include "support/begins.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::driver::autd3 {
@@ -258,15 +259,19 @@ TEST(Autd3Board, AllAddressesOfANameAreTried) {
   address.places.insert(address.places.begin(), nobody.places.front());
   Remote remote(address, rig.layout);
   remote.connect(monotonic_s());
-  for (int i = 0; i < 1000 && !remote.idle() && !remote.closed(); ++i, std::this_thread::sleep_for(1ms))
+  test::begins([&] {
     remote.pump(monotonic_s());
+    return remote.idle() || remote.closed();
+  });
   EXPECT_TRUE(remote.idle()) << remote.fault();
   address.places.assign(2, nobody.places.front());
   Remote none(address, rig.layout);
   none.connect(monotonic_s());
-  for (int i = 0; i < 1000 && !none.closed(); ++i, std::this_thread::sleep_for(1ms))
+  const auto closed = [&] {
     none.pump(monotonic_s());
-  EXPECT_TRUE(none.closed());
+    return none.closed();
+  };
+  EXPECT_TRUE(test::begins(closed));
   EXPECT_CONTAINS(none.fault(), "cannot be reached: Connection refused");
 }
 
@@ -299,20 +304,19 @@ TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {
   rig.serving = std::make_unique<Serving>(rig.server, 0, 3ms);
   rig.argument = rig.serving->address();
   rig.open();
+  const double begin_s = monotonic_s();
   for (int i = 0; i < 40; ++i) {  // a frame every 4 ms; a plan takes 60 ms to arrive
     rig.drives[0].amplitude = static_cast<float>(i) / 100;
     rig.plan();
     rig.tend_until([] { return false; }, 4ms);
   }
-  EXPECT_LT(rig.server.devices()[0].transitions(), 8u);
+  EXPECT_LT(rig.server.devices()[0].transitions(), 5 + (monotonic_s() - begin_s) / 60e-3);
   EXPECT_TRUE(rig.tend_until([&] { return part_heard(rig, 0.5 * 1.5e-3) >= 0; })) << "the last of them";
-  const auto begin = std::chrono::steady_clock::now();
   const std::uint64_t operations = rig.server.devices()[0].operations();
   rig.plan();
   rig.board->play(rig.slot, rig.silence);
   EXPECT_TRUE(rig.falls_silent());
   EXPECT_LE(rig.server.devices()[0].operations() - operations, 2u) << "silence waits for one message at most";
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
   EXPECT_TRUE(rig.board->close());
   EXPECT_TRUE(rig.notes.warnings.empty());
   EXPECT_EQ(rig.server.violation_count(), 0u);

@@ -16,6 +16,7 @@
 
 #include "driver/guard/board_link.hpp"
 #include "session/links/link.hpp"
+#include "support/begins.hpp"
 #include "support/shared_data.hpp"
 #include "trace_board.hpp"
 
@@ -74,18 +75,14 @@ struct GuardRig {
   }
   /// Waits until this many lines begin with `begin`.
   bool wrote(const std::string& begin, std::size_t times = 1) const {
-    for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
-      if (count(begin) >= times) return true;
-    }
-    return false;
+    return begins([&] { return count(begin) >= times; });
   }
   /// Waits until `line` is its last line.
   bool ends_with(const std::string& line) const {
-    for (int i = 0; i < 3000; ++i, wait(std::chrono::milliseconds(1))) {
+    return begins([&] {
       const std::vector<std::string> all = lines();
-      if (!all.empty() && all.back() == line) return true;
-    }
-    return false;
+      return !all.empty() && all.back() == line;
+    });
   }
   void expect_silent_end() const {
     const std::vector<std::string> all = lines();

@@ -116,7 +116,6 @@ TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
   ASSERT_TRUE(rig.wrote("off"));
   const std::chrono::duration<double> after = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(after.count(), 0.1);
-  EXPECT_LT(after.count(), 2) << "0.1 s, and what a busy machine needs";
   wait(150ms);
   EXPECT_EQ(rig.lines().back(), "off");
   EXPECT_EQ(rig.count("off"), 1u) << "it says so once";

@@ -23,6 +23,7 @@
 #include "driver/sonicsurface/machine.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
+#include "support/begins.hpp"
 
 namespace palpa::test {
 
@@ -74,7 +75,7 @@ struct SonicSurfaceRig {
   }
   /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>
-  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::milliseconds(2000)) {
+  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::minutes(1)) {
     for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
       std::array<pollfd, 2> fds{};
       const auto watched = board->watched();
@@ -95,12 +96,12 @@ struct SonicSurfaceRig {
   void expect_silent_end() {
     EXPECT_TRUE(board->close());
     board.reset();
-    for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+    const auto silent = [&] {
       const std::lock_guard held(lock);
-      if (machine.all_silent() && machine.all_silent_behind()) break;
-    }
+      return machine.all_silent() && machine.all_silent_behind();
+    };
+    EXPECT_TRUE(begins(silent));
     const std::lock_guard held(lock);
-    EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
     EXPECT_EQ(machine.violations().count(), 0u) << machine.violations().kept()[0].what;
   }
 };
