@@ -388,10 +388,14 @@ TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
   rig.argument = vanishing->path();
   rig.board = rig.make(12e-3, true);
   vanishing.reset();
-  for (std::uint64_t s = 0; s < 50; ++s) {
-    rig.board->play(s, rig.drive);
-    std::this_thread::sleep_for(1ms);
-  }
+  std::uint64_t s = 0;
+  const auto told = [&] {
+    rig.board->play(s++, rig.drive);
+    return !rig.notes.warnings.empty();
+  };
+  EXPECT_TRUE(test::begins(told));
+  for (int more = 0; more < 20; ++more)
+    told();
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone"}));
   rig.board->all_off();
   EXPECT_FALSE(rig.board->close()) << "nobody knows";
