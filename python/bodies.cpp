@@ -285,7 +285,7 @@ SimulateArguments simulate_arguments(Declared<SimulateArguments>& options, const
   o.task.bare_elongation = bare_elongation;
   o.task.compute = o.common;
   check(o.task);
-  o.task.compute.device = unlocked([&] { return device_for(o.common); });
+  o.task.compute.device = unlocked([&] { return setup::kept_device(o.common); });
   return o;
 }
 

@@ -126,7 +126,7 @@ template <typename Work>
 auto on_device(const setup::ComputeOptions& options, const Work& work) {
   check(options);
   return cancellable([&] {
-    const gpu::Device* const device = device_for(options);
+    const gpu::Device* const device = setup::kept_device(options);
     std::unique_lock<std::mutex> turn(device_turn(), std::defer_lock);
     if (device) turn.lock();
     return work(device);

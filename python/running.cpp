@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -271,22 +270,6 @@ void at_end(void (*look)()) {
 std::mutex& device_turn() {
   static auto* const mutex = new std::mutex();
   return *mutex;
-}
-
-const gpu::Device* device_for(const setup::ComputeOptions& options) {
-  if (options.backend == setup::Backend::cpu) return nullptr;
-  static auto* const mutex = new std::mutex();
-  static auto* const devices =
-      new std::map<std::pair<std::string, std::optional<gpu::Validation>>, std::unique_ptr<gpu::Device>>();
-  const std::lock_guard lock(*mutex);
-  std::unique_ptr<gpu::Device>& device = (*devices)[{options.gpu, options.validation}];
-  if (device && device->lost()) static_cast<void>(device.release());  // others may still wait for it
-  if (!device) {
-    gpu::DeviceOptions kept = setup::device_options(options);
-    kept.keep_pipelines = true;
-    device = std::make_unique<gpu::Device>(kept);
-  }
-  return device.get();
 }
 
 void add_running(py::module_& m) {

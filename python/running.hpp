@@ -118,10 +118,7 @@ class EndsWithInterpreter {
   std::atomic<bool>* stop_;
 };
 
-/// The device of these options; null for the processor. It is opened once for each choice of device, keeps its
-/// pipelines, and stays open until the process ends, or until it is lost. Any thread may compute on it. Hold
-/// `device_turn()` while it computes a drive or a field.
-const gpu::Device* device_for(const setup::ComputeOptions& options);
+/// Hold it while a setup::kept_device() computes a drive or a field.
 std::mutex& device_turn();
 
 /// Deletes an object of the engine without the interpreter's lock. In a forked process, the object is left alone.

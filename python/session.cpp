@@ -130,7 +130,7 @@ void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras)
       setup::session_setting(options, o.scene->solids, std::move(cameras), std::move(rig.layout));
   setting.surroundings = sensing::surroundings_of(rig.rig);
   setting.frame_by_frame = true;
-  const gpu::Device* const device = device_for(options.common);
+  const gpu::Device* const device = setup::kept_device(options.common);
   o.session = device ? std::make_unique<session::Session>(*device, std::move(setting))
                      : std::make_unique<session::Session>(std::move(setting));
 }

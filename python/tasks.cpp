@@ -395,7 +395,7 @@ std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::o
     const Outputs outputs({{"--foci", o.task.foci},
                            {"--drives", o.task.drives},
                            {"--events", writes_events ? o.task.events : std::string()}});
-    o.task.common.device = device_for(o.task.common);
+    o.task.common.device = setup::kept_device(o.task.common);
     setup::FocusRows rows;
     session::Link* link = &rows;
     made->result = setup::ExportRun(o.task, sources, stop, {&link, 1}).run();

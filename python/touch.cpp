@@ -122,7 +122,7 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
   const setup::TouchInput input = skin_of(scene, skin, depth, camera, rig, penetration);
   check(o.task, !input.cameras.empty());
   const auto compute = [&] {
-    o.task.compute.device = device_for(o.common);
+    o.task.compute.device = setup::kept_device(o.common);
     const setup::TouchResult result = setup::touch_scene(o.task, scene.name(), scene.solids, input, begin);
     if (result.unreached && !own.fault) log::warning(*result.unreached);
     return std::make_shared<TouchObject>(TouchObject{values_of(result), 0, result.unreached});

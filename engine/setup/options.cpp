@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
@@ -13,6 +16,8 @@
 namespace palpa::setup {
 
 namespace {
+
+bool keeps_devices = false;
 
 constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"gs-pat", SolverChoice::gs_pat},
@@ -89,10 +94,34 @@ gpu::DeviceOptions device_options(const ComputeOptions& options) {
   return device;
 }
 
+const gpu::Device* kept_device(const ComputeOptions& options) {
+  if (options.backend == Backend::cpu) return nullptr;
+  static auto* const mutex = new std::mutex();
+  static auto* const devices =
+      new std::map<std::pair<std::string, std::optional<gpu::Validation>>, std::unique_ptr<gpu::Device>>();
+  const std::lock_guard lock(*mutex);
+  std::unique_ptr<gpu::Device>& device = (*devices)[{options.gpu, options.validation}];
+  if (device && device->lost()) static_cast<void>(device.release());  // others may still wait for it
+  if (!device) {
+    gpu::DeviceOptions kept = device_options(options);
+    kept.keep_pipelines = true;
+    device = std::make_unique<gpu::Device>(kept);
+  }
+  return device.get();
+}
+
+void keep_devices() {
+  keeps_devices = true;
+}
+
 UsedDevice::UsedDevice(const ComputeOptions& options) {
   if (options.backend == Backend::cpu) return;
-  if (!options.device) own_ = std::make_unique<gpu::Device>(device_options(options));
-  device_ = options.device ? options.device : own_.get();
+  if (options.device || keeps_devices) {
+    device_ = options.device ? options.device : kept_device(options);
+    return;
+  }
+  own_ = std::make_unique<gpu::Device>(device_options(options));
+  device_ = own_.get();
 }
 
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {

@@ -21,16 +21,12 @@ constexpr std::size_t most_models = 4;
 }  // namespace
 
 Workbench::Workbench(const setup::ComputeOptions& compute) : compute_(compute) {
-  if (compute.backend == setup::Backend::cpu) return;
-  gpu::DeviceOptions options = setup::device_options(compute);
-  options.keep_pipelines = true;
-  device_ = std::make_unique<gpu::Device>(options);
-  compute_.device = device_.get();
+  compute_.device = setup::kept_device(compute);
 }
 
 std::string Workbench::device_name() const {
-  if (!device_) return "the processor";
-  return fmt::format("{} ({})", device_->description().name, device_->description().driver);
+  if (!compute_.device) return "the processor";
+  return fmt::format("{} ({})", compute_.device->description().name, compute_.device->description().driver);
 }
 
 std::string Workbench::compute(Line& line) {

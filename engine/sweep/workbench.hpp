@@ -10,7 +10,6 @@
 
 #include "acoustics/air.hpp"
 #include "geometry/solid.hpp"
-#include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/tasks/simulate.hpp"
 #include "sweep/commands.hpp"
@@ -50,7 +49,6 @@ class Workbench {
   setup::FingerBody& finger(const std::string& file, const acoustics::Air& air, bool force);
 
   setup::ComputeOptions compute_;
-  std::unique_ptr<gpu::Device> device_;
   std::vector<Model> models_;  ///< the newest last
   std::optional<Finger> finger_;
 };

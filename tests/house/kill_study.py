@@ -201,7 +201,8 @@ class KilledStudies:
             return None
         result = json.loads(done.stdout)
         for line in result["left_out"]:
-            if not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
+            no_row = f"{self.sub()}/beh: has no log" in line and not any(self.sub().glob("beh/*_events.tsv"))  # killed before
+            if not no_row and not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
                 self.fault(f"the analysis leaves out: {line}")
         return journals.results_of(result)
 

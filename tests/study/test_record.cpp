@@ -204,6 +204,19 @@ TEST_F(RecordTest, RemovesALineThatWasCut) {
   EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
 }
 
+TEST_F(RecordTest, TriesWhatASittingNeedsBeforeItWritesAndNotForWhoHasFinished) {
+  const auto refuse = [] { throw failure("no link"); };
+  EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse), Exit::failed, "no link");
+  EXPECT_FALSE(fs::exists(folder_ / "sub-01")) << "the number is not used up";
+  sit(1, 10);
+  const std::string text = read_text(file("sub-01_journal.jsonl"));
+  test::write_text(file("sub-01_journal.jsonl"), text + "{\"what\":\"answ");
+  EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse), Exit::failed, "no link");
+  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text + "{\"what\":\"answ");
+  sit(1);
+  EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse).refuse_finished(), Exit::usage, "participant 1 has finished");
+}
+
 TEST_F(RecordTest, AnEmptyJournalBegins) {
   fs::create_directories(folder_ / "sub-01");
   test::write_text(file("sub-01_journal.jsonl"), "");

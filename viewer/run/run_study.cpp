@@ -192,7 +192,6 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   Window window = participant_window(options, scene.setting().screen);
   if (Window::monitors().size() < 2) place_beside(panel, window, !options.size.empty());
   const study::EarLevel level = level_of(plan, options);
-  try_study_link(plan, options, kinds);
   std::optional<log::Relay> relay(std::in_place);  // nothing waits for the reader of the log
   silence_at_exits();
   const setup::Interrupt interrupt(

@@ -59,14 +59,16 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
       run_(&run),
       shapes_(&shapes),
       level_(level),
-      masking_(plan.run.masking),
-      record_(plan, *run.participant, run.out, run.rehearse.has_value()) {
+      record_(plan, *run.participant, run.out, run.rehearse.has_value(), [&] {
+        masking_.emplace(plan.run.masking);
+        try_study_link(plan, run, kinds);
+      }) {
   record_.refuse_finished();
   sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(),
                                               study::Entry{.text = study::utc_now(),
                                                            .version = version_and_commit(),
                                                            .rehearsal = run.rehearse.has_value(),
-                                                           .masking = masking_.name()},
+                                                           .masking = masking_->name()},
                                               [this](const study::Entry& entry) { write(entry); });
   run_number_ = sitting_->agenda().starts();
   sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
@@ -279,7 +281,7 @@ std::string Conductor::end_touch() {
 
 void Conductor::advance() {
   if (over()) {
-    masking_.play(false);
+    masking_->play(false);
     (void)presentation_->end(std::chrono::milliseconds(0));
     return;
   }
@@ -313,7 +315,7 @@ void Conductor::advance() {
   sitting_->advance(now);
   follow_touch();
   early_ = early_ && (sitting_->screen() == Screen::touching || sitting_->screen() == Screen::between);
-  masking_.play(masks(sitting_->screen()));
+  masking_->play(masks(sitting_->screen()));
   if (sitting_->presented().sounds) {
     const Clock::time_point end = begin_ + std::chrono::nanoseconds(*sitting_->next_ns());
     presentation_->open(std::min(end, Clock::now() + dead_man));
@@ -425,7 +427,7 @@ ExperimenterView Conductor::experimenter_view() const {
     add(line == 0 ? "limits" : "", limits.substr(at, end - at));
     at = end + 1;
   }
-  add("masking", masking_.name(), masking_.name() == "off");
+  add("masking", masking_->name(), masking_->name() == "off");
   if (!sitting_->reason().empty()) add("reason", sitting_->reason(), true);
   const Screen screen = sitting_->screen();
   if (screen == Screen::setup || screen == Screen::paused)

@@ -29,7 +29,7 @@ class Conductor {
   using Clock = std::chrono::steady_clock;
 
   /// Continues the participant, or begins. `level`: as predicted for this plan. The references must outlive it. Throws
-  /// as study::Record and Masking do.
+  /// as study::Record, Masking and try_study_link() do; a participant's files are then as they were.
   Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
             const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
             std::function<void()> wake);
@@ -73,7 +73,7 @@ class Conductor {
   const setup::StudyRunOptions* run_;
   const StudyShapes* shapes_;
   study::EarLevel level_;
-  Masking masking_;  ///< before the record: a study without its sound begins no file
+  std::optional<Masking> masking_;
   study::Record record_;
   Clock::time_point begin_ = Clock::now();
   std::unique_ptr<study::Sitting> sitting_;

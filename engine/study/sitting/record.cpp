@@ -53,13 +53,16 @@ std::ptrdiff_t rows_in(const std::string& table) {
 
 }  // namespace
 
-Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal)
+Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal,
+               const std::function<void()>& try_out)
     : plan_(&plan), folder_(participant_folder(study, participant)), steps_(order_of(plan, participant)) {
   if (folder_.withdrawn()) {
     throw bad_usage(fmt::format("participant {} withdrew, as {} says: give another participant another number",
                                 participant, folder_.tombstone().string()));
   }
   refuse_lost_journal();
+  const bool begins = is_new();
+  if (begins) try_out();
   make_folders(folder_);
   file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder_.path), .is_folder = true}});
   try {
@@ -76,13 +79,14 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
                       "with the same file, or give the new plan another --out",
                       file_->name(), participant, plan.file));
     }
-    agenda_after(steps_, journal.entries, file_->name());
+    const bool finished = agenda_after(steps_, journal.entries, file_->name()).finished();
     for (const Entry& entry : journal.entries) {
       if (entry.kind != EntryKind::start || entry.rehearsal == rehearsal) continue;
       throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_->name(),
                                   entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
     }
     refuse_unknown_files(journal.entries);
+    if (!begins && !finished) try_out();
     file_->cut(journal.whole);
     entries_ = std::move(journal.entries);
     digits_ = std::move(journal.last_digits);
@@ -135,12 +139,17 @@ void Record::add(const Entry& entry) {
 }
 
 /// A journal that is empty or not there is that of a new participant, who has no files yet.
+bool Record::is_new() const {
+  std::error_code fault;
+  const fs::path journal = folder_.journal();
+  return !fs::exists(journal, fault) || (fs::is_regular_file(journal, fault) && fs::file_size(journal, fault) == 0);
+}
+
 void Record::refuse_lost_journal() const {
   std::error_code fault;
-  if (!fs::is_directory(folder_.path, fault)) return;
+  if (!is_new() || !fs::is_directory(folder_.path, fault)) return;
   const fs::path journal = folder_.journal();
   const bool there = fs::exists(journal, fault);
-  if (there && !(fs::is_regular_file(journal, fault) && fs::file_size(journal, fault) == 0)) return;
   std::vector<std::string> files = files_in(folder_.path);
   std::erase(files, journal.filename().string());
   if (files.empty()) return;

@@ -26,7 +26,11 @@ class Record {
   /// of another version or of another participant, if it is empty or missing although the participant has files, and if
   /// there are files of runs, or rows of logs, that it does not contain; failure() if a file cannot be written. If it
   /// throws, no file of a participant was changed. `plan` must outlive it.
-  Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal);
+  ///
+  /// `try_out` tries what a sitting needs, such as its link. It is called unless the participant has finished: for a new
+  /// one before there is any file, for others when their journal was read. Its errors are passed on.
+  Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal,
+         const std::function<void()>& try_out = [] {});
   ~Record();
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
@@ -45,6 +49,7 @@ class Record {
   void write_logs(bool ended) const;
 
  private:
+  bool is_new() const;
   void refuse_lost_journal() const;
   void refuse_unknown_files(std::span<const Entry> entries) const;
   void write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const;

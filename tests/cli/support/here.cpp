@@ -19,6 +19,7 @@
 #include "driver/emulate/command.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/sources.hpp"
+#include "setup/options.hpp"
 
 namespace palpa::test {
 namespace {
@@ -96,6 +97,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
   log::drop_warnings();
   log::set_level(log::Level::warning);
   let_sanitizers_report_outside();
+  setup::keep_devices();
   const Target nothing("/dev/null"), out(stdout_file), err;
   Result result;
   {

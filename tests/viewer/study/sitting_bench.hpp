@@ -106,6 +106,8 @@ class SittingBench {
     level.db = {100, 101};
     level.sounding_s = 10;
     conductor_ = std::make_unique<viewer::Conductor>(plan_, run_, shapes_, level, kinds, stop_, [] {});
+    heard_->opened = 0;  // it was only tried
+    heard_->finished = false;
   }
   /// The program is killed.
   void end() { conductor_.reset(); }
