@@ -13,6 +13,7 @@
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "support/exhaustive.hpp"
+#include "support/own_cache.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
 #include "support/thrown.hpp"
@@ -136,6 +137,7 @@ TEST_F(CliStudy, FindsTheNumberOfParticipants) {
 
 TEST_F(CliStudy, ListsAParticipantsSteps) {
   const std::string paper = source_file("assets/studies/paper.toml");
+  const OwnCache cache(folder_ / "cache");
   const json first = result_of({"study", "plan", paper}),
              sixth = result_of({"study", "plan", paper, "--participant", "6"});
   EXPECT_EQ(first["steps"].size(), 92u);

@@ -11,6 +11,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
+#include "support/own_cache.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
@@ -35,6 +36,7 @@ class CliStudySimulate : public testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   const std::filesystem::path folder_ = scratch_folder("study-simulate");
+  const OwnCache cache_{folder_ / "cache"};
   const std::string tip_ = path("tip.ply"), plan_ = path("plan.toml"), cube_ = source_file("assets/cube.glb");
 };
 
@@ -63,7 +65,7 @@ TEST_F(CliStudySimulate, PredictsAStudy) {
     EXPECT_TRUE(level["name"] != "16 mN" || std::abs(crest - 16e-3) < 1e-6) << crest;
   }
   EXPECT_EQ(all["prediction"]["ranking"].size(), 3u);
-  // Again, from the cache or not: the same bytes. People change only what is beside the prediction.
+  // Again, from the cache: the same bytes. People change only what is beside the prediction.
   write_text(path("cross-section.csv"), "actual,one,other\none,9,1\nother,4,6\n");
   const Result again = palpa_here(with(
       line, {"--json", path("b.json"), "--prediction", path("again.json"), "--beside", path("cross-section.csv")}));

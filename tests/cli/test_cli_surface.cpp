@@ -23,6 +23,7 @@
 #include "setup/touch_input.hpp"
 #include "support/instrumented.hpp"
 #include "support/mesh_oracle.hpp"
+#include "support/own_cache.hpp"
 #include "support/shared_data.hpp"
 #include "touch/types.hpp"
 
@@ -211,18 +212,8 @@ std::vector<touch::Contact> contacts_of(const std::vector<geometry::Solid>& soli
 
 class Surface : public testing::TestWithParam<Model> {
  protected:
-  // Caches prepared surfaces, so that the second backend uses those of the first.
-  void SetUp() override {
-    setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
-    setenv("PALPA_CACHE", "on", 1);
-  }
-  void TearDown() override {
-    setenv("PALPA_CACHE", "off", 1);
-    setenv("XDG_CACHE_HOME", before_.c_str(), 1);
-  }
-
   const std::filesystem::path folder_ = scratch_folder("surface");
-  const std::string before_ = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+  const OwnCache cache_{folder_};  ///< the second backend uses the surfaces that were prepared for the first
 };
 
 TEST_P(Surface, ContactsAreThoseOfTheNearestTriangleAndTheWindingNumber) {

@@ -73,7 +73,7 @@ std::vector<HelpedOption> options_of(const std::string& command) {
   return options;
 }
 
-QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")) {
+QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder_ / "cache") {
   const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
   const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
   const geometry::Mesh ball = geometry::icosphere(1e-3, 4);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "support/own_cache.hpp"
+
 namespace palpa::test {
 
 /// In the order of palpa --help. A subcommand of a group has two words, "study analyse".
@@ -34,6 +36,7 @@ class QuickLines {
 
  private:
   std::filesystem::path folder_;
+  OwnCache cache_;
   std::map<std::string, std::vector<std::string>> lines_;
 };
 
