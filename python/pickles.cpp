@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "bodies.hpp"
 #include "cameras.hpp"
+#include "exported.hpp"
 #include "layout.hpp"
 #include "module.hpp"
 #include "places.hpp"
@@ -77,6 +78,10 @@ static void fields(python::Archive& a, Mesh& o) {
 }  // namespace palpa::geometry
 
 namespace palpa::session {
+static void fields(python::Archive& a, ReplayStats& o) {
+  auto& [frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids] = o;
+  a(frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids);
+}
 static void fields(python::Archive& a, ScheduledFinger& o) {
   auto& [placement, perimeter, tuned] = o;
   a(placement, perimeter, tuned);
@@ -117,6 +122,10 @@ static void fields(python::Archive& a, SimulateResult& o) {
          fingers, touched, spectra, unreached, times] = o;
   a(method, penetration, top, body, tip, foci, aimed, pressure, langevin, squared, load, effort, far, bare, spread,
     fingers, touched, spectra, unreached, times);
+}
+static void fields(python::Archive& a, ExportResult& o) {
+  auto& [stats, stopped] = o;
+  a(stats, stopped);
 }
 static void fields(python::Archive& a, Figure6Touch& o) {
   auto& [object, result] = o;
@@ -167,6 +176,9 @@ static void fields(Archive& a, SimulateObject& o) {
 }
 static void fields(Archive& a, Figure6Object& o) {
   a(o.touches);
+}
+static void fields(Archive& a, ExportObject& o) {
+  a(o.result, o.rows);
 }
 
 namespace {
@@ -230,6 +242,7 @@ void add_pickles(py::module_& m) {
   add_pickle<ScatterObject>(m, "Scattering");
   add_pickle<SimulateObject>(m, "Simulation");
   add_pickle<Figure6Object>(m, "Figure6");
+  add_pickle<ExportObject>(m, "Export");
 }
 
 }  // namespace palpa::python

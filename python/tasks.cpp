@@ -18,6 +18,7 @@
 #include "base/reference.hpp"
 #include "base/text.hpp"
 #include "driver/sources.hpp"
+#include "exported.hpp"
 #include "geometry/gltf/write.hpp"
 #include "module.hpp"
 #include "options.hpp"
@@ -28,7 +29,6 @@
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
-#include "setup/tasks/export.hpp"
 #include "setup/values.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
@@ -347,11 +347,6 @@ py::list images_of(const RecordingObject& o, py::ssize_t index) {
   return images;
 }
 
-struct ExportObject {
-  setup::ExportResult result;
-  std::vector<setup::FocusRow> rows;
-};
-
 struct ExportArguments {
   setup::ExportTask task;
 };
@@ -462,6 +457,10 @@ void add_recording(py::module_& m) {
           },
           "ndarray of float64, shape (n,): capture times, seconds.")
       .def("images", &images_of, py::arg("frame"), images_doc)
+      .def("__reduce__",
+           [](const py::object& self) {
+             return py::make_tuple(py::type::of(self), py::make_tuple(self.cast<const RecordingObject&>().source));
+           })
       .def("__repr__", [](const RecordingObject& o) {
         return shown_text(fmt::format("<palpa.Recording {}: {} of {}>", o.source,
                                       counted(o.recording.entries.size(), "frame"),

@@ -71,7 +71,9 @@ def test_pickles(cube, finger, openmpd, sphere, tmp_path):
     drive = openmpd.solve([[0, 0, 0.15], [0.02, 0, 0.15]], spread="amplitude=10%", draws=20, backend="cpu")
     field = openmpd.field(drive, palpa.plane("xz", size=(0.1, 0.1), pixels=(4, 3)), backend="cpu")
     scattering = palpa.scatter(tmp_path / "sphere.ply", plane_wave=(0, 0, 1), where=[[0, 0, -0.05]])
-    results = [touch, drive, field, scattering]
+    exported = palpa.export("assets/cube.glb", palpa.Recording("assets/depth/take"), backend="cpu")
+    simulated = palpa.simulate(cube, tmp_path / "sphere.ply", penetration=1e-3, layout="openmpd", backend="cpu")
+    results = [touch, drive, field, scattering, exported, simulated]
     for one in results:
         data = pickle.dumps(one)
         again = pickle.loads(data)
@@ -80,6 +82,9 @@ def test_pickles(cube, finger, openmpd, sphere, tmp_path):
     (one,) = pickle.loads(pickle.dumps(touch.fingers))
     assert np.array_equal(one.spectrum["amplitude"], touch.fingers[0].spectrum["amplitude"]) and one.tuned == touch.fingers[0].tuned
     assert np.array_equal(pickle.loads(pickle.dumps(touch.contacts)).positions, touch.contacts.positions)
+    assert np.array_equal(pickle.loads(pickle.dumps(exported)).foci["x"], exported.foci["x"])
+    recording = pickle.loads(pickle.dumps(palpa.Recording("assets/depth/take")))
+    assert np.array_equal(recording.times, palpa.Recording("assets/depth/take").times)
     mesh = palpa.Mesh(tmp_path / "sphere.ply")
     assert np.array_equal(pickle.loads(pickle.dumps(mesh)).vertices, mesh.vertices)
     # An array knows its frame on the other side, too.
