@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/support/boxes.hpp"
+#include "cli/support/touch_here.hpp"
 #include "cli/support/touch_json.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
@@ -221,8 +222,8 @@ TEST_P(Hands, SeveralCamerasConcatenateTheirPixels) {
   write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   const std::string camera = write_camera(folder, sr305).string();
   const auto both = [&](const fs::path& first, const fs::path& second) {
-    return run_touch({"--scene", scene.string(), "--backend", GetParam(), "--depth", first.string(), "--camera", camera,
-                      "--depth", second.string(), "--camera", camera});
+    return run_touch_here({"--scene", scene.string(), "--backend", GetParam(), "--depth", first.string(), "--camera",
+                           camera, "--depth", second.string(), "--camera", camera});
   };
   const TouchReport a = touch(scene, image, sr305), b = touch(scene, other, sr305), ab = both(image, other),
                     ba = both(other, image);
@@ -250,11 +251,11 @@ TEST_P(Hands, TwoPatchesOfAFingertipAreOneFingerUnlessNoWidthIsAllowed) {
     sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
     line.insert(line.end(), {"--depth", image.string()});
   }
-  EXPECT_EQ(run_touch(line).fingers.size(), 1u);
+  EXPECT_EQ(run_touch_here(line).fingers.size(), 1u);
   line.insert(line.end(), {"--finger-width", "10mm"});
-  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
+  EXPECT_EQ(run_touch_here(line).fingers.size(), 2u);
   line.back() = "0";
-  EXPECT_EQ(run_touch(line).fingers.size(), 2u);
+  EXPECT_EQ(run_touch_here(line).fingers.size(), 2u);
 }
 
 /// The same fingertip, and a rig that ignores some of it: what is left touches as it did.
@@ -270,7 +271,7 @@ TEST_P(Hands, WhatACameraIgnoresIsNoSkin) {
     line.insert(line.end(), {"--depth", image.string()});
   }
   std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
-  const TouchReport all = run_touch(line);
+  const TouchReport all = run_touch_here(line);
 
   // The left half of what touches in the one, every second row of the other.
   const auto first_end = static_cast<std::uint32_t>(sensing::pixel_count(cameras[0]));
@@ -301,7 +302,7 @@ TEST_P(Hands, WhatACameraIgnoresIsNoSkin) {
   std::erase_if(kept, ignored);
   ASSERT_LT(kept.size(), all.contacts.size());
   ASSERT_GT(kept.size(), 20u);
-  const TouchReport some = run_touch(line);
+  const TouchReport some = run_touch_here(line);
   EXPECT_EQ(some.points, points);
   EXPECT_EQ(some.contacts, kept);
 }

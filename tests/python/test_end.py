@@ -30,7 +30,7 @@ def ring(finger):
     openmpd.transfer(openmpd.from_world(finger.positions))
     return finger.centroid + 4e-3 * finger.axes
 openmpd = palpa.Layout("openmpd")
-options = {"source": "synthetic", "layout": "openmpd", "backend": "cpu", "link": "record:" + sys.argv[1]}
+options = {"source": "synthetic", "layout": "openmpd", "noise_free": True, "backend": "cpu", "link": "record:" + sys.argv[1]}
 """
 ENDLESS = """
 def stuck(touch):
@@ -110,7 +110,7 @@ def test_ctrl_c_ends_a_field_and_a_spread(backend):
             sent.append(time.monotonic())
             os.kill(os.getpid(), signal.SIGINT)
 
-        timer = threading.Timer(0.3, interrupt)
+        timer = threading.Timer(0.15, interrupt)
         timer.start()
         with pytest.raises(KeyboardInterrupt):
             work()

@@ -177,7 +177,7 @@ TEST(Planner, AnEmptyFrameIsSilence) {
 
 TEST(Planner, NothingIsAllocatedAndNoPipelineMadeAfterTheFirstFrames) {
   const Scene scene("cube");
-  gpu::Device& device = test::test_device();
+  const gpu::Device device;
   const Planning planning(scene, &device);
   std::vector<sensing::FrameSet> frames;
   for (std::uint64_t i = 0; i < 8; ++i)

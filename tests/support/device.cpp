@@ -37,7 +37,7 @@ std::vector<std::uint8_t> fetch(gpu::Device& device, gpu::BufferRef buffer) {
 }  // namespace
 
 gpu::Device& test_device() {
-  static gpu::Device device;
+  static gpu::Device device({.keep_pipelines = true});
   static const auto modules =
       device.validation() == gpu::Validation::gpu_assisted ? std::make_unique<ShaderModules>(device) : nullptr;
   return device;

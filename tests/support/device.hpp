@@ -14,7 +14,8 @@
 
 namespace palpa::test {
 
-/// The device that the environment selects (PALPA_VALIDATION, PALPA_FORCE_STAGING, VK_DRIVER_FILES, ...).
+/// The device that the environment selects (PALPA_VALIDATION, PALPA_FORCE_STAGING, VK_DRIVER_FILES, ...). It keeps its
+/// pipelines, which take longer to make than most cases do. A case that counts pipelines needs its own device.
 gpu::Device& test_device();
 
 /// Submits to test_device() and waits. It also waits in a way that the validation layer recognizes. Otherwise the layer

@@ -204,7 +204,7 @@ TEST(TouchOnDevice, TakesTheRoomThatPointsNeed) {
 }
 
 TEST(TouchOnDevice, AllocatesNothingAfterTheFirstFrame) {
-  gpu::Device& device = palpa::test::test_device();
+  const gpu::Device device;
   Passes passes(device);
   Stage stage(passes, {cube()});
   StageMemory memory(stage);
@@ -234,7 +234,7 @@ TEST(TouchOnDevice, AllocatesNothingAfterTheFirstFrame) {
 }
 
 TEST(Passes, MakeThePipelinesThatStagesNeedAndEachOnce) {
-  gpu::Device& device = palpa::test::test_device();
+  const gpu::Device device;
   Passes passes(device);
   std::uint64_t before = device.pipelines_created;
   const auto made = [&](const std::vector<geometry::Solid>& solids, const StageSetting& setting) {

@@ -27,7 +27,10 @@ void run_headless(const ViewerOptions& options) {
       log::warning(line);
   }
   Show show(options);
-  const gpu::Device device(setup::device_options(options.common));
+  setup::ComputeOptions drawing = options.common;
+  drawing.backend = setup::Backend::gpu;  // it draws there, whatever computes the touch
+  const setup::UsedDevice used(drawing);
+  const gpu::Device& device = *used.get();
   const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
   const EyeSize eye = eye_size(options.stereo, size.width, size.height);

@@ -38,9 +38,9 @@ std::vector<std::string> line_of(const std::string& asset, const std::vector<std
   return test::with(arguments, more);
 }
 
+// The program draws the same bytes as this process: test_program.cpp.
 test::Result draw(const std::string& asset, const std::vector<std::string>& more, const std::string& skin) {
-  return test::run_program(PALPA_VIEWER_BINARY, line_of(asset, more, skin),
-                           {{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}});
+  return test::viewer_here(line_of(asset, more, skin));
 }
 
 void expect_as_ever(const std::string& name, const std::string& asset, const std::vector<std::string>& more,

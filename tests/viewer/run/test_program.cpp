@@ -96,7 +96,7 @@ TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
   EXPECT_EQ(drawn(with, 95, 110, 504, 170), 0u) << "between legend and chart";
   EXPECT_GT(drawn(without, 95, 110, 504, 170), 1000u) << "where the cube is without it";
   EXPECT_GT(drawn(with, 506, 0, 640, 380), 2000u);
-  const auto nothing = viewer({"--scene", source_file("assets/cube.glb").string(), "--headless", "--spectrum"});
+  const auto nothing = viewer_here({"--scene", source_file("assets/cube.glb").string(), "--headless", "--spectrum"});
   test::expect_failure(nothing, 2, "--spectrum");
 }
 
@@ -118,7 +118,8 @@ TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
   EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
   EXPECT_GT(drawing::mean_difference(drawing::read_png(shot), drawing::read_png(early)), 0.02) << "panels and sheet";
 
-  test::expect_failure(viewer({"--scene", "/nowhere.glb", "--source", "synthetic", "--headless"}), 4, "/nowhere.glb");
+  test::expect_failure(viewer_here({"--scene", "/nowhere.glb", "--source", "synthetic", "--headless"}), 4,
+                       "/nowhere.glb");
   test::expect_failure(viewer_here(test::with(live, {"--points", "x.ply"})), 2, "--source");
   test::expect_failure(
       viewer_here({"--scene", source_file("assets/cube.glb").string(), "--link", "null", "--headless"}), 2, "--source");
@@ -251,7 +252,7 @@ TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
   std::vector<std::string> rates(touch.begin(), touch.end() - 2);
   const std::string other = (folder / "rates.png").string();
   for (const char* colour : {"pressure", "PC"}) {
-    const auto again = viewer(test::with(rates, {"--layout", "autd3", "--heat", colour, "--screenshot", other}));
+    const auto again = viewer_here(test::with(rates, {"--layout", "autd3", "--heat", colour, "--screenshot", other}));
     ASSERT_EQ(again.exit_code, 0) << again.err;
     EXPECT_EQ(drawing::read_png(other).rgba == pixels.rgba, colour == std::string("pressure")) << colour;
   }
@@ -291,8 +292,9 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   EXPECT_GT(drawing::mean_difference(shot("columns.png", {"--stereo", "columns"}), shot("none.png", {})), 0.002);
   for (const char* stereo : {"side-by-side", "top-bottom"}) {
     const std::string file = (folder / "odd.png").string();
-    const auto run = viewer({"--participant", "--scene", scene, "--headless", "--quiet", "--size", "321x181",
-                             "--stereo", stereo, "--screenshot", file});
+    const std::vector<std::string> line{"--participant", "--scene",  scene,  "--headless",   "--quiet", "--size",
+                                        "321x181",       "--stereo", stereo, "--screenshot", file};
+    const auto run = stereo == std::string("top-bottom") ? viewer(line) : viewer_here(line);
     ASSERT_EQ(run.exit_code, 0) << run.err;
     const drawing::Pixels odd = drawing::read_png(file);
     EXPECT_TRUE(odd.width == 321 && odd.height == 181) << odd.width << "x" << odd.height;
@@ -375,7 +377,7 @@ TEST_F(Viewer, ComparesWithAReference) {
   const auto folder = test::scratch_folder("viewer-reference");
   const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();
   ASSERT_EQ(viewer_here(host_touch({"--screenshot", shot, "--quiet"})).exit_code, 0);
-  EXPECT_EQ(viewer(host_touch({"--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
+  EXPECT_EQ(viewer_here(host_touch({"--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
   ASSERT_EQ(viewer_here(host_touch({"--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
   test::expect_failure(viewer(host_touch({"--reference", other})), 1, "other.png");
   EXPECT_EQ(viewer_here(host_touch({"--reference", other, "--threshold", "0.99", "--quiet"})).exit_code, 0);

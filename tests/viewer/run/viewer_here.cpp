@@ -7,6 +7,7 @@
 #include "base/log.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
+#include "setup/options.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/run/command.hpp"
 
@@ -20,6 +21,7 @@ void draw(const std::vector<std::string>& words) {
   const auto options = viewer::read_line(static_cast<int>(line.size()), line.data());
   if (!options) return;
   if (!options->headless) throw failure("a window is opened by the program alone");
+  setup::keep_devices();
   viewer::run_without_window(*options, {});
 }
 
