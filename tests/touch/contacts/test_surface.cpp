@@ -215,8 +215,7 @@ TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
   const geometry::Mesh& mesh = model.solids[0].mesh;
   // Convex solids of few faces are looked up by their planes.
   const geometry::Surface& known = model.device.stage.solids().surfaces[0];
-  const geometry::Surface surface =
-      known.triangles.empty() ? geometry::make_surface(mesh, {.reach_m = delta}) : known;
+  const geometry::Surface surface = known.triangles.empty() ? geometry::make_surface(mesh, {.reach_m = delta}) : known;
   const auto points = points_near(mesh, palpa::test::samples(600, 2'000), 5);
   std::size_t inside = 0;
   for (const glm::vec3& world : points) {
