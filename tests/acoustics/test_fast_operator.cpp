@@ -213,7 +213,7 @@ TEST(FastOperator, IsGivenUp) {
 }
 
 TEST(FastOperator, IsForLargeBodiesOnly) {
-  const geometry::Mesh finger = geometry::icosphere(8e-3, 14), hand = geometry::icosphere(8e-3, 19);
+  const geometry::Mesh finger = geometry::icosphere(8e-3, 14), hand = geometry::icosphere(8e-3, 18);
   ASSERT_LT(finger.positions.size(), most_dense_vertices);
   ASSERT_GT(hand.positions.size(), most_dense_vertices);
   EXPECT_EQ(operator_bytes(finger, k), dense_operator_bytes(finger));
@@ -226,7 +226,7 @@ TEST(FastOperator, WorksForthAndBackInLargeBodies) {
   if (test::instrumented()) GTEST_SKIP() << "takes a minute with sanitizers";
   const double radius = 8e-3;
   const Vec3 along(0, 0, 1);
-  const RigidBody body(geometry::icosphere(radius, 19), k);
+  const RigidBody body(geometry::icosphere(radius, 18), k);
   EXPECT_TRUE(body.effort().iterates);
   EXPECT_EQ(body.effort().worst.iterations, 0u);
   const Waves wave = plane_wave(k, along, body.points(), body.normals());
@@ -242,7 +242,7 @@ TEST(FastOperator, WorksForthAndBackInLargeBodies) {
   }
   EXPECT_LT(std::sqrt(wrong / all), 2e-3);
   // One backward solution per face gives the same pressures.
-  const std::vector<std::uint32_t> faces{0, 1234, 7000};
+  const std::vector<std::uint32_t> faces{0, 1234, 6400};
   const std::vector<std::complex<double>> sources = body.sources_at_faces(faces);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     std::complex<double> sum = 0;
@@ -260,6 +260,15 @@ double growth(double before, double after, const geometry::Mesh& smaller, const 
          std::log(static_cast<double>(larger.triangles.size()) / static_cast<double>(smaller.triangles.size()));
 }
 
+double found_bytes(const geometry::Mesh& mesh) {
+  const HierarchicalMatrix matrix(make_patches(mesh), k, 5e-4);
+  const auto expected = static_cast<double>(HierarchicalMatrix::expected_bytes(mesh, k));
+  const auto found = static_cast<double>(matrix.bytes());
+  EXPECT_LT(found, 1.1 * expected);
+  EXPECT_GT(found, 0.5 * expected);
+  return found;
+}
+
 TEST(HierarchicalMatrix, GrowsLittleFasterThanTheMesh) {
   // The size of blocks is also most of the work: their entries are computed once and used in each iteration.
   geometry::Mesh smaller = geometry::icosphere(8e-3, 14);
@@ -272,21 +281,15 @@ TEST(HierarchicalMatrix, GrowsLittleFasterThanTheMesh) {
     smaller = larger;
   }
   if (test::instrumented()) return;
-  const geometry::Mesh small = geometry::icosphere(8e-3, 12), large = geometry::icosphere(8e-3, 18);
-  const auto bytes = [](const geometry::Mesh& mesh) {
-    return static_cast<double>(HierarchicalMatrix(make_patches(mesh), k, 5e-4).bytes());
-  };
-  EXPECT_LT(growth(bytes(small), bytes(large), small, large), 1.3);
+  // Most blocks of the small one are whole. A matrix of whole blocks only would have 2.
+  const geometry::Mesh small = geometry::icosphere(8e-3, 10), large = geometry::icosphere(8e-3, 14);
+  EXPECT_LT(growth(found_bytes(small), found_bytes(large), small, large), 1.3);
 }
 
 TEST(HierarchicalMatrix, NeedsAboutTheExpectedMemory) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
-    const HierarchicalMatrix matrix(make_patches(mesh), k, 5e-4);
-    const auto expected = static_cast<double>(HierarchicalMatrix::expected_bytes(mesh, k));
-    const auto found = static_cast<double>(matrix.bytes());
-    EXPECT_LT(found, 1.1 * expected);
-    EXPECT_GT(found, 0.5 * expected);
+    found_bytes(mesh);
   }
 }
 

@@ -35,9 +35,13 @@ array::Layout shell(int count) {
 }
 
 /// A ball as the finger: one operator for all tests.
-const RigidBody& ball(const Air& air) {
-  static const RigidBody body(geometry::icosphere(radius, 9), air.wave_number());
+const std::shared_ptr<const RigidBody>& shared_ball(const Air& air) {
+  static const auto body = std::make_shared<const RigidBody>(geometry::icosphere(radius, 9), air.wave_number());
   return body;
+}
+
+const RigidBody& ball(const Air& air) {
+  return *shared_ball(air);
 }
 
 /// The sound on the ball of an array that plays `strengths`.
@@ -108,9 +112,8 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
 TEST(TrackedFinger, HearsNearlyTheSame) {
   const array::Layout layout = shell(60);
   const Air air = without_absorption(air_of({}));
-  const auto body = std::make_shared<const RigidBody>(geometry::icosphere(radius, 9), air.wave_number());
-  const TrackedFinger tracked(body, air_of({}), array::Directivity::t4010a1);
-  FingerTransfer exact(*body, layout, air, array::Directivity::t4010a1);
+  const TrackedFinger tracked(shared_ball(air), air_of({}), array::Directivity::t4010a1);
+  FingerTransfer exact(ball(air), layout, air, array::Directivity::t4010a1);
   const std::vector<Vec3> foci{{1e-3, 2e-3, -7e-3}, {0, 8.5e-3, 0}, {-6e-3, 1e-3, 4e-3}};
   const std::vector<Vec3> places = exact.aim(std::span(foci).first(1));
   const auto heard = tracked.hear(foci, layout);

@@ -156,7 +156,7 @@ TEST(Decompose, MeasuresBothWaysAndCountsFilledCavities) {
 TEST(Decompose, KeepsACavity) {
   NEEDS_VHACD();
   const Mesh mesh = hollow_cube();
-  const auto parts = decompose(mesh, {.resolution = 50'000});
+  const auto parts = decompose(mesh, {.resolution = 20'000});
   ASSERT_TRUE(parts);
   for (const Vec3& empty : {Vec3(0), Vec3(0.015), Vec3(-0.01, 0.016, 0.003)})
     EXPECT_EQ(depth(*parts, InternalFaces::drop, empty), 0);
@@ -174,7 +174,7 @@ TEST(Decompose, TakesOpenAndCrossingMeshes) {
   Mesh open = test::torus(0.05, 0.02, 24);
   const double whole = signed_volume(open);
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 6);
-  const auto holed = decompose(weld(open), {.parts = 16, .resolution = 30'000});
+  const auto holed = decompose(weld(open), {.parts = 16, .resolution = 15'000});
   ASSERT_TRUE(holed);
   const PartsReport report = measure(weld(open), *holed, 0);
   EXPECT_NEAR(report.union_volume_m3 / whole, 1, 0.25);
@@ -182,7 +182,7 @@ TEST(Decompose, TakesOpenAndCrossingMeshes) {
 
   Mesh crossing = test::torus(0.05, 0.02, 24);
   append(crossing, test::transformed(crossing, [](const Vec3& p) { return Vec3(p.x + 0.05, p.z, p.y); }));
-  const auto crossed = decompose(crossing, {.parts = 32, .resolution = 30'000});
+  const auto crossed = decompose(crossing, {.parts = 32, .resolution = 15'000});
   ASSERT_TRUE(crossed);
   const double volume = measure(crossing, *crossed, 0).union_volume_m3;
   EXPECT_GT(volume, 1.5 * whole);

@@ -140,9 +140,10 @@ FoundTarget found_at(const Side& side, double scale) {
 
 TEST(FindTarget, TellsATargetOfAnotherScale) {
   const Side low{30, 190, 0.4}, above{90, 40, 0.5};
-  std::vector<std::pair<Side, double>> seen_as{{low, 0.97}, {above, 1.03}, {low, 1.05},   {above, 0.95},
-                                               {low, 0.95}, {low, 1.03},   {above, 0.97}, {above, 1.05}};
-  if (!test::exhaustive()) seen_as.resize(4);
+  std::vector<std::pair<Side, double>> seen_as{{low, 0.97},   {above, 1.05}, {low, 1.05}, {above, 0.95},
+                                               {above, 1.03}, {low, 0.95},   {low, 1.03}, {above, 0.97}};
+  // The next test has both sides of 1 in both views.
+  if (!test::exhaustive()) seen_as.resize(2);
   for (const auto& [side, scale] : test::the_first(1, seen_as)) {
     SCOPED_TRACE(testing::Message() << side.elevation << " degrees high, " << scale);
     const FoundTarget found = found_at(side, scale);

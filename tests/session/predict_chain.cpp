@@ -117,7 +117,7 @@ ChainFilm sliding_film(double speed, bool along_z, double length_s) {
 }
 
 ChainFilm hand_film(double speed, bool along_z, double length_s) {
-  const HandScene hand = hand_scene("point", 3e-3, 45);
+  static const HandScene hand = hand_scene("point", 3e-3, 45);
   ChainFilm film = sliding_film(speed, along_z, length_s);
   film.skin = hand.skin.at(0).mesh;
   film.motion = [=, T = hand.skin.at(0).T_world_mesh](double t) {

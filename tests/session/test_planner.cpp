@@ -90,7 +90,8 @@ double mean_radius(const Plan& plan) {
 }
 
 TEST(Planner, DeviceAndTwinMakeTheSameDrives) {
-  for (const char* object : {"cube", "semi-sphere", "pyramid", "prism"}) {
+  // The objects with the most faces and with slanted ones.
+  for (const char* object : {"semi-sphere", "pyramid"}) {
     const Scene scene(object);
     const auto frame = scene.frame(0.003, 0, sensing::Noise::none);
     const Planning on_gpu(scene);

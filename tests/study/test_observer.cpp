@@ -16,6 +16,7 @@
 #include "study/predicted/prediction_reports.hpp"
 #include "study/tables/dprime.hpp"
 #include "study/tables/paper.hpp"
+#include "support/exhaustive.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::study {
@@ -162,7 +163,7 @@ const PredictedStudy paper_study{.fitted = {0, 0.39, 400}};
 
 /// A prediction of three methods. The last two are almost the same.
 const Prediction& shared_prediction() {
-  static const Prediction prediction = predict(made_up({0.5, 1, 1.001}), paper_study, {.points = 2048});
+  static const Prediction prediction = predict(made_up({0.5, 1, 1.001}), paper_study, {.points = 1024});
   return prediction;
 }
 
@@ -176,7 +177,7 @@ TEST(IdealObserver, ThePlansLevelKeepsTheNoise) {
     const bool felt = i < responses.touches.size() / 2;
     counts.insert(counts.begin() + 2, felt ? counts[0] : std::vector<float>(counts[0].size(), 0));
   }
-  const Prediction prediction = predict(responses, paper_study, {.points = 512});
+  const Prediction prediction = predict(responses, paper_study, {.points = 128});
   EXPECT_EQ(prediction.levels.size(), 3u) << "those at which the noise is fitted";
   const PredictedVariant &reference = prediction.variants[0], &at_plan = prediction.at_plan.value().prediction;
   EXPECT_EQ(at_plan.sigma, reference.sigma);
@@ -223,14 +224,14 @@ TEST(IdealObserver, EveryVariantIsFittedToOneNumber) {
 }
 
 TEST(IdealObserver, NumericalErrorOfAnAccuracy) {
-  // With eight times the draws, no accuracy changes by more than 0.005.
+  // With four times the draws, or eight, no accuracy changes by more than 0.005.
   const Responses responses = made_up({0.5, 1});
   const Variant& reference = observer_variants()[0];
   const Templates single = templates_of(responses, 0, reference, 0, 5),
                   cross = templates_of(responses, 1, reference, 0, 5);
   double accuracies[2];
   for (const std::size_t i : {0, 1}) {
-    const std::size_t points = i == 0 ? usual_points : 8 * usual_points;
+    const std::size_t points = i == 0 ? usual_points : (test::exhaustive() ? 8 : 4) * usual_points;
     const Normals normals(single.placements, single.size(), points);
     const Observer observer(single, normals);
     accuracies[i] = Observer(cross, normals).decide(sigma_for(observer, single, 0.39)).accuracy;
@@ -257,7 +258,7 @@ TEST(IdealObserver, KnowingThePlacementHelps) {
 }
 
 TEST(IdealObserver, TouchesThatAreAlikeCannotBeFitted) {
-  EXPECT_ERROR(predict(made_up({0, 1}), paper_study, {.points = 2048}), Exit::failed,
+  EXPECT_ERROR(predict(made_up({0, 1}), paper_study, {.points = 128}), Exit::failed,
                "no internal noise gives single-focus an accuracy of 0.39");
 }
 

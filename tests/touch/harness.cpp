@@ -3,7 +3,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "gpu/barrier.hpp"
 #include "support/device.hpp"
@@ -123,19 +125,33 @@ geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_sol
   return out;
 }
 
-std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, double z, unsigned seed, double highest) {
+namespace {
+
+/// Points of a finger whose tip is the origin. Films and both backends ask for the same fingers again and again.
+const std::vector<Vec3>& finger_points(std::uint32_t count, unsigned seed) {
+  static std::map<std::pair<std::uint32_t, unsigned>, std::vector<Vec3>> made;
+  std::vector<Vec3>& points = made[{count, seed}];
+  if (!points.empty()) return points;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   const double radius = 8e-3, length = 50e-3;
   const double tip_share = radius / length;  // area of the half sphere against that of the whole finger
-  std::vector<glm::vec3> points;
   for (std::uint32_t i = 0; i < count; ++i) {
     const double around = 2 * std::numbers::pi * unit(random);
     const double share = unit(random);
     const double along = share < tip_share ? unit(random) * radius : radius + unit(random) * (length - radius);
-    if (along - depth > highest) continue;
     const double wide = along < radius ? std::sqrt(radius * radius - (radius - along) * (radius - along)) : radius;
-    points.emplace_back(x + wide * std::cos(around), along - depth, z + wide * std::sin(around));
+    points.emplace_back(wide * std::cos(around), along, wide * std::sin(around));
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x, double z, unsigned seed, double highest) {
+  std::vector<glm::vec3> points;
+  for (const Vec3& p : finger_points(count, seed)) {
+    if (p.y - depth <= highest) points.emplace_back(x + p.x, p.y - depth, z + p.z);
   }
   return points;
 }

@@ -1,10 +1,10 @@
 #include "geometry/mesh/nearest.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
-#include <vector>
 
 namespace palpa::geometry {
 namespace {
@@ -23,16 +23,21 @@ Vec3 closest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const Vec3 normal = glm::cross(b - a, c - a);
+  // Whether p is beyond an edge: the nearest point is on one of the edges that it is beyond.
+  bool ab = true, bc = true, ca = true;
   if (const double twice = square(normal); twice > 0) {
-    // On the inner side of all three edges: directly above the triangle.
-    const double wa = glm::dot(glm::cross(c - b, p - b), normal), wb = glm::dot(glm::cross(a - c, p - c), normal),
-                 wc = glm::dot(glm::cross(b - a, p - a), normal);
-    if (wa >= 0 && wb >= 0 && wc >= 0) return p - normal * (glm::dot(p - a, normal) / twice);
+    bc = glm::dot(glm::cross(c - b, p - b), normal) < 0;
+    ca = glm::dot(glm::cross(a - c, p - c), normal) < 0;
+    ab = glm::dot(glm::cross(b - a, p - a), normal) < 0;
+    if (!ab && !bc && !ca) return p - normal * (glm::dot(p - a, normal) / twice);
   }
-  Vec3 best = closest_on_segment(a, b, p);
-  for (const Vec3& q : {closest_on_segment(b, c, p), closest_on_segment(c, a, p)}) {
+  Vec3 best = ab ? closest_on_segment(a, b, p) : bc ? closest_on_segment(b, c, p) : closest_on_segment(c, a, p);
+  const auto try_edge = [&](const Vec3& from, const Vec3& to) {
+    const Vec3 q = closest_on_segment(from, to, p);
     if (square(q - p) < square(best - p)) best = q;
-  }
+  };
+  if (ab && bc) try_edge(b, c);
+  if (ca && (ab || bc)) try_edge(c, a);
   return best;
 }
 
@@ -45,10 +50,11 @@ std::optional<NearestTriangle::Found> NearestTriangle::find(const Vec3& point, d
   const auto nodes = tree_.nodes();
   double best = most * most;
   std::optional<Found> found;
-  std::vector<std::pair<double, std::uint32_t>> stack{{distance2(nodes[0].box, point), 0U}};
-  while (!stack.empty()) {
-    const auto [far, n] = stack.back();
-    stack.pop_back();
+  std::array<std::pair<double, std::uint32_t>, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {distance2(nodes[0].box, point), 0U};
+  while (depth > 0) {
+    const auto [far, n] = stack[--depth];
     if (far >= best) continue;
     const Bvh::Node& node = nodes[n];
     if (node.second == 0) {
@@ -67,8 +73,8 @@ std::optional<NearestTriangle::Found> NearestTriangle::find(const Vec3& point, d
     std::pair<double, std::uint32_t> near{distance2(nodes[n + 1].box, point), n + 1};
     std::pair<double, std::uint32_t> other{distance2(nodes[node.second].box, point), node.second};
     if (other.first < near.first) std::swap(near, other);
-    stack.push_back(other);
-    stack.push_back(near);
+    stack[depth++] = other;
+    stack[depth++] = near;
   }
   if (found) found->distance = std::sqrt(best);
   return found;

@@ -140,12 +140,12 @@ TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
 
 TEST(SimulateTask, TheFigureHasTheCommandsBytes) {
   setup::SimulateTask options = options_of("openmpd");
-  setup::FingerBody finger(tip_file(8), setup::air({}, {}));
+  setup::FingerBody finger(tip_file(5), setup::air({}, {}));
   options.penetration_m = 3e-3;
   const std::vector<setup::Figure6Touch> touches = setup::figure6(options, finger);
   ASSERT_EQ(touches.size(), 20u);
   EXPECT_TRUE(touches[0].result.bare_elongation);
-  expect_same_json(setup::to_json(touches), {"simulate", "--figure6", "--finger", tip_file(8), "--penetration", "3mm",
+  expect_same_json(setup::to_json(touches), {"simulate", "--figure6", "--finger", tip_file(5), "--penetration", "3mm",
                                              "--layout", "openmpd", "--backend", "cpu"});
 }
 

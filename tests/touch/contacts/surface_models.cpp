@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <numbers>
@@ -232,6 +233,9 @@ double Truth::distance(const Vec3& p) const {
         const bool edge = std::abs(z - at.z) == ring || std::abs(y - at.y) == ring;
         for (int x = at.x - ring; x <= at.x + ring; x += edge || ring == 0 ? 1 : 2 * ring) {
           if (x < 0 || y < 0 || z < 0 || x >= nx_ || y >= ny_ || z >= nz_) continue;
+          const Vec3 low = box_.low + Vec3(x, y, z) * side_;
+          const Vec3 away = p - glm::clamp(p, low, low + side_);
+          if (glm::dot(away, away) > best2 * (1 + 1e-6)) continue;
           for (const Index t : cells_[cell(x, y, z)]) {
             const glm::uvec3& v = mesh_->triangles[t];
             const Vec3 apart = p - nearest(p, mesh_->positions[v.x], mesh_->positions[v.y], mesh_->positions[v.z]);

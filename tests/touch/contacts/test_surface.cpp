@@ -141,45 +141,82 @@ const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // models with many t
 INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(6, models)),
                          [](const auto& which) { return std::string(model_names[which.param]); });
 
-/// A model as a solid, checked once for all tests that use it.
-const std::vector<geometry::Solid>& solid_of_model(int which) {
-  static std::map<int, std::vector<geometry::Solid>> made;
-  std::vector<geometry::Solid>& solids = made[which];
-  if (solids.empty()) solids = solid_of(model(which));
-  return solids;
-}
-
-TEST_P(Surfaces, AgreeWithBruteForce) {
-  const auto& solids = solid_of_model(GetParam());
-  const auto points = points_near(solids[0].mesh, palpa::test::samples(25'000, 100'000), 3);
-  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
-  expect_identical(gpu, cpu);
-  EXPECT_TRUE(gpu.deep.empty());
-  const Checked checked = expect_truth(gpu, points, Truth(solids[0].mesh), 1.5e-3, false);
-  EXPECT_GT(checked.contacts, points.size() / 20);
-}
-
-TEST_P(Surfaces, FindDeepPointsWhereAsked) {
-  const auto& solids = solid_of_model(GetParam());
-  const auto points = points_near(solids[0].mesh, palpa::test::samples(8'000, 20'000), 4);
-  const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
-  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
-  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
-  expect_identical(gpu, cpu);
-  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
-  for (std::size_t i = 0; i < cpu.deep.size(); ++i) {
+/// Contacts of two runs on the device and, with the same tables, on the host: all agree.
+Touch touch_on_both(DeviceStage& device, const std::vector<glm::vec3>& points) {
+  Touch gpu, again, cpu;
+  device.touch(indexed(points), gpu);
+  device.again(again);
+  expect_identical(gpu, again);
+  find_contacts(indexed(points), device.stage.solids(), device.stage.setting().parameters, {}, cpu);
+  again.finger_count = again.cluster_count = 0;
+  expect_identical(again, cpu);
+  EXPECT_EQ(gpu.deep.size(), cpu.deep.size());
+  for (std::size_t i = 0; i < std::min(gpu.deep.size(), cpu.deep.size()); ++i) {
     EXPECT_EQ(gpu.deep[i].point, cpu.deep[i].point);
     EXPECT_EQ(gpu.deep[i].depth_m, cpu.deep[i].depth_m);
     EXPECT_EQ(gpu.deep[i].position, points[cpu.deep[i].point]);
   }
-  const Checked checked = expect_truth(cpu, points, Truth(solids[0].mesh), parameters.delta_m, true);
+  return gpu;
+}
+
+StageSetting setting_for(const std::vector<glm::vec3>& points, const Parameters& parameters = {}) {
+  const auto count = static_cast<std::uint32_t>(points.size());
+  return {.parameters = parameters, .most_points = count, .most_contacts = count};
+}
+
+Touch touch_on_both(const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
+                    const Parameters& parameters = {}) {
+  DeviceStage device(solids, {}, setting_for(points, parameters));
+  return touch_on_both(device, points);
+}
+
+/// A model as a solid, checked and prepared once for all tests that use it.
+struct Model {
+  std::vector<geometry::Solid> solids;
+  Truth truth;
+  std::vector<glm::vec3> points;
+  DeviceStage device;
+
+  explicit Model(const geometry::Mesh& mesh)
+      : solids(solid_of(mesh)),
+        truth(solids[0].mesh),
+        points(points_near(solids[0].mesh, palpa::test::samples(25'000, 100'000), 3)),
+        device(solids, {}, setting_for(points)) {}
+};
+
+Model& known_model(int which) {
+  test_passes();  // made before, so that the models' memory is freed before their device
+  static std::map<int, std::unique_ptr<Model>> made;
+  std::unique_ptr<Model>& known = made[which];
+  if (!known) known = std::make_unique<Model>(model(which));
+  return *known;
+}
+
+TEST_P(Surfaces, AgreeWithBruteForce) {
+  Model& model = known_model(GetParam());
+  const Touch touch = touch_on_both(model.device, model.points);
+  EXPECT_TRUE(touch.deep.empty());
+  const Checked checked = expect_truth(touch, model.points, model.truth, 1.5e-3, false);
+  EXPECT_GT(checked.contacts, model.points.size() / 20);
+}
+
+TEST_P(Surfaces, FindDeepPointsWhereAsked) {
+  const Model& model = known_model(GetParam());
+  const auto points = points_near(model.solids[0].mesh, palpa::test::samples(8'000, 20'000), 4);
+  const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
+  const Touch touch = touch_on_both(points, model.solids, parameters);
+  const Checked checked = expect_truth(touch, points, model.truth, parameters.delta_m, true);
   EXPECT_LT(checked.worst_deep, 0.0201);
 }
 
 TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
-  const auto& solids = solid_of_model(GetParam());
-  const geometry::Surface surface = geometry::make_surface(solids[0].mesh, {.reach_m = 2e-3});
-  const auto points = points_near(solids[0].mesh, palpa::test::samples(600, 2'000), 5);
+  constexpr double delta = 1.5e-3;
+  const Model& model = known_model(GetParam());
+  const geometry::Mesh& mesh = model.solids[0].mesh;
+  // Convex solids of few faces are looked up by their planes.
+  const geometry::Surface& known = model.device.stage.solids().surfaces[0];
+  const geometry::Surface surface = known.triangles.empty() ? geometry::make_surface(mesh, {.reach_m = delta}) : known;
+  const auto points = points_near(mesh, palpa::test::samples(600, 2'000), 5);
   std::size_t inside = 0;
   for (const glm::vec3& world : points) {
     const glm::vec3 p = world - glm::vec3(surface.centre);
@@ -188,7 +225,7 @@ TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
     float least = 3e38F;
     for (const shader::SurfaceTriangle& t : surface.triangles)
       least = std::min(least, shader::surface_distance2(t, {p.x, p.y, p.z}));
-    const geometry::Place place = geometry::find_place(surface, p, 2e-3F);
+    const geometry::Place place = geometry::find_place(surface, p, static_cast<float>(delta));
     if (place.region != geometry::Region::shell) continue;
     ++inside;
     EXPECT_EQ(place.depth_m, std::sqrt(least));
@@ -198,7 +235,7 @@ TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
 
 TEST(Surface, IsTheSameForAnyNumberOfThreads) {
   // Chunks do not depend on the thread that works on them. A difference would show when the machine is busy.
-  const geometry::Mesh mesh = solid_of(model(0))[0].mesh;
+  const geometry::Mesh& mesh = known_model(0).solids[0].mesh;
   const geometry::Surface a = geometry::make_surface(mesh, {}), b = geometry::make_surface(mesh, {});
   ASSERT_EQ(a.cells.size(), b.cells.size());
   ASSERT_EQ(a.runs.size(), b.runs.size());
@@ -215,19 +252,18 @@ std::vector<glm::vec3> carried(const Transform& T, const std::vector<glm::vec3>&
 }
 
 TEST(Poses, OfAMovingSolidGiveWhatMovingThePointsBackGives) {
-  std::vector<geometry::Solid> solids = solid_of(model(0));
+  std::vector<geometry::Solid> solids = known_model(0).solids;
   solids.push_back(cube());
   PreparedSolids prepared = prepare_solids(solids);
   const auto skin = points_near(solids[0].mesh, palpa::test::samples(10'000, 20'000), 6);
-  const Truth truth(solids[0].mesh);
+  const Truth& truth = known_model(0).truth;
   for (const double turn : {0.0, 0.3, 2.0}) {
     Transform T(std::cos(turn), std::sin(turn), 0, 0, -std::sin(turn), std::cos(turn), 0, 0, 0, 0, 1, 0, 0.05, -0.02,
                 turn, 1);
     set_pose(prepared, 0, T);
     const auto moved = carried(T, skin);
-    Touch here, there;
+    Touch here;
     find_contacts(indexed(moved), prepared, {}, {}, here);
-    HostStage(solids).touch(indexed(skin), there);
     const Transform back = glm::inverse(T);
     std::size_t i = 0;
     for (std::uint32_t p = 0; p < moved.size(); ++p) {
@@ -266,9 +302,7 @@ TEST(Deltas, MayBeASolidsOwn) {
   std::vector<geometry::Solid> solids = solid_of(model(1));
   solids[0].haptics.delta_m = 3e-3;
   const auto points = points_near(solids[0].mesh, palpa::test::fewer(20'000), 7);
-  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
-  expect_identical(gpu, cpu);
-  expect_truth(gpu, points, Truth(solids[0].mesh), 3e-3, false);
+  expect_truth(touch_on_both(points, solids), points, Truth(solids[0].mesh), 3e-3, false);
   // A table that was made for less is refused, not wrong.
   const PreparedSolids prepared = prepare_solids(solids);
   EXPECT_NO_THROW(check_parameters({.delta_m = 5e-3}, prepared));
@@ -288,12 +322,9 @@ TEST(SeveralSurfaces, ShareTheirBuffers) {
   }
   solids.insert(solids.begin() + 1, cube());
   const Parameters parameters{.deep = true};
-  const Touch gpu = touch_on_device(indexed(points), solids, {.parameters = parameters}, 2);
-  const Touch cpu = touch_on(Backend::cpu, points, solids, parameters);
-  expect_identical(gpu, cpu);
-  ASSERT_EQ(gpu.deep.size(), cpu.deep.size());
+  const Touch touch = touch_on_both(points, solids, parameters);
   std::array<int, 4> of_solid{};
-  for (const Contact& contact : gpu.contacts)
+  for (const Contact& contact : touch.contacts)
     ++of_solid[contact.solid];
   EXPECT_GT(of_solid[0], 500);
   EXPECT_GT(of_solid[2], 500);
@@ -330,14 +361,15 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
     const auto near = points_near(solids[s].mesh, 3'000, s);
     points.insert(points.end(), near.begin(), near.end());
   }
-  const Touch gpu = touch_on(Backend::gpu, points, solids), cpu = touch_on(Backend::cpu, points, solids);
-  expect_identical(gpu, cpu);
-  const Touch each = touch_on(Backend::cpu, points, alone);
+  const Touch touch = touch_on_both(points, solids);
+  PreparedSolids still = prepare_solids(alone);
+  Touch each;
+  find_contacts(indexed(points), still, {}, {}, each);
   std::map<std::uint32_t, const Contact*> known;
   for (const Contact& contact : each.contacts)
     known.emplace(contact.point, &contact);
   std::size_t other = 0;
-  for (const Contact& contact : cpu.contacts) {
+  for (const Contact& contact : touch.contacts) {
     const auto found = known.find(contact.point);
     if (found == known.end()) {
       ++other;  // within rounding of the shell's ends
@@ -347,11 +379,11 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
     EXPECT_EQ(contact.solid, found->second->solid);
     EXPECT_NEAR(contact.depth_m, found->second->depth_m, band);
   }
-  EXPECT_GT(cpu.contacts.size(), 350 * count / step);
-  EXPECT_LT(other, cpu.contacts.size() / 100);
+  EXPECT_GT(touch.contacts.size(), 350 * count / step);
+  EXPECT_LT(other, touch.contacts.size() / 100);
   // They move as any solid does.
   constexpr std::uint32_t moved = count / 4 + 1;
-  PreparedSolids moving = prepare_solids(solids), still = prepare_solids(alone);
+  PreparedSolids moving = table;
   Transform T = glm::rotate(glm::translate(Transform(1), Vec3(0.01, 0.02, 0.03)), 0.5, Vec3(0, 0, 1));
   set_pose(moving, moved, T);
   set_pose(still, moved, T);
