@@ -87,7 +87,7 @@ void run_live(const Extensions& extensions, const RunCommand& given) {
     setup::warn_of_left_out_fingers(*frame.touch, warned);
     line->planned(frame);
   };
-  looking.sent = [&](bool sounds) { line->sent(sounds); };
+  looking.sent = [&](bool sounds, const session::HandOver& counts) { line->sent(sounds, counts); };
   looking.recording_rest = [&](std::uint64_t frames) { line->recording_rest(frames); };
   const session::LoopStats stats = live.run(looking);
   preparing.reset();

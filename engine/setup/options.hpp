@@ -60,8 +60,8 @@ void add_board_files(const Group& group, std::string& folder);
 /// log::release_warnings() once their input is read.
 void apply_logging(const CommonOptions& options);
 gpu::DeviceOptions device_options(const ComputeOptions& options);
-/// A device that stays open until the program ends and keeps its pipelines: the same one for the same choice, or another
-/// one if it was lost. Null with the backend cpu. Any thread.
+/// A device that stays open until the program ends and keeps its pipelines: the same one for the same choice, or
+/// another one if it was lost. Null with the backend cpu. Any thread.
 const gpu::Device* kept_device(const ComputeOptions& options);
 /// From now on, every UsedDevice is a kept one: for a program that runs many commands.
 void keep_devices();

@@ -31,7 +31,9 @@ enum class Words { all, most, few, fewest };
 std::string link_text(const RunState& state, Words words) {
   const char* sound = state.sounds ? "SOUNDING" : "silent";
   if (words == Words::fewest) return sound;
-  const char* note = words == Words::all && state.link == "null" ? " (no array)" : "";
+  const char* note = state.stuck                                   ? ", which takes no drives"
+                     : words == Words::all && state.link == "null" ? " (no array)"
+                                                                   : "";
   return fmt::format("{} on {}{}", sound, shortened(printable(state.link), 30), note);
 }
 
@@ -99,9 +101,8 @@ void RunLine::planned(const session::FrameReport& frame) {
     state_.depth_m = std::max(state_.depth_m, double{frame.touch->fingers[f].depth_m});
 }
 
-void RunLine::sent(bool sounds) {
-  const std::lock_guard lock(mutex_);
-  state_.sounds = sounds;
+void RunLine::sent(bool sounds, const session::HandOver& counts) {
+  sound_.sent(sounds, counts.behind);
 }
 
 void RunLine::recording_rest(std::uint64_t frames) {
@@ -114,6 +115,8 @@ RunState RunLine::take_state(double elapsed_s) {
   const auto count = static_cast<double>(std::exchange(new_frames_, 0));
   const double latency_s = std::exchange(new_latency_s_, 0);
   state_.rate_hz = count / elapsed_s;
+  state_.sounds = sound_.sounding();
+  state_.stuck = sound_.stuck();
   if (count > 0) state_.latency_s = latency_s / count;
   // A touch of a frame that is out of date is no touch.
   if (count == 0) state_.fingers = 0;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "session/plan/planner.hpp"
+#include "session/watch/sound_watch.hpp"
 
 namespace palpa::setup {
 
@@ -21,7 +22,8 @@ struct RunState {
   double latency_s = 0;              ///< mean, from a frame in memory to its drives; only if frames came
   std::uint32_t fingers = 0;         ///< that touch in the newest frame
   double depth_m = 0;                ///< of the deepest of them
-  bool sounds = false;               ///< the newest drive
+  bool sounds = false;               ///< a drive that sounds has just arrived
+  bool stuck = false;                ///< drives that sound leave, and none arrives
   std::uint64_t to_be_recorded = 0;  ///< after the end: frames that still have to be written
 };
 
@@ -44,7 +46,7 @@ class RunLine {
   RunLine& operator=(const RunLine&) = delete;
 
   void planned(const session::FrameReport& frame);
-  void sent(bool sounds);
+  void sent(bool sounds, const session::HandOver& counts);
   void recording_rest(std::uint64_t frames);
 
  private:
@@ -54,6 +56,7 @@ class RunLine {
   std::mutex mutex_;
   std::condition_variable end_;
   RunState state_;
+  session::SoundWatch sound_;
   std::uint64_t new_frames_ = 0;  ///< since the line was drawn,
   double new_latency_s_ = 0;      ///< and the sum of their latencies
   bool ending_ = false;

@@ -32,7 +32,7 @@ struct Loop {
   Loop() { source.clock = &clock; }
   void run() { run_loop(source, planner, link, setting, stop, options, stats, clock); }
   void stop_at(double time_s) {
-    options.sent = [this, time_s](bool) {
+    options.sent = [this, time_s](bool, const HandOver&) {
       if (clock.now() >= time_s) stop = true;
     };
   }

@@ -223,8 +223,8 @@ TEST(Output, AReservedScratchNeverGrows) {
 }
 
 /// To be called for each drive: asks for the end from `time_s` on.
-std::function<void(bool)> stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
-  return [=, &clock, &stop](bool) {
+std::function<void(bool, const HandOver&)> stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
+  return [=, &clock, &stop](bool, const HandOver&) {
     if (clock.now() >= time_s) stop = true;
   };
 }

@@ -73,7 +73,8 @@ TEST(SafeLink, SilenceIsTheLastThingThatALinkGets) {
 TEST(SafeLink, ReportsEachDriveThatTheLinkTookTheLastSilenceToo) {
   Player p;
   std::vector<bool> sounding;
-  SafeLink safe(p.spy, 3, {.ceiling = 0.5}, slot_s, [&](bool sounds) { sounding.push_back(sounds); });
+  const auto sent = [&](bool sounds, const HandOver&) { sounding.push_back(sounds); };
+  SafeLink safe(p.spy, 3, {.ceiling = 0.5}, slot_s, sent);
   safe.send(0, p.loud);
   safe.send(1, p.silent);
   safe.send(2, p.loud);
@@ -117,7 +118,7 @@ TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
 TEST(SafeLink, SilenceComesInASlotOfItsOwnWhenTheObserverThrows) {
   Player p;
   const auto player = [&] {
-    SafeLink safe(p.spy, 3, {}, 1e-3, [](bool audible) {
+    SafeLink safe(p.spy, 3, {}, 1e-3, [](bool audible, const HandOver&) {
       if (audible) throw failure("the observer broke");
     });
     safe.send(7, p.loud);

@@ -181,10 +181,11 @@ void App::advance_live(double now_s, const Size& size) {
 void App::show_link(double now_s) {
   const LiveSession& session = *run_.session();
   const LinkWatch& link = session.link();
-  const bool sounding = link.sounding();
+  const bool sounding = link.sound.sounding(), stuck = link.sound.stuck();
   const LiveState state = session.state();
-  if (desk_.sounding != sounding || desk_.live_state != state) stale_.redraw();
+  if (desk_.sounding != sounding || desk_.stuck != stuck || desk_.live_state != state) stale_.redraw();
   desk_.sounding = sounding;
+  desk_.stuck = stuck;
   desk_.link_open = link.open;
   desk_.drives = link.drives;
   desk_.silent_drives = link.silent;

@@ -24,6 +24,7 @@ ArrayStatus array_status(const Desk& desk) {
   if (!desk.live || desk.live_state != LiveState::running) return {ArrayState::off, "OFF", why_off(desk)};
   const std::string& link = desk.edit.options().link;
   const bool none = link == "null";
+  if (desk.stuck) return {ArrayState::silent, "SILENT", link + " takes no drives"};
   if (!desk.sounding) return {ArrayState::silent, "SILENT", none ? "no array" : link};
   return {ArrayState::sounding, "SOUNDING", none ? "no array" : "on " + link};
 }

@@ -10,7 +10,7 @@ namespace palpa::viewer {
 enum class ArrayState {
   off,       ///< no run drives it
   silent,    ///< a run drives it, and nothing sounds
-  sounding,  ///< the last drive that left for it sounds
+  sounding,  ///< a drive that sounds has just arrived at it
 };
 
 struct ArrayStatus {

@@ -79,7 +79,7 @@ void LiveSession::work() {
     session::RunOptions looking;
     looking.arrived = [this](std::uint64_t sequence) { gaps_.arrived(sequence); };
     looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
-    looking.sent = [this](bool sounds) { link_.count(sounds); };
+    looking.sent = [this](bool sounds, const session::HandOver& counts) { link_.count(sounds, counts); };
     looking.record = [this](const sensing::FrameSet& set) { saw(set); };
     state_ = LiveState::running;
     wake_();

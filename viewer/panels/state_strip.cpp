@@ -151,7 +151,7 @@ void draw_state_strip(Desk& desk) {
   ImGui::SetCursorPos({0, 0});
   if (right > gap) {
     ImGui::InvisibleButton("state", {right - gap, height});
-    tip(now.state == ArrayState::sounding ? "Drives that sound leave for the link: " + now.more
+    tip(now.state == ArrayState::sounding ? "The array gets drives that sound: " + now.more
         : now.state == ArrayState::silent ? "A run drives the link, and nothing sounds: " + now.more
                                           : "No drives leave: " + now.more);
   }

@@ -35,7 +35,7 @@ void check_safety(const Safety& safety) {
 }
 
 SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,
-                   std::function<void(bool)> sent)
+                   std::function<void(bool, const HandOver&)> sent)
     : link_(link),
       safety_(safety),
       transducers_(transducers),
@@ -165,7 +165,7 @@ void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDriv
 void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible) {
   link_.send(slot, drive);
   next_slot_ = slot + 1;  // the slot is taken, even if the observer throws
-  if (sent_) sent_(audible);
+  if (sent_) sent_(audible, handed_over());
 }
 
 }  // namespace palpa::session

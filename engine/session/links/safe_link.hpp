@@ -39,7 +39,7 @@ class SafeLink final : public Link {
   /// `link` must outlive it. `sent` is called after every drive that the link took; its argument says whether the drive
   /// sounds. Throws bad_usage if the ceiling or the ramp is out of range.
   SafeLink(Link& link, std::size_t transducers, const Safety& safety = {}, double slot_s = 1.5e-3,
-           std::function<void(bool sounds)> sent = {});
+           std::function<void(bool sounds, const HandOver& counts)> sent = {});
   ~SafeLink() override;
   SafeLink(const SafeLink&) = delete;
   SafeLink& operator=(const SafeLink&) = delete;
@@ -78,7 +78,7 @@ class SafeLink final : public Link {
   Safety safety_;
   std::size_t transducers_;
   double slot_s_;
-  std::function<void(bool)> sent_;
+  std::function<void(bool, const HandOver&)> sent_;
   array::Schedule nothing_;  ///< a schedule without voices, at the time of the last plan
   array::Drive silence_;
   std::uint64_t next_slot_ = 0;

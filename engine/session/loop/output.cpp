@@ -69,7 +69,7 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
 }
 
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats, const std::function<void(bool)>& sent) {
+          OutputStats& stats, const std::function<void(bool, const HandOver&)>& sent) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
   const std::size_t transducers = setting.layout.transducers.size();

@@ -41,7 +41,7 @@ struct Ending {
 /// skipped. However long a slot is, its sound ends when its plan expires or the end is requested, and a ramp does not
 /// exceed its time. Waits only for the clock and the link. `sent`: see RunOptions.
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats, const std::function<void(bool sounds)>& sent = {});
+          OutputStats& stats, const std::function<void(bool sounds, const HandOver& counts)>& sent = {});
 
 /// Scratch memory for the drive of a slot that the plan does not list; kept from slot to slot.
 struct SlotScratch {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sensing/depth_source.hpp"
+#include "session/links/hand_over.hpp"
 #include "session/links/plan.hpp"
 #include "session/plan/planner.hpp"
 #include "session/watch/events.hpp"
@@ -31,9 +32,9 @@ struct RunOptions {
   /// Called on the capture thread: a frame with this number has come and will be planned or replaced by a newer one.
   /// Must return quickly.
   std::function<void(std::uint64_t sequence)> arrived{};
-  /// Called on the output thread after every drive that the link took, including the last silence: whether it sounds.
-  /// Must return quickly.
-  std::function<void(bool sounds)> sent{};
+  /// Called on the output thread after every drive that the link took, including the last silence: whether it sounds,
+  /// and how many drives have passed each hand-over. Must return quickly.
+  std::function<void(bool sounds, const HandOver& counts)> sent{};
   /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
   /// frames come while it is busy, they wait, and are recorded after the loop's end at the latest. Frames for which
   /// there is no room are left out (never with every_frame) and counted as `unrecorded`; so are those that still wait

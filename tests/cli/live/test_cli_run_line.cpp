@@ -8,6 +8,7 @@
 #include "setup/run_line.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -26,6 +27,9 @@ TEST(RunLine, SaysWhatHappens) {
   state.of = 90;
   EXPECT_EQ(run_line(state, 100),
             "silent on openmpd:A | 1 finger, 1.4 mm deep | 45 of 90 frames, 90/s, 4.2 ms | Ctrl-C stops");
+  state.stuck = true;
+  EXPECT_CONTAINS(run_line(state, 100), "silent on openmpd:A, which takes no drives | 1 finger");
+  state.stuck = false;
   state.fingers = 0;
   state.rate_hz = 0;
   state.of = 0;

@@ -27,6 +27,9 @@ TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
   desk.sounding = true;
   EXPECT_EQ(array_status(desk).word, "SOUNDING");
   EXPECT_EQ(array_status(desk).more, "on foci:udp:127.0.0.1:9000");
+  desk.stuck = true;
+  EXPECT_EQ(array_status(desk).word, "SILENT") << "the array was unplugged";
+  EXPECT_EQ(array_status(desk).more, "foci:udp:127.0.0.1:9000 takes no drives");
   desk.live_state = LiveState::ended;
   EXPECT_EQ(array_status(desk).word, "OFF") << "whatever sounded last";
   desk.live_state = LiveState::failed;

@@ -103,7 +103,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_EQ(live->fault(), "");
   EXPECT_TRUE(bench.heard->finished);
   EXPECT_FALSE(bench.heard->last_sounds);
-  EXPECT_FALSE(live->link().open || live->link().sounding());
+  EXPECT_FALSE(live->link().open || live->link().sound.sounding());
   EXPECT_EQ(live->link().drives, bench.heard->drives);
   EXPECT_EQ(live->link().drives - live->link().silent, bench.heard->sounding);
   const auto stats = live->stats();
@@ -111,24 +111,6 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   ASSERT_TRUE(stats->output.hand_over.behind) << "what the link knows of its device reaches the run's statistics";
   EXPECT_EQ(stats->output.hand_over.behind->completed.drives, bench.heard->sounding);
   EXPECT_EQ(stats->output.hand_over.lost(), 0u);
-}
-
-/// A modulation has silent drives between those that sound, and the window must not flicker.
-TEST(Live, TheLinkSoundsUntilNothingHasSoundedForAWhile) {
-  LinkWatch link;
-  const LinkWatch::Clock::time_point begin{std::chrono::hours(1)};
-  EXPECT_FALSE(link.sounding(begin));
-  link.count(false, begin);
-  EXPECT_FALSE(link.sounding(begin));
-  link.count(true, begin);
-  link.count(false, begin + std::chrono::milliseconds(2));
-  EXPECT_TRUE(link.sounding(begin + std::chrono::milliseconds(60)));
-  EXPECT_FALSE(link.sounding(begin + std::chrono::milliseconds(140)));
-  EXPECT_EQ(link.drives, 3u);
-  EXPECT_EQ(link.silent, 2u);
-  link.count(true, begin + std::chrono::milliseconds(150));
-  link.close();
-  EXPECT_FALSE(link.sounding(begin + std::chrono::milliseconds(150))) << "the run is over";
 }
 
 TEST(Live, PointsThatAreNoSkinAreShownApart) {
