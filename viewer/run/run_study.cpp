@@ -263,6 +263,11 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   if (!conductor.presentation().end(3s))
     leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
   report(options, outputs, conductor);
+  if (!conductor.presentation().end_fault().empty()) {
+    const std::string what = "ended, but " + conductor.presentation().end_fault();
+    if (setup::Interrupt::signalled()) leave_at_once(what, relay);
+    throw failure(what);
+  }
   const study::Agenda& agenda = conductor.sitting().agenda();
   if (agenda.finished()) return;
   // After a signal, there is one second for everything, but releasing a window's device may take longer.

@@ -139,11 +139,13 @@ Presentation::~Presentation() {
 void Presentation::prepare(std::size_t method, std::size_t shape) {
   const bool other = method_ != method || shape_ != shape || !fault_.empty() || !wanted_;
   if (!other) return;
+  const bool again = !fault_.empty();
   gate_.close();
   method_ = method;
   shape_ = shape;
   wanted_ = true;
   fault_.clear();
+  if (session_ && again) session_method_.reset();  // another session opens the array again
   if (session_ && !session_->over() && session_method_ != method_) session_->all_off();
   look();
 }
@@ -180,26 +182,24 @@ void Presentation::place() {
 }
 
 void Presentation::look() {
-  if (!wanted_ || !fault_.empty()) return;
+  if (!wanted_) return;
   if (session_ && session_->over()) {
     const bool asked = session_method_ != method_;
-    if (!asked) {
+    if (!asked || !session_->fault().empty()) {
       gate_.close();
       const char* without = session_->unattended() ? "the program stood still" : "the source of frames has ended";
       fault_ = session_->fault().empty() ? without : session_->fault();
-      session_.reset();
-      return;
     }
     session_.reset();
   }
+  if (session_) session_->look();
+  if (!fault_.empty()) return;
   if (!session_) start();
   if (!session_ || session_method_ != method_) return;
-  session_->look();
   if (gate_.unheard() > longest_unheard) {
     gate_.close();
+    // The session stays: its link silences the array as soon as that takes drives again.
     fault_ = "the array takes no drives: see whether it is plugged in and switched on";
-    session_->all_off();
-    session_method_.reset();  // another session opens the array again
     return;
   }
   place();
@@ -252,7 +252,10 @@ bool Presentation::end(std::chrono::milliseconds patience) {
   const Clock::time_point until = Clock::now() + patience;
   while (!session_->over() && Clock::now() < until)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  return session_->over();
+  if (!session_->over()) return false;
+  end_fault_ = session_->fault();
+  session_.reset();
+  return true;
 }
 
 }  // namespace palpa::viewer

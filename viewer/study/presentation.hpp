@@ -65,7 +65,8 @@ class Presentation {
   void look();
   /// Frames come, and those of the wanted shape are played.
   bool ready() const;
-  /// Why the session ended although nobody asked for it; empty while all is well. prepare() forgets it.
+  /// Why nothing can be played: the session ended although nobody asked for it, or the array takes no drives. Empty
+  /// while all is well. prepare() forgets it.
   const std::string& fault() const { return fault_; }
 
   /// Lets it sound until then, if it is ready. Call it again and again.
@@ -94,6 +95,8 @@ class Presentation {
 
   /// Silence and the end of the session. Returns whether it is over after at most that time.
   bool end(std::chrono::milliseconds patience);
+  /// What that session could not do, such as to silence the array; else empty.
+  const std::string& end_fault() const { return end_fault_; }
 
  private:
   void start();
@@ -115,7 +118,7 @@ class Presentation {
   std::optional<std::uint64_t> since_;  ///< frames from here on have the shape that is placed
   std::optional<double> since_s_;       ///< the capture time of the first of them that was looked at
   bool wanted_ = false;                 ///< a session should be under way
-  std::string fault_;
+  std::string fault_, end_fault_;
   std::optional<Vec3> lowest_;
   std::optional<Clock::time_point> seen_at_;
   double rate_hz_ = 0;

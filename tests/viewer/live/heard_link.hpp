@@ -25,6 +25,7 @@ struct Heard {
   std::atomic<bool> breaks{false};    ///< set by a test: the link fails
   std::atomic<bool> swallows{false};  ///< set by a test: drives no longer arrive
   std::atomic<bool> halves{false};    ///< set by a test: every second drive does not arrive
+  std::atomic<bool> unsure{false};    ///< set by a test: it is not known whether the last silence arrived
   std::atomic<std::uint64_t> arrived{0};
   std::atomic<bool> last_sounds{false}, finished{false};
   std::atomic<float> loudest{0};  ///< amplitude in the last drive that sounds
@@ -49,7 +50,10 @@ class HeardLink final : public session::Link {
     const bool lost = heard_->swallows || (heard_->halves && heard_->drives % 2 == 0);
     heard_->arrived += sounds && !lost ? 1 : 0;
   }
-  void finish() override { heard_->finished = true; }
+  void finish() override {
+    heard_->finished = true;
+    if (heard_->unsure) throw failure("heard: it is not known whether the last silence reached the board");
+  }
   std::optional<session::Carried> carried() const override {
     return session::Carried{
         .guard = {}, .submitted = {.drives = heard_->sounding}, .completed = {.drives = heard_->arrived}};

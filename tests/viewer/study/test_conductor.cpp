@@ -238,12 +238,34 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   ASSERT_TRUE(bench.reaches(Screen::paused, false));
   EXPECT_CONTAINS(bench.sitting().reason(), "the array takes no drives");
   EXPECT_TRUE(bench.is_silent());
+  EXPECT_FALSE(bench.heard()->finished) << "somebody has to silence it when it takes drives again";
+  const std::uint64_t before = bench.heard()->drives;
+  bench.passes(100ms);
+  EXPECT_GT(bench.heard()->drives, before) << "drives of silence";
   EXPECT_EQ(bench.sitting().agenda().voided(), 1u);
   EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "\tvoid\t");
   bench.heard()->swallows = false;
   bench.press(Key::space, true);
   ASSERT_TRUE(touches_and_sounds()) << "it is plugged in again";
   EXPECT_EQ(bench.heard()->opened, 2);
+}
+
+TEST_F(ConductorTest, AnArrayThatMaySoundOnIsToldBeforeTheNextTouchAndAtTheEnd) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(touches_and_sounds());
+  bench.heard()->swallows = true;
+  ASSERT_TRUE(bench.reaches(Screen::paused, false));
+  bench.heard()->unsure = true;
+  bench.press(Key::space, true);
+  ASSERT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); }));
+  ASSERT_TRUE(bench.reaches(Screen::paused, false));
+  EXPECT_CONTAINS(bench.sitting().reason(), "it is not known whether the last silence reached the board");
+  bench.press(Key::space, true);
+  bench.heard()->swallows = false;
+  ASSERT_TRUE(touches_and_sounds());
+  bench.conductor().stop();
+  ASSERT_TRUE(bench.conductor().presentation().end(std::chrono::seconds(60)));
+  EXPECT_CONTAINS(bench.conductor().presentation().end_fault(), "it is not known whether the last silence");
 }
 
 /// The array is gone before the touch begins: nobody feels anything, and the window does not say that it sounds.
