@@ -30,9 +30,7 @@ class SoundWatch {
     waits_since_ = never;
   }
   /// Nothing leaves any more.
-  void close() {
-    left_ = sounded_ = waits_since_ = never;
-  }
+  void close() { left_ = sounded_ = waits_since_ = never; }
 
   /// Whether a drive that sounds has arrived within the longest lull.
   bool sounding(Clock::time_point now = Clock::now()) const { return is_recent(sounded_, now); }
