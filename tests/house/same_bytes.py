@@ -2,8 +2,9 @@
 """same_bytes.py BEFORE AFTER [WORD...]: what two builds of palpa compute from the same input, compared byte by byte.
 
 BEFORE and AFTER are folders with the programs (build/release/bin). For changes that are to leave every result as it is: each line says
-what was asked and whether both answered the same bytes; timing_ms is left out. Drives may differ by what a line allows (--tolerance,
-as complex amplitudes), and the line says by how much they do. With WORDs, only the cases whose name holds one of them. Exit code 1
+what was asked and whether both answered the same bytes; timing_ms and the backend's key are left out. Drives may differ by what a line allows (--tolerance,
+as complex amplitudes), and the line says by how much they do. Recordings of $PALPA_SHARED, or of ../shared, are left out where there are
+none. With WORDs, only the cases whose name holds one of them. Exit code 1
 where anything differs by more."""
 
 import argparse
@@ -21,16 +22,40 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OBJECTS = ["cube", "semi-sphere", "pyramid", "prism"]
 PRESS = ["--points", "assets/finger.ply", "--penetration", "3mm"]
+DATA = os.path.join(os.environ.get("PALPA_SHARED") or os.path.join(os.path.dirname(ROOT), "shared"), "data")
+LEFT_OUT = {"timing_ms", "backend"}
 
 
 def scene(name):
     return ["--scene", f"assets/{name}.glb"]
 
 
+def films():
+    """Name, and arguments for what is seen and touched: recordings, and rendered hands."""
+    yield "take", [*scene("cube"), "--source", "recording:assets/depth/take"]
+    for hand, model in {"hand": "button-and-knob", "hand-point": "button-and-knob", "hand-relaxed": "hand"}.items():
+        yield hand, [*scene(model), "--source", f"synthetic:assets/{hand}.glb", "--frames", "30"]
+    flicker, unsteady = os.path.join(DATA, "flicker"), os.path.join(DATA, "hands-unsteady")
+    for recording, model in {
+        "one-finger-through-semi-sphere": "assets/semi-sphere.glb",
+        "spread-hand-leaning": f"{flicker}/plate-35mm.glb",
+        "two-fingers-touching": f"{flicker}/plate.glb",
+    }.items():
+        if os.path.isdir(flicker):
+            yield recording, ["--scene", model, "--source", f"recording:{flicker}/{recording}"]
+    for recording, model in {"faint-slide": "plate-60.glb", "palm-back-thin": "plate-2.glb"}.items():
+        if os.path.isdir(unsteady):
+            yield recording, ["--scene", f"{unsteady}/{model}", "--source", f"recording:{unsteady}/{recording}"]
+
+
 def cases():
-    """Name, what is compared, arguments; OUT, with an ending or without, is the file that both write."""
+    """Name, what is compared, arguments; OUT, with an ending or without, is the file that both write. OUT/NAME is a file in a folder."""
     for backend in ["gpu", "cpu"]:
         on = ["--backend", backend]
+        for name, seen in films():
+            for what, ahead in {"": [], " ahead": ["--predict-latency", "20ms"]}.items():
+                yield f"film {name}{what} {backend}", "film", [
+                    "export", *seen, *on, *ahead, "--foci", "OUT/foci.json", "--events", "OUT/events", "--drives", "OUT/drives"]
         for name in OBJECTS:
             yield f"touch {name} {backend}", "json", ["touch", *scene(name), *PRESS, *on, "--json", "OUT"]
             yield f"drives {name} {backend}", "drives", ["export", *scene(name), *on, "--frames", "30", "--drives", "OUT"]
@@ -126,7 +151,9 @@ def run(binaries, kind, arguments, out):
     if kind == "withdrawn":  # there must be somebody
         subprocess.run([program, "study", "rehearse", "assets/studies/five-minutes.toml", "--participant", "4", "--out", f"{out}.study",
                         "--quiet"], cwd=ROOT, capture_output=True, check=False)
-    words = [f"{out}.study" if a == "OUT.study" else out if a.startswith("OUT") else a.replace("UDP", link)
+    if kind == "film":
+        os.mkdir(out)
+    words = [out + a[3:] if a.startswith(("OUT/", "OUT.study")) else out if a.startswith("OUT") else a.replace("UDP", link)
              for a in arguments] + ["--quiet"]
     done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, check=False)
     if receiver:
@@ -143,7 +170,7 @@ def run(binaries, kind, arguments, out):
 
 def without_times(document):
     if isinstance(document, dict):
-        return {key: without_times(value) for key, value in document.items() if key != "timing_ms"}
+        return {key: without_times(value) for key, value in document.items() if key not in LEFT_OUT}
     return [without_times(value) for value in document] if isinstance(document, list) else document
 
 
@@ -214,6 +241,11 @@ def compare_csv(before, after):
 def compare(kind, before, after, tolerance):
     if kind == "study":
         return "same" if read_study(before) == read_study(after) else "DIFFERENT"
+    if kind == "film":
+        verdicts = {of: compare(how, f"{before}/{of}", f"{after}/{of}", tolerance)
+                    for of, how in {"foci.json": "bytes", "events": "bytes", "drives": "drives"}.items()}
+        wrong = [f"{of} {verdict}" for of, verdict in verdicts.items() if verdict.startswith("DIFFERENT")]
+        return f"DIFFERENT: {', '.join(wrong)}" if wrong else verdicts["drives"]
     if kind in ("json", "withdrawn"):
         return "same" if read_json(before) == read_json(after) else "DIFFERENT"
     if kind == "gltf":
@@ -258,7 +290,7 @@ def main():
         for number, (name, kind, arguments) in enumerate(cases()):
             if options.words and not any(word in name for word in options.words):
                 continue
-            ending = next((word[3:] for word in arguments if word.startswith("OUT") and word != "OUT.study"), "")
+            ending = next((word[3:] for word in arguments if word.startswith("OUT") and "/" not in word and word != "OUT.study"), "")
             outs = [os.path.join(folder, f"{side}{number}{ending}") for side in "ba"]
             codes = [run(os.path.abspath(side), kind, arguments, out)
                      for side, out in zip((options.before, options.after), outs)]

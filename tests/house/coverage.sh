@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# coverage.sh [CTEST ARGUMENT...]: which lines of engine, driver, viewer and python the tests run, by room. Builds the
+# preset coverage. build/coverage/lines.csv has a row per file, build/coverage/lines.txt the lines that no test runs.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+out=build/coverage
+find "$out" -name '*.gcda' -delete
+# A test that fails has run its lines all the same.
+tests/house/suite.sh coverage -LE '^live$' "$@" >"$out/tests.log" 2>&1 || echo "coverage: some tests fail, see $out/tests.log"
+gcovr --root . --object-directory "$out" -j "$(nproc)" --exclude-unreachable-branches --exclude-throw-branches \
+  --filter 'engine/' --filter 'driver/' --filter 'viewer/' --filter 'python/' \
+  --csv "$out/lines.csv" --txt "$out/lines.txt"
+awk -F, '
+  NR > 1 {
+    split($1, part, "/")
+    room = part[1] == "engine" ? part[1] "/" part[2] : part[1]
+    lines[room] += $2; covered[room] += $3; lines["all"] += $2; covered["all"] += $3
+  }
+  END {
+    for (room in lines) printf "%-20s %6d lines %6.2f %%\n", room, lines[room], 100 * covered[room] / lines[room]
+  }' "$out/lines.csv" | sort
