@@ -2,10 +2,9 @@
 """same_bytes.py BEFORE AFTER [WORD...]: what two builds of palpa compute from the same input, compared byte by byte.
 
 BEFORE and AFTER are folders with the programs (build/release/bin). For changes that are to leave every result as it is: each line says
-what was asked and whether both answered the same bytes; timing_ms and the backend's key are left out. Drives may differ by what a line allows (--tolerance,
-as complex amplitudes), and the line says by how much they do. Recordings of $PALPA_SHARED, or of ../shared, are left out where there are
-none. With WORDs, only the cases whose name holds one of them. Exit code 1
-where anything differs by more."""
+what was asked and whether both answered the same bytes; timing_ms and the backend's key are left out. Drives may differ by what a line
+allows (--tolerance, as complex amplitudes), and the line says by how much they do. Without $PALPA_SHARED or ../shared, its recordings
+are not compared. With WORDs, only the cases whose name holds one of them. Exit code 1 where anything differs by more."""
 
 import argparse
 import cmath
