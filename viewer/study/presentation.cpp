@@ -139,13 +139,12 @@ Presentation::~Presentation() {
 void Presentation::prepare(std::size_t method, std::size_t shape) {
   const bool other = method_ != method || shape_ != shape || !fault_.empty() || !wanted_;
   if (!other) return;
-  const bool again = !fault_.empty();
   gate_.close();
   method_ = method;
   shape_ = shape;
   wanted_ = true;
+  if (!fault_.empty()) session_method_.reset();  // another session opens the array again
   fault_.clear();
-  if (session_ && again) session_method_.reset();  // another session opens the array again
   if (session_ && !session_->over() && session_method_ != method_) session_->all_off();
   look();
 }
