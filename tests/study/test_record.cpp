@@ -186,6 +186,43 @@ TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
   EXPECT_EQ(study().participants[0].trials.size(), 8u);
 }
 
+/// The step was begun in what is left of the journal. Without its answer, its row would become void.
+TEST_F(RecordTest, RefusesAJournalThatLacksTheLastAnswer) {
+  sit(1, 10);
+  const std::string journal = read_text(file("sub-01_journal.jsonl"));
+  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
+  const std::string before = read_text(log);
+  ASSERT_TRUE(before.ends_with("\tn/a\n")) << before;
+  const std::size_t answer = journal.rfind("{\"what\":\"answer\"");
+  const std::size_t touched = journal.rfind("{\"what\":\"touched\"", answer);
+  ASSERT_NE(answer, std::string::npos);
+  for (const std::size_t left : {answer, touched, answer + 10}) {
+    test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
+    EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
+    EXPECT_EQ(read_text(log), before);
+  }
+}
+
+/// The journal is on the disk before the log, which is written whole. A power cut may also take a part of it.
+TEST_F(RecordTest, ContinuesWithTheLogsThatAKillOrAPowerCutLeaves) {
+  sit(1, 10);
+  EXPECT_EQ(fault_of(1), "");  // a step is under way: its row is void
+  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
+  const std::string whole = read_text(log);
+  EXPECT_CONTAINS(whole, "the program ended");
+  const std::size_t header = whole.find('\n') + 1;
+  const std::string older =
+      "step\tonset\tfelt\n1\t" + whole.substr(header, whole.find('\t', header) - header) + "\tyes\n";
+  for (const std::string& left : {whole.substr(0, whole.size() - 3), whole.substr(0, header), whole.substr(0, 7),
+                                  std::string(), std::string(whole.size(), '\0'), older}) {
+    test::write_text(log, left);
+    EXPECT_EQ(fault_of(1), "") << left;
+    EXPECT_EQ(read_text(log), whole) << "it is written again";
+  }
+  test::write_text(log, "onset\tstep\n0.5\t1\n");
+  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
+}
+
 TEST_F(RecordTest, TakesTheFolderThatHasTheNumber) {
   sit(1);
   fs::rename(folder_ / "sub-01", folder_ / "sub-1");
