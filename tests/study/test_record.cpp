@@ -146,6 +146,24 @@ TEST_F(RecordTest, RefusesWhatIsNotThisParticipantsJournal) {
   EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
 }
 
+TEST_F(RecordTest, AllParticipantsOfAStudyHaveOnePlan) {
+  sit(1, 10);
+  sit(2, 10);
+  StudyPlan other = test::small_plan();
+  other.sha256 = "0";
+  EXPECT_ERROR(Record(other, 3, folder_, true), Exit::usage,
+               "sub-01_journal.jsonl: participant 1 was begun with another plan, or plan.toml was changed since");
+  EXPECT_FALSE(fs::exists(folder_ / "sub-03")) << "the number is not used up";
+  EXPECT_EQ(fault_of(3), "");
+  // Logs without their journal have the plan, too. Who withdrew has none.
+  for (const char* number : {"sub-02", "sub-03"})
+    fs::remove_all(folder_ / number);
+  fs::remove(file("sub-01_journal.jsonl"));
+  EXPECT_ERROR(Record(other, 3, folder_, true), Exit::usage, "_events.json: participant 1 was begun with another plan");
+  withdraw(folder_, 1);
+  EXPECT_NO_THROW(Record(other, 3, folder_, true));
+}
+
 TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
   sit(1, 10);
   fs::create_directories(folder_ / "sub-1");

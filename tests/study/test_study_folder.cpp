@@ -59,6 +59,19 @@ TEST_F(StudyFolder, ACopyOfALogDoesNotCountTwice) {
   std::filesystem::copy_file(log, copy);
   EXPECT_CONTAINS(left_out(), copy.string() + ": has the same rows as " + log.string() + "; the log is left out");
   EXPECT_EQ(read().participants[0].trials.size(), trials);
+TEST_F(StudyFolder, DifferentPlansAreNamed) {
+  const auto with_plan = [](const std::string& plan) {
+    std::string sidecar = test::events_sidecar;
+    return sidecar.insert(sidecar.size() - 1, ", \"PlanSha256\": \"" + plan + "\"");
+  };
+  for (std::uint32_t number = 1; number <= 14; ++number)
+    write_events(events_place(folder_, number), events_text("m", 20, 40, number), with_plan("0123456789"));
+  EXPECT_TRUE(read().left_out.empty()) << testing::PrintToString(read().left_out);
+  write_events(events_place(folder_, 2), events_text("m", 20, 40, 2), with_plan("abcdef0123"));
+  EXPECT_EQ(left_out(),
+            "the participants had different plans, by PlanSha256 of their logs (01234567: participants 1, 3, 4, 5, 6, "
+            "7, 8, 9, 10 and 4 more; abcdef01: participant 2); they are analysed as one study all the same");
+  EXPECT_EQ(read().participants.size(), 14u);
 }
 
 TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {

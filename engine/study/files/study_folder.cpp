@@ -203,6 +203,38 @@ void refuse_same_numbers(const std::vector<Folder>& folders) {
   }
 }
 
+/// The numbers of participants, as "1, 2, 3 and 4 more".
+std::string numbers_text(const std::vector<std::uint32_t>& numbers) {
+  constexpr std::size_t most = 10;
+  const std::size_t shown = numbers.size() > most ? most - 1 : numbers.size();
+  const std::string text = fmt::format("{}", fmt::join(std::span(numbers).first(shown), ", "));
+  return shown == numbers.size() ? text : fmt::format("{} and {} more", text, numbers.size() - shown);
+}
+
+/// A line if the logs name more than one plan; else nothing.
+std::optional<std::string> differing_plans(const std::vector<Folder>& folders) {
+  std::vector<std::pair<std::string, std::vector<std::uint32_t>>> plans;
+  for (const Folder& folder : folders) {
+    for (const Session& session : folder.sessions) {
+      const std::string& plan = session.events.plan_sha256;
+      if (plan.empty()) continue;
+      auto found = std::ranges::find(plans, plan, [](const auto& one) { return one.first; });
+      if (found == plans.end()) found = plans.emplace(plans.end(), plan, std::vector<std::uint32_t>());
+      if (found->second.empty() || found->second.back() != folder.number) found->second.push_back(folder.number);
+    }
+  }
+  if (plans.size() < 2) return std::nullopt;
+  std::string text;
+  for (const auto& [plan, numbers] : plans) {
+    text += fmt::format("{}{}: {} {}", text.empty() ? "" : "; ", plan.substr(0, 8),
+                        numbers.size() == 1 ? "participant" : "participants", numbers_text(numbers));
+  }
+  return fmt::format(
+      "the participants had different plans, by PlanSha256 of their logs ({}); they are analysed as one "
+      "study all the same",
+      text);
+}
+
 /// The names in the order of `first`, then by name.
 std::vector<std::string> ordered(std::vector<std::string> names, const std::vector<std::string>& first) {
   const auto place = [&](const std::string& name) { return std::ranges::find(first, name) - first.begin(); };
@@ -318,6 +350,7 @@ Study read_study(std::span<const std::string> places) {
   });
 
   study.shapes = agree_on_shapes(folders);
+  if (std::optional<std::string> line = differing_plans(folders)) study.left_out.push_back(std::move(*line));
   for (const Folder& folder : folders) {
     for (const Session& session : folder.sessions) {
       study.least_trials = std::max(study.least_trials, session.events.least_trials);

@@ -18,13 +18,13 @@
 #include "base/text.hpp"
 #include "study/files/tsv.hpp"
 #include "study/sitting/events_table.hpp"
+#include "study/sitting/same_study.hpp"
 
 namespace palpa::study {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t most_journal_bytes = 64u << 20;
 constexpr const char* end_of_log = "_events.tsv";
 
 /// The names of all files in a folder and below it, sorted, from that folder on.
@@ -91,7 +91,10 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
   }
   refuse_lost_journal();
   const bool begins = is_new();
-  if (begins) try_out();
+  if (begins) {
+    refuse_other_study(plan, study, folder_);
+    try_out();
+  }
   make_folders(folder_);
   file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder_.path), .is_folder = true}});
   try {
