@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "base/sha256.hpp"
 #include "base/text.hpp"
 #include "setup/assets.hpp"
 #include "study/plan/plan_file.hpp"
@@ -22,6 +24,8 @@ study::StudyPlan load_plan(const std::string& file) {
     }
   }
   study::refuse_missing_files(plan);
+  for (study::PlanShape& shape : plan.shapes)
+    shape.model_sha256 = sha256_of_file(shape.model).sha256;
   return plan;
 }
 

@@ -164,6 +164,31 @@ TEST_F(RecordTest, AllParticipantsOfAStudyHaveOnePlan) {
   EXPECT_NO_THROW(Record(other, 3, folder_, true));
 }
 
+TEST_F(RecordTest, AllTouchesOfAShapeHaveOneModel) {
+  StudyPlan plan = plan_;
+  for (PlanShape& shape : plan.shapes)
+    shape.model_sha256 = "of " + shape.name;
+  {
+    Record record(plan, 1, folder_, false);
+    Entry touched{.kind = EntryKind::touched, .at_ns = 3, .step = 0};
+    touched.stimulus = Stimulus{.model_sha256 = plan.shapes[*record.steps()[0].shape].model_sha256};
+    record.add({.kind = EntryKind::start, .text = utc_now()});
+    record.add({.kind = EntryKind::consent, .at_ns = 1, .accepted = true});
+    record.add({.kind = EntryKind::begin, .at_ns = 2, .step = 0});
+    record.add(touched);
+  }
+  const std::size_t touched = *order_of(plan, 1)[0].shape;
+  EXPECT_NO_THROW(Record(plan, 1, folder_, false));
+  plan.shapes[1 - touched].model_sha256 = "another one";
+  EXPECT_NO_THROW(Record(plan, 1, folder_, false)) << "nobody has touched it";
+  plan.shapes[touched].model_sha256 = "another one";
+  const std::string fault =
+      "sub-01_journal.jsonl: the model of '" + plan.shapes[touched].name + "' was another one when it was touched";
+  EXPECT_ERROR(Record(plan, 1, folder_, false), Exit::usage, fault);
+  EXPECT_ERROR(Record(plan, 2, folder_, false), Exit::usage, fault);
+  EXPECT_FALSE(fs::exists(folder_ / "sub-02")) << "the number is not used up";
+}
+
 TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
   sit(1, 10);
   fs::create_directories(folder_ / "sub-1");

@@ -118,7 +118,10 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
                                   entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
     }
     refuse_unknown_files(journal.entries);
-    if (!begins && !finished) try_out();
+    if (!begins && !finished) {
+      refuse_other_models(plan, steps_, journal.entries, file_->name());
+      try_out();
+    }
     file_->cut(journal.whole);
     entries_ = std::move(journal.entries);
     digits_ = std::move(journal.last_digits);

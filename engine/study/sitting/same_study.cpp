@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 #include <system_error>
 #include <tuple>
@@ -9,8 +10,9 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/text.hpp"
 #include "study/files/sidecar.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/sitting/events_table.hpp"
 
 namespace palpa::study {
 namespace {
@@ -45,6 +47,20 @@ std::optional<std::pair<std::string, std::string>> plan_of_logs(const Participan
 
 }  // namespace
 
+void refuse_other_models(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> entries,
+                         const std::string& journal) {
+  for (const PlayedStep& touch : played_steps(plan, steps, entries)) {
+    const auto shape = std::ranges::find(plan.shapes, touch.shape, &PlanShape::name);
+    if (!touch.entry->stimulus || shape == plan.shapes.end()) continue;
+    const std::string& played = touch.entry->stimulus->model_sha256;
+    if (played.empty() || shape->model_sha256.empty() || played == shape->model_sha256) continue;
+    throw bad_usage(
+        fmt::format("{}: the model of '{}' was another one when it was touched ({} was changed since): put "
+                    "that model back, or give the study with the new one another --out",
+                    journal, printable(shape->name), printable(shape->model)));
+  }
+}
+
 void refuse_other_study(const StudyPlan& plan, const fs::path& study, const ParticipantFolder& own) {
   for (const ParticipantFolder& other : participant_folders(study)) {
     if (other.number == own.number || other.withdrawn()) continue;
@@ -61,6 +77,7 @@ void refuse_other_study(const StudyPlan& plan, const fs::path& study, const Part
                       "participants of a study have the same plan; give the new plan another --out",
                       file, other.number, plan.file));
     }
+    if (journal.head) refuse_other_models(plan, order_of(plan, other.number), journal.entries, file);
   }
 }
 
