@@ -137,6 +137,24 @@ TEST_F(StudyFolder, ALogOfOtherShapesIsLeftOut) {
   EXPECT_CONTAINS(left_out(), "its shapes are cube, cone, but those of");
 }
 
+TEST_F(StudyFolder, TheShapesAreThoseOfMostLogs) {
+  for (const std::uint32_t number : {1u, 2u, 3u})
+    test::write_participant(folder_, number, {{"m", 20}});
+  std::string odd = test::events_sidecar;
+  odd.replace(odd.find("cube"), 4, "cubo");
+  write_events(events_place(folder_, 1), events_text("m", 20, 40, 1e-3), odd);
+  EXPECT_CONTAINS(
+      left_out(),
+      "sub-1_task-shapes_run-1_events.tsv: its shapes are cubo, semi-sphere, pyramid, prism, but those of " +
+          events_place(folder_, 2).string() +
+          " are cube, semi-sphere, pyramid, prism (only here: cubo; missing here: cube); the log is left out");
+  EXPECT_EQ(read().participants.size(), 2u);
+  EXPECT_EQ(read().shapes, test::study_shapes);
+  // With as many of both kinds, the first log tells.
+  std::filesystem::remove_all(folder_ / "sub-3");
+  EXPECT_CONTAINS(testing::PrintToString(read_study(std::vector<std::string>{folder_.string()}).shapes), "cubo");
+}
+
 TEST_F(StudyFolder, TwoParticipantsWithOneNumberAreRefused) {
   test::write_participant(folder_, 3, {{"m", 20}});
   const auto other = folder_ / "more";

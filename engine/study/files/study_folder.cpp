@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -245,29 +246,48 @@ std::vector<std::string> ordered(std::vector<std::string> names, const std::vect
   return names;
 }
 
-/// The shapes of the study: those that the first sidecar names, otherwise all that were shown. Logs of other shapes are
-/// left out.
+/// The shapes of the study: those that most sidecars name, the first of them if there are as many of others; otherwise
+/// all that were shown. Logs of other shapes are left out.
 std::vector<std::string> agree_on_shapes(std::vector<Folder>& folders) {
-  const Session* told = nullptr;
+  /// Logs that name the same shapes, in whatever order.
+  struct Told {
+    const EventsFile* first = nullptr;
+    std::vector<std::string> names{};
+    std::size_t logs = 0;
+  };
+  std::vector<Told> told;
   std::vector<std::string> shown;
   for (const Folder& folder : folders) {
     for (const Session& session : folder.sessions) {
-      if (!told && !session.events.shapes.empty()) told = &session;
+      if (!session.events.shapes.empty()) {
+        std::vector<std::string> names = ordered(session.events.shapes, {});
+        auto same = std::ranges::find(told, names, &Told::names);
+        if (same == told.end()) same = told.insert(same, Told{.first = &session.events, .names = std::move(names)});
+        ++same->logs;
+      }
       for (const EventRow& row : session.events.rows) {
         if (counts(row) && (shown.empty() || shown.back() != row.shape)) shown.push_back(row.shape);
       }
     }
   }
-  if (!told) return ordered(std::move(shown), paper_shapes());
-  std::vector<std::string> shapes = told->events.shapes;
-  const std::string teller = told->events.name;
-  const std::vector<std::string> wanted = ordered(shapes, {});
+  if (told.empty()) return ordered(std::move(shown), paper_shapes());
+  const Told& most = *std::ranges::max_element(told, {}, &Told::logs);  // the first of several
+  const std::vector<std::string> shapes = most.first->shapes;
+  const std::string teller = most.first->name;
+  const auto only_in = [](const std::vector<std::string>& some, const std::vector<std::string>& others) {
+    std::vector<std::string> only;
+    std::ranges::set_difference(some, others, std::back_inserter(only));
+    return only.empty() ? std::string("none") : fmt::format("{}", fmt::join(only, ", "));
+  };
   for (Folder& folder : folders) {
     std::erase_if(folder.sessions, [&](const Session& session) {
-      if (session.events.shapes.empty() || ordered(session.events.shapes, {}) == wanted) return false;
-      folder.left_out.push_back(fmt::format("{}: its shapes are {}, but those of {} are {}; the log is left out",
-                                            session.events.name, fmt::join(session.events.shapes, ", "), teller,
-                                            fmt::join(shapes, ", ")));
+      const std::vector<std::string> names = ordered(session.events.shapes, {});
+      if (names.empty() || names == most.names) return false;
+      folder.left_out.push_back(
+          fmt::format("{}: its shapes are {}, but those of {} are {} (only here: {}; missing here: {}); the log is "
+                      "left out",
+                      session.events.name, fmt::join(session.events.shapes, ", "), teller, fmt::join(shapes, ", "),
+                      only_in(names, most.names), only_in(most.names, names)));
       return true;
     });
   }
