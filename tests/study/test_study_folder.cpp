@@ -59,6 +59,38 @@ TEST_F(StudyFolder, ACopyOfALogDoesNotCountTwice) {
   std::filesystem::copy_file(log, copy);
   EXPECT_CONTAINS(left_out(), copy.string() + ": has the same rows as " + log.string() + "; the log is left out");
   EXPECT_EQ(read().participants[0].trials.size(), trials);
+}
+
+/// Somebody saved a participant's log under a second number. Nobody measures the same microseconds twice.
+TEST_F(StudyFolder, ACopyUnderAnotherNumberIsNoSecondPerson) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  const auto log = events_place(folder_, 1), copy = events_place(folder_, 2);
+  write_events(copy, test::read_text(log));
+  EXPECT_CONTAINS(left_out(),
+                  copy.string() + ": has the same rows as " + log.string() + " of participant 1; the log is left out");
+  EXPECT_EQ(read().participants.size(), 1u);
+  // Two rehearsals may be equal, and logs without times of answers.
+  std::string rehearsed = test::events_sidecar;
+  rehearsed.insert(rehearsed.size() - 1, ", \"Rehearsal\": true");
+  write_events(copy, test::read_text(log), rehearsed);
+  EXPECT_EQ(read().participants.size(), 2u);
+  EXPECT_CONTAINS(testing::PrintToString(read().left_out),
+                  "of participant 1; it is analysed all the same: see whether");
+  const std::string untimed = std::string(test::events_header) + "1\t10\ttrial\tm\tcube\tcube\tn/a\tanswered\n";
+  write_events(log, untimed);
+  write_events(copy, untimed);
+  EXPECT_CONTAINS(left_out(), "of participant 1; it is analysed all the same: see whether it is a copy");
+  EXPECT_EQ(read().participants.size(), 2u);
+}
+
+TEST_F(StudyFolder, LogsWithoutAnswersAreNoCopies) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  for (const std::uint32_t number : {2u, 3u})
+    write_events(events_place(folder_, number, 1), test::events_header);
+  for (const std::string& line : read().left_out)
+    EXPECT_CONTAINS(line, "has no answered trial");
+}
+
 TEST_F(StudyFolder, DifferentPlansAreNamed) {
   const auto with_plan = [](const std::string& plan) {
     std::string sidecar = test::events_sidecar;

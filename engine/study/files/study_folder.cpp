@@ -34,6 +34,7 @@ constexpr std::size_t most_files = 1000;  // of one participant
 struct Session {
   EventsFile events;
   std::vector<DepthCourse> courses;  ///< one per answered trial; empty without a recording
+  bool is_copy = false;              ///< of another participant's
 };
 
 /// A participant's folder and its content.
@@ -236,6 +237,33 @@ std::optional<std::string> differing_plans(const std::vector<Folder>& folders) {
       text);
 }
 
+/// Leaves out logs with the same rows as a log of an earlier participant: onsets are measured. Those of rehearsals are
+/// not, and logs without times of answers may have planned ones, so these are only reported.
+void leave_out_copies(std::vector<Folder>& folders) {
+  std::map<std::pair<std::size_t, double>, std::vector<std::pair<std::uint32_t, const EventsFile*>>> seen;
+  for (Folder& folder : folders) {
+    for (Session& session : folder.sessions) {
+      const EventsFile& events = session.events;
+      if (std::ranges::none_of(events.rows, counts)) continue;
+      auto& alike = seen[{events.rows.size(), events.rows.back().onset_s}];
+      const auto original = std::ranges::find_if(
+          alike, [&](const auto& other) { return other.first != folder.number && other.second->rows == events.rows; });
+      if (original == alike.end()) {
+        alike.emplace_back(folder.number, &events);
+        continue;
+      }
+      session.is_copy = !events.rehearsal && std::ranges::any_of(events.rows, [](const EventRow& row) {
+        return counts(row) && row.response_s.has_value();
+      });
+      folder.left_out.push_back(fmt::format(
+          "{}: has the same rows as {} of participant {}; {}", events.name, original->second->name, original->first,
+          session.is_copy ? "the log is left out" : "it is analysed all the same: see whether it is a copy"));
+    }
+  }
+  for (Folder& folder : folders)
+    std::erase_if(folder.sessions, [](const Session& session) { return session.is_copy; });
+}
+
 /// The names in the order of `first`, then by name.
 std::vector<std::string> ordered(std::vector<std::string> names, const std::vector<std::string>& first) {
   const auto place = [&](const std::string& name) { return std::ranges::find(first, name) - first.begin(); };
@@ -369,6 +397,7 @@ Study read_study(std::span<const std::string> places) {
       read_participant(folders[i]);
   });
 
+  leave_out_copies(folders);
   study.shapes = agree_on_shapes(folders);
   if (std::optional<std::string> line = differing_plans(folders)) study.left_out.push_back(std::move(*line));
   for (const Folder& folder : folders) {
