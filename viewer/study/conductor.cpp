@@ -61,6 +61,7 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
       level_(level),
       record_(plan, *run.participant, run.out, run.rehearse.has_value(), [&] {
         masking_.emplace(plan.run.masking);
+        try_study_source(plan, run, kinds);
         try_study_link(plan, run, kinds);
       }) {
   record_.refuse_finished();

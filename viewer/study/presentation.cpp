@@ -97,6 +97,9 @@ void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& 
                                             plan.methods[m].name, plan.file));
     }
   }
+void try_study_source(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
+                      const LiveSession::Kinds& kinds) {
+  setup::try_source(options_of_method(plan, 0, run, ""), kinds.sources);
 }
 
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,

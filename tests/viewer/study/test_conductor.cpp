@@ -331,6 +331,16 @@ TEST_F(ConductorTest, WithoutItsSoundNoFileIsBegun) {
   EXPECT_FALSE(fs::exists(folder_ / "study"));
 }
 
+/// The participant's number is not used up, and the plan can still be changed.
+TEST_F(ConductorTest, WithoutItsSourceNoFileIsBegun) {
+  test::SittingBench bench(folder_, test::write_study_plan(folder_, ""));
+  bench.options().source = "camera:/dev/none";
+  EXPECT_ERROR(bench.begin(), Exit::usage, "camera");
+  bench.options().source = "pressed:" + (folder_ / "none.ply").string();
+  EXPECT_ERROR(bench.begin(), Exit::bad_input, "none.ply");
+  EXPECT_FALSE(fs::exists(folder_ / "study"));
+}
+
 TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   test::SittingBench& bench = long_touches("free");
   ASSERT_TRUE(touches_and_sounds());
