@@ -341,6 +341,36 @@ TEST_F(ConductorTest, WithoutItsSourceNoFileIsBegun) {
   EXPECT_FALSE(fs::exists(folder_ / "study"));
 }
 
+TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
+  bench_ = std::make_unique<test::SittingBench>(
+      folder_,
+      test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n"));
+  test::SittingBench& bench = *bench_;
+  bench.options().rehearse.reset();
+  bench.begin();
+  ASSERT_TRUE(bench.reaches(Screen::consent));
+  bench.click(0);
+  bench.click(0);
+  EXPECT_EQ(bench.sitting().screen(), Screen::depth_consent) << "nobody has read it yet";
+  bench.passes(310ms);
+  bench.click(1);
+  ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
+  bench.passes(310ms);
+  bench.click(std::nullopt);
+  ASSERT_TRUE(bench.reaches(Screen::question, false));
+  bench.click(1);
+  ASSERT_EQ(bench.sitting().screen(), Screen::ready);
+  bench.passes(120ms);
+  EXPECT_TRUE(bench.conductor().presentation().ready()) << "otherwise, the click would do nothing anyway";
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::ready);
+  bench.passes(310ms);
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused) << "during a touch, every click silences";
+}
+
 TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   test::SittingBench& bench = long_touches("free");
   ASSERT_TRUE(touches_and_sounds());
