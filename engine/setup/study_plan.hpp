@@ -11,4 +11,8 @@ namespace palpa::setup {
 /// Throws as study::read_plan and study::refuse_missing_files do.
 study::StudyPlan load_plan(const std::string& file);
 
+/// Reads the models and the masking sound of a plan, as a sitting will. Throws bad_input for a model that is no scene
+/// with a solid, and for a sound that is no WAV file.
+void try_files(const study::StudyPlan& plan);
+
 }  // namespace palpa::setup
