@@ -439,7 +439,13 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
     throw bad_usage("no such boards: give --layout x");
   };
-  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, "it is `layout` of the [[method]] 'single-focus' in");
+  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
+               "in a study, --layout is `layout` of the [[method]] 'single-focus' in");
+  kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
+    throw bad_usage("too fast: use --dwell 12ms, or --method single-focus");
+  };
+  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
+               "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in");
   run.rig = test::source_file("assets/rigs/paper.toml");
   take_layouts(plan, run, kinds);
   EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";
