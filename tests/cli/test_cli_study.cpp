@@ -198,6 +198,19 @@ TEST_F(CliStudy, APlansFilesAreRead) {
   }
 }
 
+TEST_F(CliStudy, PowerWarnsOfMeansThatCannotBe) {
+  const std::vector<std::string> few{"--people", "2", "--studies", "100"};
+  EXPECT_EQ(palpa_here(with({"study", "power"}, few)).err, "");
+  const Result result = palpa_here(with({"study", "power", "--baseline", "0.05", "--accuracy", "1"}, few));
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_CONTAINS(result.err,
+                  "--baseline 0.05: with --spread 0.1, some participants would have an accuracy below 0; they "
+                  "get 0, so the simulated mean is 0.070");
+  EXPECT_CONTAINS(result.err,
+                  "--accuracy 1: with --spread 0.1, some participants would have an accuracy above 1; they get "
+                  "1, so the simulated mean is 0.960");
+}
+
 TEST_F(CliStudy, RehearsesAndWithdraws) {
   const std::string plan = source_file("assets/studies/five-minutes.toml"), out = path("rehearsal");
   const std::vector<std::string> line{"study", "rehearse", plan, "--participant", "1", "--out", out, "--accuracy", "1"};
