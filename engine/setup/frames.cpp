@@ -262,6 +262,10 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   return {std::move(source), std::move(device), std::move(session)};
 }
 
+void try_source(const FrameOptions& o, std::span<const session::SourceKind> sources) {
+  (void)open_source(o, sources, load_posed_rig(o.rig), true);
+}
+
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids) {
   std::string text;
   double most_pa = 0;

@@ -90,6 +90,8 @@ struct Prepared {
 /// `mesh` as in add_session_options.
 Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced,
                  FingerMesh mesh = FingerMesh::unknown);
+/// Opens the source as prepare() does, and closes it again. Throws as the source does.
+void try_source(const FrameOptions& options, std::span<const session::SourceKind> sources);
 /// Lines about the pressures of fingers that requested one; empty if none did.
 std::string pressures_summary(std::span<const session::FingerPressure> fingers, std::span<const std::string> solids);
 /// Flushes the sink. After an error, that error is reported and not another one of the sink.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <span>
 
 #include "base/parallel.hpp"
@@ -67,6 +68,16 @@ class Simulation {
 };
 
 }  // namespace
+
+double mean_within_bounds(double mean, double spread) {
+  if (spread <= 0) return mean;
+  // What a normal variable loses on average if it is cut off `z` standard deviations above its mean.
+  const auto cut = [](double z) {
+    const double density = std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
+    return density - z * std::erfc(z / std::numbers::sqrt2) / 2;
+  };
+  return mean + spread * (cut(mean / spread) - cut((1 - mean) / spread));
+}
 
 PowerResult find_power(const PowerSetting& setting) {
   const Simulation simulation(setting);

@@ -31,6 +31,10 @@ inline constexpr std::uint32_t most_simulated_people = 200;
 /// Studies times people times trials, at most.
 inline constexpr std::uint64_t most_simulated_trials = 400'000'000;
 
+/// The mean accuracy of simulated participants. It differs from the method's mean if deviations beyond 0 or 1 are cut
+/// off.
+double mean_within_bounds(double mean, double spread);
+
 struct PowerRow {
   std::uint32_t people = 0;
   std::uint32_t found = 0;  ///< studies that find the effect

@@ -164,6 +164,53 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
   expect_failure(palpa_here({"study", "plan", path("plan.toml")}), 4, "the model of 'ball' is missing");
 }
 
+/// What a plan names is read before people come.
+TEST_F(CliStudy, APlansFilesAreRead) {
+  const auto write_plan = [&](const std::string& model, const std::string& masking) {
+    write_text(folder_ / "plan.toml",
+               "[[shape]]\nname = \"cube\"\nmodel = \"palpa:cube.glb\"\n[[shape]]\nname = \"ball\"\n"
+               "model = \"" +
+                   model +
+                   "\"\n[[method]]\nname = \"single-focus\"\n[study]\n"
+                   "trials_per_shape = 2\n[run]\nmasking = \"" +
+                   masking + "\"\n");
+  };
+  const std::vector<std::vector<std::string>> lines{
+      {"study", "plan", path("plan.toml")},
+      {"study", "rehearse", path("plan.toml"), "--participant", "1", "--out", path("out")}};
+  write_text(folder_ / "ball.glb", "x");
+  write_text(folder_ / "noise.wav", "x");
+  using namespace std::string_literals;
+  const std::string format = "fmt \x10\0\0\0\1\0\1\0\x40\x1f\0\0\x80\x3e\0\0\2\0\x10\0"s;
+  write_text(folder_ / "mute.wav", "RIFF\x24\0\0\0WAVE"s + format + "data\0\0\0\0"s);
+  write_text(folder_ / "sound.wav", "RIFF\x28\0\0\0WAVE"s + format + "data\4\0\0\0\0\0\1\0"s);
+  for (const std::vector<std::string>& line : lines) {
+    write_plan("ball.glb", "off");
+    expect_failure(palpa_here(line), 4, "ball.glb");
+    for (const char* masking : {"noise.wav", "mute.wav"}) {
+      write_plan("palpa:semi-sphere.glb", masking);
+      expect_failure(palpa_here(line), 4, std::string(masking) + ": is no WAV file with a sound");
+    }
+    EXPECT_FALSE(std::filesystem::exists(path("out"))) << "nothing was begun";
+    write_plan("palpa:semi-sphere.glb", "sound.wav");
+    const Result result = palpa_here(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+}
+
+TEST_F(CliStudy, PowerWarnsOfMeansThatCannotBe) {
+  const std::vector<std::string> few{"--people", "2", "--studies", "100"};
+  EXPECT_EQ(palpa_here(with({"study", "power"}, few)).err, "");
+  const Result result = palpa_here(with({"study", "power", "--baseline", "0.05", "--accuracy", "1"}, few));
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_CONTAINS(result.err,
+                  "--baseline 0.05: with --spread 0.1, some participants would have an accuracy below 0; they "
+                  "get 0, so the simulated mean is 0.070");
+  EXPECT_CONTAINS(result.err,
+                  "--accuracy 1: with --spread 0.1, some participants would have an accuracy above 1; they get "
+                  "1, so the simulated mean is 0.960");
+}
+
 TEST_F(CliStudy, RehearsesAndWithdraws) {
   const std::string plan = source_file("assets/studies/five-minutes.toml"), out = path("rehearsal");
   const std::vector<std::string> line{"study", "rehearse", plan, "--participant", "1", "--out", out, "--accuracy", "1"};

@@ -1,10 +1,14 @@
 // The number of participants by simulation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
+#include "base/random.hpp"
 #include "study/power.hpp"
 
 namespace palpa::study {
@@ -57,6 +61,22 @@ TEST(Power, AnUncertainCorrelationGivesARange) {
   EXPECT_LT(others[1].people.value(), people);
   setting.correlation = 0.5;
   EXPECT_TRUE(at_other_correlations(setting).empty()) << "somebody knows it";
+}
+
+/// Nobody has an accuracy above 1, so the mean of many people around 0.95 is lower.
+TEST(Power, BoundsMoveTheMean) {
+  EXPECT_DOUBLE_EQ(mean_within_bounds(0.6, 0), 0.6);
+  EXPECT_NEAR(mean_within_bounds(0.6525, 0.1), 0.6525, 1e-4) << "the paper's";
+  EXPECT_NEAR(mean_within_bounds(1, 0.1), 1 - 0.1 / std::sqrt(2 * std::numbers::pi), 1e-12);
+  EXPECT_NEAR(mean_within_bounds(0, 0.1), 0.1 / std::sqrt(2 * std::numbers::pi), 1e-12);
+  for (const double mean : {0.95, 0.1}) {
+    Random random(1);
+    double sum = 0;
+    constexpr int people = 400'000;
+    for (int i = 0; i < people; ++i)
+      sum += std::clamp(mean + 0.2 * random.normal(), 0.0, 1.0);
+    EXPECT_NEAR(mean_within_bounds(mean, 0.2), sum / people, 1e-3) << mean;
+  }
 }
 
 TEST(Power, TheSameSeedGivesTheSameStudies) {

@@ -146,6 +146,49 @@ TEST_F(RecordTest, RefusesWhatIsNotThisParticipantsJournal) {
   EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
 }
 
+TEST_F(RecordTest, AllParticipantsOfAStudyHaveOnePlan) {
+  sit(1, 10);
+  sit(2, 10);
+  StudyPlan other = test::small_plan();
+  other.sha256 = "0";
+  EXPECT_ERROR(Record(other, 3, folder_, true), Exit::usage,
+               "sub-01_journal.jsonl: participant 1 was begun with another plan, or plan.toml was changed since");
+  EXPECT_FALSE(fs::exists(folder_ / "sub-03")) << "the number is not used up";
+  EXPECT_EQ(fault_of(3), "");
+  // Logs without their journal have the plan, too. Who withdrew has none.
+  for (const char* number : {"sub-02", "sub-03"})
+    fs::remove_all(folder_ / number);
+  fs::remove(file("sub-01_journal.jsonl"));
+  EXPECT_ERROR(Record(other, 3, folder_, true), Exit::usage, "_events.json: participant 1 was begun with another plan");
+  withdraw(folder_, 1);
+  EXPECT_NO_THROW(Record(other, 3, folder_, true));
+}
+
+TEST_F(RecordTest, AllTouchesOfAShapeHaveOneModel) {
+  StudyPlan plan = plan_;
+  for (PlanShape& shape : plan.shapes)
+    shape.model_sha256 = "of " + shape.name;
+  {
+    Record record(plan, 1, folder_, false);
+    Entry touched{.kind = EntryKind::touched, .at_ns = 3, .step = 0};
+    touched.stimulus = Stimulus{.model_sha256 = plan.shapes[*record.steps()[0].shape].model_sha256};
+    record.add({.kind = EntryKind::start, .text = utc_now()});
+    record.add({.kind = EntryKind::consent, .at_ns = 1, .accepted = true});
+    record.add({.kind = EntryKind::begin, .at_ns = 2, .step = 0});
+    record.add(touched);
+  }
+  const std::size_t touched = *order_of(plan, 1)[0].shape;
+  EXPECT_NO_THROW(Record(plan, 1, folder_, false));
+  plan.shapes[1 - touched].model_sha256 = "another one";
+  EXPECT_NO_THROW(Record(plan, 1, folder_, false)) << "nobody has touched it";
+  plan.shapes[touched].model_sha256 = "another one";
+  const std::string fault =
+      "sub-01_journal.jsonl: the model of '" + plan.shapes[touched].name + "' was another one when it was touched";
+  EXPECT_ERROR(Record(plan, 1, folder_, false), Exit::usage, fault);
+  EXPECT_ERROR(Record(plan, 2, folder_, false), Exit::usage, fault);
+  EXPECT_FALSE(fs::exists(folder_ / "sub-02")) << "the number is not used up";
+}
+
 TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
   sit(1, 10);
   fs::create_directories(folder_ / "sub-1");
@@ -184,6 +227,43 @@ TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
   test::write_text(file("sub-01_journal.jsonl"), journal);
   sit(1);
   EXPECT_EQ(study().participants[0].trials.size(), 8u);
+}
+
+/// The step was begun in what is left of the journal. Without its answer, its row would become void.
+TEST_F(RecordTest, RefusesAJournalThatLacksTheLastAnswer) {
+  sit(1, 10);
+  const std::string journal = read_text(file("sub-01_journal.jsonl"));
+  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
+  const std::string before = read_text(log);
+  ASSERT_TRUE(before.ends_with("\tn/a\n")) << before;
+  const std::size_t answer = journal.rfind("{\"what\":\"answer\"");
+  const std::size_t touched = journal.rfind("{\"what\":\"touched\"", answer);
+  ASSERT_NE(answer, std::string::npos);
+  for (const std::size_t left : {answer, touched, answer + 10}) {
+    test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
+    EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
+    EXPECT_EQ(read_text(log), before);
+  }
+}
+
+/// The journal is on the disk before the log, which is written whole. A power cut may also take a part of it.
+TEST_F(RecordTest, ContinuesWithTheLogsThatAKillOrAPowerCutLeaves) {
+  sit(1, 10);
+  EXPECT_EQ(fault_of(1), "");  // a step is under way: its row is void
+  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
+  const std::string whole = read_text(log);
+  EXPECT_CONTAINS(whole, "the program ended");
+  const std::size_t header = whole.find('\n') + 1;
+  const std::string older =
+      "step\tonset\tfelt\n1\t" + whole.substr(header, whole.find('\t', header) - header) + "\tyes\n";
+  for (const std::string& left : {whole.substr(0, whole.size() - 3), whole.substr(0, header), whole.substr(0, 7),
+                                  std::string(), std::string(whole.size(), '\0'), older}) {
+    test::write_text(log, left);
+    EXPECT_EQ(fault_of(1), "") << left;
+    EXPECT_EQ(read_text(log), whole) << "it is written again";
+  }
+  test::write_text(log, "onset\tstep\n0.5\t1\n");
+  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
 }
 
 TEST_F(RecordTest, TakesTheFolderThatHasTheNumber) {

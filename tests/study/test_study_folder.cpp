@@ -61,6 +61,51 @@ TEST_F(StudyFolder, ACopyOfALogDoesNotCountTwice) {
   EXPECT_EQ(read().participants[0].trials.size(), trials);
 }
 
+/// Somebody saved a participant's log under a second number. Nobody measures the same microseconds twice.
+TEST_F(StudyFolder, ACopyUnderAnotherNumberIsNoSecondPerson) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  const auto log = events_place(folder_, 1), copy = events_place(folder_, 2);
+  write_events(copy, test::read_text(log));
+  EXPECT_CONTAINS(left_out(),
+                  copy.string() + ": has the same rows as " + log.string() + " of participant 1; the log is left out");
+  EXPECT_EQ(read().participants.size(), 1u);
+  // Two rehearsals may be equal, and logs without times of answers.
+  std::string rehearsed = test::events_sidecar;
+  rehearsed.insert(rehearsed.size() - 1, ", \"Rehearsal\": true");
+  write_events(copy, test::read_text(log), rehearsed);
+  EXPECT_EQ(read().participants.size(), 2u);
+  EXPECT_CONTAINS(testing::PrintToString(read().left_out),
+                  "of participant 1; it is analysed all the same: see whether");
+  const std::string untimed = std::string(test::events_header) + "1\t10\ttrial\tm\tcube\tcube\tn/a\tanswered\n";
+  write_events(log, untimed);
+  write_events(copy, untimed);
+  EXPECT_CONTAINS(left_out(), "of participant 1; it is analysed all the same: see whether it is a copy");
+  EXPECT_EQ(read().participants.size(), 2u);
+}
+
+TEST_F(StudyFolder, LogsWithoutAnswersAreNoCopies) {
+  test::write_participant(folder_, 1, {{"m", 20}});
+  for (const std::uint32_t number : {2u, 3u})
+    write_events(events_place(folder_, number, 1), test::events_header);
+  for (const std::string& line : read().left_out)
+    EXPECT_CONTAINS(line, "has no answered trial");
+}
+
+TEST_F(StudyFolder, DifferentPlansAreNamed) {
+  const auto with_plan = [](const std::string& plan) {
+    std::string sidecar = test::events_sidecar;
+    return sidecar.insert(sidecar.size() - 1, ", \"PlanSha256\": \"" + plan + "\"");
+  };
+  for (std::uint32_t number = 1; number <= 14; ++number)
+    write_events(events_place(folder_, number), events_text("m", 20, 40, number), with_plan("0123456789"));
+  EXPECT_TRUE(read().left_out.empty()) << testing::PrintToString(read().left_out);
+  write_events(events_place(folder_, 2), events_text("m", 20, 40, 2), with_plan("abcdef0123"));
+  EXPECT_EQ(left_out(),
+            "the participants had different plans, by PlanSha256 of their logs (01234567: participants 1, 3, 4, 5, 6, "
+            "7, 8, 9, 10 and 4 more; abcdef01: participant 2); they are analysed as one study all the same");
+  EXPECT_EQ(read().participants.size(), 14u);
+}
+
 TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {
   test::write_participant(folder_, 1, {{"m", 20}});
   const auto log = events_place(folder_, 2);
@@ -122,6 +167,24 @@ TEST_F(StudyFolder, ALogOfOtherShapesIsLeftOut) {
   write_events(events_place(folder_, 2), events_text("m", 20),
                R"({"PalpaStudyVersion": 1, "shape": {"Levels": {"cube": "", "cone": ""}}})");
   EXPECT_CONTAINS(left_out(), "its shapes are cube, cone, but those of");
+}
+
+TEST_F(StudyFolder, TheShapesAreThoseOfMostLogs) {
+  for (const std::uint32_t number : {1u, 2u, 3u})
+    test::write_participant(folder_, number, {{"m", 20}});
+  std::string odd = test::events_sidecar;
+  odd.replace(odd.find("cube"), 4, "cubo");
+  write_events(events_place(folder_, 1), events_text("m", 20, 40, 1e-3), odd);
+  EXPECT_CONTAINS(
+      left_out(),
+      "sub-1_task-shapes_run-1_events.tsv: its shapes are cubo, semi-sphere, pyramid, prism, but those of " +
+          events_place(folder_, 2).string() +
+          " are cube, semi-sphere, pyramid, prism (only here: cubo; missing here: cube); the log is left out");
+  EXPECT_EQ(read().participants.size(), 2u);
+  EXPECT_EQ(read().shapes, test::study_shapes);
+  // With as many of both kinds, the first log tells.
+  std::filesystem::remove_all(folder_ / "sub-3");
+  EXPECT_CONTAINS(testing::PrintToString(read_study(std::vector<std::string>{folder_.string()}).shapes), "cubo");
 }
 
 TEST_F(StudyFolder, TwoParticipantsWithOneNumberAreRefused) {

@@ -16,10 +16,12 @@ inline constexpr const char* events_header =
     "onset\tduration\ttrial_type\tmethod\tshape\tanswer\tresponse_time\tstatus\n";
 
 /// A log of 40 trials, of which `correct` are correct, spread over the session. All wrong answers are the next shape.
-inline std::string events_text(const std::string& method, std::uint32_t correct, std::uint32_t trials = 40) {
+/// `begin_s` is added to all onsets: no two people begin at the same moment.
+inline std::string events_text(const std::string& method, std::uint32_t correct, std::uint32_t trials = 40,
+                               double begin_s = 0) {
   std::string text = events_header;
   const auto row = [&](double onset, const std::string& type, const std::string& rest) {
-    text += std::to_string(onset) + "\t10\t" + type + "\t" + method + "\t" + rest + "\n";
+    text += std::to_string(begin_s + onset) + "\t10\t" + type + "\t" + method + "\t" + rest + "\n";
   };
   row(0, "familiarise", "cube\tn/a\tn/a\tdone");
   row(20, "free", "n/a\tn/a\tn/a\tdone");
@@ -57,7 +59,7 @@ inline void write_participant(const std::filesystem::path& study, std::uint32_t 
                               const CorrectAnswers& sessions) {
   int run = 0;
   for (const auto& [method, correct] : sessions)
-    write_events(events_place(study, number, ++run), events_text(method, correct));
+    write_events(events_place(study, number, ++run), events_text(method, correct, 40, 1e-3 * number));
 }
 
 /// Ten participants with accuracies whose statistics are known: sf .45 .30 .55 .25 .40 .35 .50 .275 .375 .45, cs .70

@@ -214,7 +214,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   std::optional<ParticipantView> shown_participant;
   std::optional<ExperimenterView> shown_experimenter;
   Clock::time_point participant_at{}, experimenter_at{};
-  std::string fault;           // of the last session that failed
+  std::string reason;          // why the sitting paused last
   std::string told_stretched;  // the warning about the participant's window that was given
   bool leaves = false;
   while (!leaves) {
@@ -244,7 +244,8 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
       }
     }
     conductor.advance();
-    if (!conductor.presentation().fault().empty()) fault = conductor.presentation().fault();
+    if (!conductor.presentation().fault().empty()) reason = conductor.presentation().fault();
+    if (conductor.sitting().screen() == study::Screen::paused) reason = conductor.sitting().reason();
     // Who is thanked can read it; who stopped the program need not wait.
     if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
     const ParticipantView view = conductor.participant_view();
@@ -276,7 +277,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
                               agenda.steps().size()),
                   relay);
   }
-  if (script && !fault.empty()) throw failure(fault);
+  if (script && !reason.empty()) throw failure(reason);
 }
 
 }  // namespace palpa::viewer

@@ -27,7 +27,9 @@ setup::HelpText study_help() {
           .arguments = "",
           .summary = "a participant's sitting in front of an array; palpa study run starts it",
           .usual = "--study --participant --out --source --link --rig --monitor --size --override --rehearse --hold",
-          .examples = "  palpa-viewer --study plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n",
+          .examples =
+              "  palpa-viewer --study my-plan.toml --participant 1 --out my-study --source v4l2:/dev/video0 \\\n"
+              "               --link openmpd:FT43NK5M --rig my-rig.toml\n",
           .notes =
               "docs/study.md explains the two windows. A sitting that was stopped is continued by the same command. "
               "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input.",

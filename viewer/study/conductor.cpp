@@ -25,6 +25,9 @@ using study::Screen;
 /// If this program's thread stands still for longer, the array is silent until it goes on.
 constexpr std::chrono::milliseconds dead_man{500};
 
+/// What a participant presses so soon after an answer was meant as a part of it: a double click is one click.
+constexpr std::int64_t double_press_ns = 300'000'000;
+
 bool begins(Screen screen) {
   return screen == Screen::ready || screen == Screen::feedback;
 }
@@ -32,6 +35,11 @@ bool begins(Screen screen) {
 /// Screens during which the next touch is prepared.
 bool prepares(Screen screen) {
   return screen != Screen::paused && screen != Screen::end && screen != Screen::stopped;
+}
+
+/// Screens on which a press of the participant goes on to something else, and silences nothing.
+bool waits_for_press(Screen screen) {
+  return begins(screen) || screen == Screen::depth_consent;
 }
 
 bool masks(Screen screen) {
@@ -61,6 +69,7 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
       level_(level),
       record_(plan, *run.participant, run.out, run.rehearse.has_value(), [&] {
         masking_.emplace(plan.run.masking);
+        try_study_source(plan, run, kinds);
         try_study_link(plan, run, kinds);
       }) {
   record_.refuse_finished();
@@ -125,16 +134,18 @@ void Conductor::participant(const WindowEvent& event, std::optional<std::size_t>
   if (!key && !click) return;
   const std::int64_t at_ns = ns_of(event.at_ns);
   if (key) button = button_of_key(static_cast<char>(event.key));
+  const Screen before = sitting_->screen();
+  if (answered_ns_ && at_ns - *answered_ns_ < double_press_ns && waits_for_press(before)) return;
   const bool ready_key = key && (event.key == Key::space || event.key == Key::enter);
   switch (sitting_->screen()) {
     case Screen::consent:
     case Screen::depth_consent:
       if (button == 0) act(Act::accept, at_ns);
       if (button == 1) act(Act::decline, at_ns);
-      return;
+      break;
     case Screen::question:
       if (button) sitting_->answer(*button, at_ns);
-      return;
+      break;
     case Screen::ready:
       // Otherwise, the touch would begin in silence.
       if ((ready_key || click) && (presentation_->ready() || sitting_->block().kind == study::BlockKind::rest))
@@ -164,6 +175,8 @@ void Conductor::participant(const WindowEvent& event, std::optional<std::size_t>
     case Screen::stopped:
       return;
   }
+  // The screen of a question has changed if it was answered. A scripted participant presses once.
+  if (sitting_->screen() != before && !run_->rehearse) answered_ns_ = at_ns;
 }
 
 void Conductor::experimenter(const WindowEvent& event, std::optional<std::size_t> button) {

@@ -29,7 +29,8 @@ class Conductor {
   using Clock = std::chrono::steady_clock;
 
   /// Continues the participant, or begins. `level`: as predicted for this plan. The references must outlive it. Throws
-  /// as study::Record, Masking and try_study_link() do; a participant's files are then as they were.
+  /// as study::Record, Masking, try_study_source() and try_study_link() do; a participant's files are then as they
+  /// were.
   Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
             const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
             std::function<void()> wake);
@@ -80,12 +81,13 @@ class Conductor {
   std::uint32_t run_number_ = 0;
   std::unique_ptr<Presentation> presentation_;
   std::optional<study::FingerRecorder> finger_;
-  bool touching_ = false;           ///< a touch is under way that was begun here
-  bool told_fault_ = false;         ///< the sitting knows of the presentation's fault
-  bool early_ = false;              ///< the participant has answered before the question
-  study::TouchLosses last_losses_;  ///< of the touch under way, or of the last one
-  std::uint32_t touches_ = 0;       ///< of this run
-  double written_s_ = 0;            ///< how much of the sound of this run is in the journal
+  bool touching_ = false;                    ///< a touch is under way that was begun here
+  bool told_fault_ = false;                  ///< the sitting knows of the presentation's fault
+  bool early_ = false;                       ///< the participant has answered before the question
+  std::optional<std::int64_t> answered_ns_;  ///< when the participant last answered a question or a consent page
+  study::TouchLosses last_losses_;           ///< of the touch under way, or of the last one
+  std::uint32_t touches_ = 0;                ///< of this run
+  double written_s_ = 0;                     ///< how much of the sound of this run is in the journal
 };
 
 }  // namespace palpa::viewer

@@ -26,6 +26,18 @@ constexpr std::chrono::milliseconds longest_unseen{500};
 /// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
 constexpr std::chrono::milliseconds longest_unheard{100};
 
+/// For the options of palpa run that an error names and a study does not have, the keys of the plan: "--dwell is
+/// `dwell_ms`". Empty if there are none.
+std::string keys_of_options(std::string_view error) {
+  std::string keys;
+  for (const auto& [option, key] :
+       {std::pair("--layout", "layout"), {"--dwell", "dwell_ms"}, {"--method", "method"}, {"--foci", "foci"}}) {
+    if (error.find(option) != std::string_view::npos)
+      keys += fmt::format("{}{} is `{}`", keys.empty() ? "" : " and ", option, key);
+  }
+  return keys;
+}
+
 }  // namespace
 
 setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t method,
@@ -92,11 +104,17 @@ void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& 
           {.layout = layout, .solid_names = {}, .slot_s = options.touch.dwell_s, .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
     } catch (const Error& error) {
-      if (std::string_view(error.what()).find("--layout") == std::string_view::npos) throw;
-      throw Error(error.code(), fmt::format("{}; in a study, it is `layout` of the [[method]] '{}' in {}", error.what(),
+      const std::string keys = keys_of_options(error.what());
+      if (keys.empty()) throw;
+      throw Error(error.code(), fmt::format("{}; in a study, {} of the [[method]] '{}' in {}", error.what(), keys,
                                             plan.methods[m].name, plan.file));
     }
   }
+}
+
+void try_study_source(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
+                      const LiveSession::Kinds& kinds) {
+  setup::try_source(options_of_method(plan, 0, run, ""), kinds.sources);
 }
 
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,

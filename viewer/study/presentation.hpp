@@ -34,6 +34,9 @@ void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, con
 /// anything is written. Throws as the link does.
 void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds);
 
+/// Opens the source of frames, and closes it again. Throws as the source does.
+void try_study_source(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds);
+
 /// Throws bad_usage for a link that writes a file, because every method would replace it; and if the rig has another
 /// array than a method of the plan.
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,

@@ -50,6 +50,36 @@ std::vector<std::string> lines_of(std::string_view text, double height, double w
   return lines;
 }
 
+/// Text in lines, with letters as large as they may be.
+struct Lines {
+  std::vector<std::string> lines;
+  double letters = 0, step = 0;  ///< height of a letter, and from line to line
+  double high() const { return step * static_cast<double>(lines.size()); }
+};
+
+/// No wider and no higher than that, if letters of half the size are enough for it.
+Lines fitted_lines(std::string_view text, double unit, double width, double height) {
+  Lines fitted;
+  for (double part = 1; part >= 0.5; part -= 0.05) {
+    fitted.letters = 1.15 * unit * part;
+    fitted.step = 2.4 * unit * part;
+    fitted.lines = lines_of(text, fitted.letters, width);
+    if (fitted.high() <= height) break;
+  }
+  return fitted;
+}
+
+/// The highest row of a picture in which there is anything on its ground; its height if there is nothing.
+std::uint32_t highest_row(const drawing::Pixels& picture) {
+  const auto differs = [&](std::size_t at) {
+    return !std::equal(picture.at(0, 0), picture.at(0, 0) + 3, &picture.rgba[at]);
+  };
+  for (std::size_t at = 0; at < picture.rgba.size(); at += 4) {
+    if (differs(at)) return static_cast<std::uint32_t>(at / 4 / picture.width);
+  }
+  return picture.height;
+}
+
 std::uint32_t whole(double value, std::uint32_t most) {
   return static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(most)));
 }
@@ -132,29 +162,37 @@ std::optional<std::size_t> button_at(const std::vector<ButtonPlace>& places, dou
 drawing::Pixels draw(const ParticipantView& view, std::uint32_t width, std::uint32_t height,
                      const drawing::Pixels* scene) {
   drawing::Canvas canvas = scene != nullptr ? drawing::Canvas(*scene) : drawing::Canvas(width, height, screen_paper);
-  const double unit = unit_of(width, height), letters = 1.15 * unit, step = 2.4 * unit;
-  const std::vector<std::string> lines = lines_of(view.text, letters, width - 8 * unit);
-  const double text_high = step * static_cast<double>(lines.size());
-  // Over a scene, at its edges; otherwise above the middle.
-  double y = scene != nullptr ? 2.6 * unit : std::max(3 * unit, height / 2.0 - 3 * unit - text_high);
+  const double unit = unit_of(width, height), margin = (scene != nullptr ? 2.6 : 3) * unit;
+  // Over a scene, at its edges; otherwise above the middle, where the buttons are.
+  const double room = scene != nullptr ? highest_row(*scene) - 1.5 * unit : height / 2.0 - 4.5 * unit;
+  const Lines text = fitted_lines(view.text, unit, width - 8 * unit, room);
+  double y = scene != nullptr ? margin : std::max(margin, height / 2.0 - 3 * unit - text.high());
   if (scene != nullptr) {
-    canvas.fill(0, 0, width - 1, whole(y + text_high - letters, height - 1), screen_paper);
+    canvas.fill(0, 0, width - 1, whole(y + text.high() - text.letters, height - 1), screen_paper);
     if (!view.hint.empty()) canvas.fill(0, whole(height - 4 * unit, height - 1), width - 1, height - 1, screen_paper);
   }
   const std::vector<ButtonPlace> places = button_places(view, width, height);
   ScreenPage page(canvas);
-  for (const std::string& line : lines) {
-    page.text(line, {width / 2.0, y}, letters, screen_ink, Align::centre);
-    y += step;
+  for (const std::string& line : text.lines) {
+    page.text(line, {width / 2.0, y}, text.letters, screen_ink, Align::centre);
+    y += text.step;
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     const ButtonPlace& place = places[i];
     page.box(place, button_fill, button_rim);
     const double middle = (place.left + place.right) / 2.0, wide = place.right - place.left - unit;
     const double centre = (place.top + place.bottom) / 2.0;
-    page.text(view.buttons[i], {middle, centre + 0.2 * unit}, fitted(view.buttons[i], letters, wide), screen_ink,
-              Align::centre);
-    page.text(button_key(i), {middle, place.bottom - 0.7 * unit}, 0.7 * unit, screen_pale, Align::centre);
+    const double letters = 1.15 * unit, key = 0.7 * unit;
+    if (place.bottom - place.top > 4.5 * unit) {
+      page.text(view.buttons[i], {middle, centre + 0.2 * unit}, fitted(view.buttons[i], letters, wide), screen_ink,
+                Align::centre);
+      page.text(button_key(i), {middle, place.bottom - key}, key, screen_pale, Align::centre);
+    } else {
+      // There is no room for the key below the label.
+      page.text(view.buttons[i], {middle, centre + letters / 2}, fitted(view.buttons[i], letters, wide - 4 * key),
+                screen_ink, Align::centre);
+      page.text(button_key(i), {place.left + key, centre + key / 2}, key, screen_pale, Align::left);
+    }
   }
   const double hint_y = scene != nullptr ? height - 1.5 * unit : height / 2.0 + 3 * unit;
   if (!view.hint.empty())

@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
@@ -38,6 +40,17 @@ void add_options_of_power(CLI::App& app, PowerCommand& o) {
   add_study_outputs(app, o.outputs, "one row per number of participants");
 }
 
+/// Warns of a mean so near to 0 or 1 that the simulated participants have another one.
+void warn_of_bounds(const char* option, double mean, double spread) {
+  constexpr double little = 0.002;
+  const double simulated = study::mean_within_bounds(mean, spread);
+  if (std::abs(simulated - mean) < little) return;
+  log::warning(
+      fmt::format("{} {:g}: with --spread {:g}, some participants would have an accuracy {}; they get {}, so "
+                  "the simulated mean is {:.3f}: give a smaller --spread",
+                  option, mean, spread, mean > 0.5 ? "above 1" : "below 0", mean > 0.5 ? 1 : 0, simulated));
+}
+
 void run_power(const PowerCommand& o) {
   setup::refuse_gpu_options(o.common, "palpa study power computes on the processor");
   study::PowerSetting setting = o.setting;
@@ -47,6 +60,8 @@ void run_power(const PowerCommand& o) {
                                 study::most_simulated_trials / 1'000'000));
   }
   const Outputs outputs(outputs_of(o.common, o.outputs));
+  warn_of_bounds("--baseline", setting.a, setting.spread);
+  warn_of_bounds("--accuracy", setting.b, setting.spread);
   const study::PowerResult result = study::find_power(setting);
   const std::vector<study::OtherCorrelation> others = study::at_other_correlations(setting);
   write_reports(o.common, o.outputs, outputs,

@@ -55,8 +55,9 @@ void add_study_run(Program& program) {
   add_subcommand<RunStudyCommand>(
       program,
       {"study run", "a participant's sitting, in front of the array: opens windows",
-       "  palpa study run plan.toml --participant 1 --out my-study --source v4l2 --link openmpd\n"
-       "  palpa study run assets/studies/five-minutes.toml --participant 1 --out rehearsal \\\n"
+       "  palpa study run my-plan.toml --participant 1 --out my-study \\\n"
+       "                  --source v4l2:/dev/video0 --link openmpd:FT43NK5M --rig my-rig.toml\n"
+       "  palpa study run assets/studies/five-minutes.toml --participant 1 --out five-minutes \\\n"
        "                  --rehearse 0.6 --size 1024x768",
        "--participant --out --source --link --rig --monitor --size --override --rehearse --hold",
        "Starts palpa-viewer --study, so it needs a display; without one, it ends with exit code 3. A sitting that was "

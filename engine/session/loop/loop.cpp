@@ -292,7 +292,7 @@ void Compute::shed(const FrameReport& report, double captured_s) {
   const FrameTimes times{report.planned_s - captured_s, report.planned_s - report.arrived_s,
                          captured_s - last_captured_s};
   if (effort.planned(times)) planner.set_effort(effort.now());
-  shed_report.planned(effort, times.capture_to_plan_s);
+  shed_report.planned(effort);
   if (effort.acted()) stats.shed = {effort.least(), effort.most_hold_s(), effort.shed_frames()};
   plans.back().more_hold_s = effort.hold_s() - setting.output.hold_s;
 }

@@ -30,6 +30,7 @@ bool EffortControl::planned(const FrameTimes& frame) {
 bool EffortControl::shed(double reach_s) {
   late_ = 0;
   if (exhausted()) return false;
+  if (!acted()) late_s_ = reach_s;
   if (now_ == most_) {
     hold_s_ = std::min(reach_s / most_of_hold * spare, longest_hold_s_);
     most_hold_s_ = std::max(most_hold_s_, hold_s_);
@@ -78,8 +79,7 @@ std::string to_text(const Effort& effort) {
   return text.empty() ? "nothing was left out" : text;
 }
 
-void ShedReport::planned(const EffortControl& control, double capture_to_plan_s) {
-  if (control.now().whole()) whole_s_ = capture_to_plan_s;
+void ShedReport::planned(const EffortControl& control) {
   if (control.acted() && control.steady() >= a_while) tell(control);
 }
 
@@ -93,9 +93,10 @@ void ShedReport::tell(const EffortControl& control) {
   if (control.most_hold_s() > hold_s_)
     what += fmt::format(", and a frame sounded for up to {:.0f} ms", 1e3 * control.most_hold_s());
   log::warning(fmt::format(
-      "overloaded: the time from capture to drives was {:.0f} ms, too long for the hold of {:.0f} ms, so {}; use "
-      "fewer or smaller solids, a smaller roi or a longer --hold, or end other programs",
-      1e3 * whole_s_, 1e3 * hold_s_, what));
+      "overloaded: from the capture of a frame to the drives of the next one it took {:.0f} ms, more than {:.0f} % of "
+      "the hold of {:.0f} ms, so {}; use fewer or smaller solids, a smaller roi or a longer --hold, or end other "
+      "programs",
+      1e3 * control.late_s(), 100 * EffortControl::most_of_hold, 1e3 * hold_s_, what));
 }
 
 }  // namespace palpa::session

@@ -53,6 +53,8 @@ class EffortControl {
   double most_hold_s() const { return most_hold_s_; }
   /// Whether any work was shed or the hold was lengthened.
   bool acted() const { return !least_.whole() || most_hold_s_ > usual_hold_s_; }
+  /// From the capture of a frame to the drives of the next one, when that was first too long.
+  double late_s() const { return late_s_; }
   /// Frames in a row since the last change.
   std::uint32_t steady() const { return steady_; }
   /// Whether nothing more can be shed.
@@ -73,7 +75,7 @@ class EffortControl {
   bool take_back();
   double more_without_last_step() const;
 
-  double usual_hold_s_, longest_hold_s_, hold_s_, most_hold_s_;
+  double usual_hold_s_, longest_hold_s_, hold_s_, most_hold_s_, late_s_ = 0;
   Effort most_, now_, least_;
   std::uint32_t steady_ = 0, late_ = 0, calm_ = 0, sure_ = 0;
   std::uint32_t calm_needed_ = first_calm;
@@ -88,14 +90,14 @@ std::string to_text(const Effort& effort);
 class ShedReport {
  public:
   explicit ShedReport(double hold_s) : hold_s_(hold_s) {}
-  void planned(const EffortControl& control, double capture_to_plan_s);
+  void planned(const EffortControl& control);
   void end(const EffortControl& control);
 
  private:
   void tell(const EffortControl& control);
 
   static constexpr std::uint32_t a_while = 32;
-  double hold_s_, whole_s_ = 0;
+  double hold_s_;
   bool told_ = false;
 };
 

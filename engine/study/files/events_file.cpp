@@ -144,6 +144,8 @@ EventsFile read_events(const std::filesystem::path& path) {
   EventsFile file = parse_events(text, name);
   file.shapes = sidecar.shapes;
   file.least_trials = sidecar.least_trials;
+  file.plan_sha256 = sidecar.plan_sha256;
+  file.rehearsal = sidecar.rehearsal;
   if (sidecar.rehearsal)
     file.faults.push_back(name + ": is a rehearsal: no person gave these answers; it is analysed all the same");
   if (sidecar.checksum && *sidecar.checksum != crc32_of(text)) {

@@ -41,6 +41,8 @@ struct EventsFile {
   std::vector<EventRow> rows{};       ///< in the order of the file
   std::vector<std::string> shapes{};  ///< that the file beside it names; may be empty
   std::uint32_t least_trials = 0;     ///< that the file beside it gives
+  std::string plan_sha256{};          ///< that the file beside it gives; may be empty
+  bool rehearsal = false;             ///< as the file beside it says
   std::vector<std::string> faults{};  ///< a line for each row that is left out, with file and line
 };
 

@@ -65,6 +65,8 @@ EventsSidecar read_events_sidecar(const std::filesystem::path& file) {
   EventsSidecar sidecar{.shapes = levels_of(document, file.string())};
   if (const auto found = document.find("Rehearsal"); found != document.end())
     sidecar.rehearsal = found->is_boolean() && found->get<bool>();
+  if (const auto plan = document.find("PlanSha256"); plan != document.end() && plan->is_string())
+    sidecar.plan_sha256 = plan->get<std::string>();
   if (const auto least = document.find("LeastTrials"); least != document.end()) {
     constexpr std::uint64_t most = 1'000'000;
     if (!least->is_number_unsigned() || least->get<std::uint64_t>() > most)

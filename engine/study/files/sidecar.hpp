@@ -17,6 +17,7 @@ inline constexpr std::uint64_t log_version = 1;
 struct EventsSidecar {
   std::vector<std::string> shapes{};        ///< that were asked for, in their order; may be empty
   std::optional<std::uint32_t> checksum{};  ///< CRC-32 of the log when its session ended
+  std::string plan_sha256{};                ///< of the plan's file; may be empty
   bool rehearsal = false;                   ///< no person was there
   std::uint32_t least_trials = 0;           ///< of the plan: with fewer, a participant is left out of comparisons
 };

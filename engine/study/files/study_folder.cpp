@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -33,6 +34,7 @@ constexpr std::size_t most_files = 1000;  // of one participant
 struct Session {
   EventsFile events;
   std::vector<DepthCourse> courses;  ///< one per answered trial; empty without a recording
+  bool is_copy = false;              ///< of another participant's
 };
 
 /// A participant's folder and its content.
@@ -203,6 +205,65 @@ void refuse_same_numbers(const std::vector<Folder>& folders) {
   }
 }
 
+/// The numbers of participants, as "1, 2, 3 and 4 more".
+std::string numbers_text(const std::vector<std::uint32_t>& numbers) {
+  constexpr std::size_t most = 10;
+  const std::size_t shown = numbers.size() > most ? most - 1 : numbers.size();
+  const std::string text = fmt::format("{}", fmt::join(std::span(numbers).first(shown), ", "));
+  return shown == numbers.size() ? text : fmt::format("{} and {} more", text, numbers.size() - shown);
+}
+
+/// A line if the logs name more than one plan; else nothing.
+std::optional<std::string> differing_plans(const std::vector<Folder>& folders) {
+  std::vector<std::pair<std::string, std::vector<std::uint32_t>>> plans;
+  for (const Folder& folder : folders) {
+    for (const Session& session : folder.sessions) {
+      const std::string& plan = session.events.plan_sha256;
+      if (plan.empty()) continue;
+      auto found = std::ranges::find(plans, plan, [](const auto& one) { return one.first; });
+      if (found == plans.end()) found = plans.emplace(plans.end(), plan, std::vector<std::uint32_t>());
+      if (found->second.empty() || found->second.back() != folder.number) found->second.push_back(folder.number);
+    }
+  }
+  if (plans.size() < 2) return std::nullopt;
+  std::string text;
+  for (const auto& [plan, numbers] : plans) {
+    text += fmt::format("{}{}: {} {}", text.empty() ? "" : "; ", plan.substr(0, 8),
+                        numbers.size() == 1 ? "participant" : "participants", numbers_text(numbers));
+  }
+  return fmt::format(
+      "the participants had different plans, by PlanSha256 of their logs ({}); they are analysed as one "
+      "study all the same",
+      text);
+}
+
+/// Leaves out logs with the same rows as a log of an earlier participant: onsets are measured. Those of rehearsals are
+/// not, and logs without times of answers may have planned ones, so these are only reported.
+void leave_out_copies(std::vector<Folder>& folders) {
+  std::map<std::pair<std::size_t, double>, std::vector<std::pair<std::uint32_t, const EventsFile*>>> seen;
+  for (Folder& folder : folders) {
+    for (Session& session : folder.sessions) {
+      const EventsFile& events = session.events;
+      if (std::ranges::none_of(events.rows, counts)) continue;
+      auto& alike = seen[{events.rows.size(), events.rows.back().onset_s}];
+      const auto original = std::ranges::find_if(
+          alike, [&](const auto& other) { return other.first != folder.number && other.second->rows == events.rows; });
+      if (original == alike.end()) {
+        alike.emplace_back(folder.number, &events);
+        continue;
+      }
+      session.is_copy = !events.rehearsal && std::ranges::any_of(events.rows, [](const EventRow& row) {
+        return counts(row) && row.response_s.has_value();
+      });
+      folder.left_out.push_back(fmt::format(
+          "{}: has the same rows as {} of participant {}; {}", events.name, original->second->name, original->first,
+          session.is_copy ? "the log is left out" : "it is analysed all the same: see whether it is a copy"));
+    }
+  }
+  for (Folder& folder : folders)
+    std::erase_if(folder.sessions, [](const Session& session) { return session.is_copy; });
+}
+
 /// The names in the order of `first`, then by name.
 std::vector<std::string> ordered(std::vector<std::string> names, const std::vector<std::string>& first) {
   const auto place = [&](const std::string& name) { return std::ranges::find(first, name) - first.begin(); };
@@ -213,29 +274,48 @@ std::vector<std::string> ordered(std::vector<std::string> names, const std::vect
   return names;
 }
 
-/// The shapes of the study: those that the first sidecar names, otherwise all that were shown. Logs of other shapes are
-/// left out.
+/// The shapes of the study: those that most sidecars name, the first of them if there are as many of others; otherwise
+/// all that were shown. Logs of other shapes are left out.
 std::vector<std::string> agree_on_shapes(std::vector<Folder>& folders) {
-  const Session* told = nullptr;
+  /// Logs that name the same shapes, in whatever order.
+  struct Told {
+    const EventsFile* first = nullptr;
+    std::vector<std::string> names{};
+    std::size_t logs = 0;
+  };
+  std::vector<Told> told;
   std::vector<std::string> shown;
   for (const Folder& folder : folders) {
     for (const Session& session : folder.sessions) {
-      if (!told && !session.events.shapes.empty()) told = &session;
+      if (!session.events.shapes.empty()) {
+        std::vector<std::string> names = ordered(session.events.shapes, {});
+        auto same = std::ranges::find(told, names, &Told::names);
+        if (same == told.end()) same = told.insert(same, Told{.first = &session.events, .names = std::move(names)});
+        ++same->logs;
+      }
       for (const EventRow& row : session.events.rows) {
         if (counts(row) && (shown.empty() || shown.back() != row.shape)) shown.push_back(row.shape);
       }
     }
   }
-  if (!told) return ordered(std::move(shown), paper_shapes());
-  std::vector<std::string> shapes = told->events.shapes;
-  const std::string teller = told->events.name;
-  const std::vector<std::string> wanted = ordered(shapes, {});
+  if (told.empty()) return ordered(std::move(shown), paper_shapes());
+  const Told& most = *std::ranges::max_element(told, {}, &Told::logs);  // the first of several
+  const std::vector<std::string> shapes = most.first->shapes;
+  const std::string teller = most.first->name;
+  const auto only_in = [](const std::vector<std::string>& some, const std::vector<std::string>& others) {
+    std::vector<std::string> only;
+    std::ranges::set_difference(some, others, std::back_inserter(only));
+    return only.empty() ? std::string("none") : fmt::format("{}", fmt::join(only, ", "));
+  };
   for (Folder& folder : folders) {
     std::erase_if(folder.sessions, [&](const Session& session) {
-      if (session.events.shapes.empty() || ordered(session.events.shapes, {}) == wanted) return false;
-      folder.left_out.push_back(fmt::format("{}: its shapes are {}, but those of {} are {}; the log is left out",
-                                            session.events.name, fmt::join(session.events.shapes, ", "), teller,
-                                            fmt::join(shapes, ", ")));
+      const std::vector<std::string> names = ordered(session.events.shapes, {});
+      if (names.empty() || names == most.names) return false;
+      folder.left_out.push_back(
+          fmt::format("{}: its shapes are {}, but those of {} are {} (only here: {}; missing here: {}); the log is "
+                      "left out",
+                      session.events.name, fmt::join(session.events.shapes, ", "), teller, fmt::join(shapes, ", "),
+                      only_in(names, most.names), only_in(most.names, names)));
       return true;
     });
   }
@@ -317,7 +397,9 @@ Study read_study(std::span<const std::string> places) {
       read_participant(folders[i]);
   });
 
+  leave_out_copies(folders);
   study.shapes = agree_on_shapes(folders);
+  if (std::optional<std::string> line = differing_plans(folders)) study.left_out.push_back(std::move(*line));
   for (const Folder& folder : folders) {
     for (const Session& session : folder.sessions) {
       study.least_trials = std::max(study.least_trials, session.events.least_trials);

@@ -20,6 +20,7 @@ namespace palpa::study {
 struct PlanShape {
   std::string name;
   std::string model;                            ///< file, relative names resolved from the plan's folder
+  std::string model_sha256{};                   ///< of the file, if it was read (setup::load_plan)
   std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
 };
 

@@ -126,6 +126,29 @@ std::vector<std::span<const Entry>> runs_of(std::span<const Entry> entries) {
   return runs;
 }
 
+std::vector<PlayedStep> played_steps(const StudyPlan& plan, std::span<const Step> steps,
+                                     std::span<const Entry> entries) {
+  std::vector<PlayedStep> played;
+  std::int64_t begin_ns = 0;
+  std::optional<std::string> chosen;
+  bool second = false;
+  for (const Entry& entry : entries) {
+    if (entry.kind == EntryKind::begin) {
+      begin_ns = entry.at_ns;
+      chosen.reset();
+      second = false;
+    }
+    if (entry.kind == EntryKind::choose) chosen = entry.text;
+    if (entry.kind != EntryKind::touched || !entry.step || *entry.step >= steps.size()) continue;
+    const Step& step = steps[*entry.step];
+    const std::uint32_t shape = second ? step.second.value_or(0) : step.shape.value_or(0);
+    played.push_back({&entry, begin_ns, chosen.value_or(plan.shapes[shape].name)});
+    second = step.second.has_value() && !second;
+    begin_ns = entry.at_ns;
+  }
+  return played;
+}
+
 std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> run) {
   std::string table =
       "onset\tduration\ttrial_type\tmethod\tshape\tsecond_shape\tanswer\tcorrect\tresponse_time\tstatus\tdeep_time\t"
@@ -219,25 +242,14 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
       .member("PlanSha256", plan.sha256)
       .key("touches")
       .begin_array(JsonWriter::Style::rows);
-  std::int64_t begin_ns = 0;
-  std::optional<std::string> chosen;
-  bool second = false;
-  for (const Entry& entry : run) {
-    if (entry.kind == EntryKind::begin) {
-      begin_ns = entry.at_ns;
-      chosen.reset();
-      second = false;
-    }
-    if (entry.kind == EntryKind::choose) chosen = entry.text;
-    if (entry.kind != EntryKind::touched || !entry.step) continue;
-    const Step& step = steps[*entry.step];
-    const PlanMethod& method = plan.methods[step.method];
-    const std::uint32_t shape = second ? step.second.value_or(0) : step.shape.value_or(0);
+  for (const auto& [touched, begin_ns, shape] : played_steps(plan, steps, run)) {
+    const Entry& entry = *touched;
+    const PlanMethod& method = plan.methods[steps[*entry.step].method];
     json.begin_object()
         .member("step", *entry.step + 1)
         .member("onset_s", static_cast<double>(begin_ns) * 1e-9)
         .member("end_s", static_cast<double>(entry.at_ns) * 1e-9)
-        .member("shape", chosen.value_or(plan.shapes[shape].name))
+        .member("shape", shape)
         .member("method", method.name)
         .member("foci_method", word_of(touch::method_words, method.method))
         .member("foci", method.foci)
@@ -255,8 +267,6 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
         json.member("drives", entry.stimulus->drives).member("drives_sha256", entry.stimulus->drives_sha256);
     }
     json.end_object();
-    second = step.second.has_value() && !second;
-    begin_ns = entry.at_ns;
   }
   json.end_array().end_object();
   return json.take();

@@ -16,6 +16,16 @@ namespace palpa::study {
 /// The entries of each run, in their order.
 std::vector<std::span<const Entry>> runs_of(std::span<const Entry> entries);
 
+/// A touch that has ended.
+struct PlayedStep {
+  const Entry* entry = nullptr;  ///< `touched`
+  std::int64_t begin_ns = 0;     ///< of its step, or the end of the step's first touch
+  std::string shape{};           ///< by name
+};
+/// The touches of a run, or of several, in their order.
+std::vector<PlayedStep> played_steps(const StudyPlan& plan, std::span<const Step> steps,
+                                     std::span<const Entry> entries);
+
 /// The table, one row per step that was begun. Rows that were broken off, and the last one if the program ended in the
 /// middle of it, have the status void.
 std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> run);

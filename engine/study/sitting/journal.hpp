@@ -22,6 +22,9 @@ namespace palpa::study {
 /// The version of journals that palpa reads and writes.
 inline constexpr std::uint64_t journal_version = 1;
 
+/// Larger files are no journals.
+inline constexpr std::uint64_t most_journal_bytes = 64u << 20;
+
 /// The first line.
 struct JournalHead {
   std::uint32_t participant = 0;

@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/append_file.hpp"
 #include "base/error.hpp"
@@ -30,17 +32,15 @@ std::optional<std::uint32_t> number_in(std::string_view name) {
 /// If there is a folder with the number, takes its path.
 void find_existing(const fs::path& study, ParticipantFolder& folder) {
   std::optional<fs::path> found;
-  std::error_code fault;
-  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
-    if (number_in(at->path().filename().string()) != folder.number) continue;
+  for (const ParticipantFolder& there : participant_folders(study)) {
+    if (there.number != folder.number) continue;
     if (found) {
-      throw bad_input(at->path().string(), fmt::format("also has the number {}, as {} has: give each participant a "
+      throw bad_input(there.path.string(), fmt::format("also has the number {}, as {} has: give each participant a "
                                                        "number of their own",
                                                        folder.number, found->string()));
     }
-    found = at->path();
+    found = there.path;
   }
-  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
   if (found) folder.path = *found;
 }
 
@@ -71,6 +71,19 @@ bool ParticipantFolder::withdrawn() const {
   return fs::exists(fs::symlink_status(tombstone(), fault));
 }
 
+std::vector<ParticipantFolder> participant_folders(const fs::path& study) {
+  std::vector<ParticipantFolder> folders;
+  std::error_code fault;
+  if (!fs::is_directory(study, fault)) return folders;
+  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
+    if (const auto number = number_in(at->path().filename().string()))
+      folders.push_back({.number = *number, .path = at->path()});
+  }
+  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
+  std::ranges::sort(folders, {}, [](const ParticipantFolder& folder) { return std::pair(folder.number, folder.path); });
+  return folders;
+}
+
 ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number) {
   if (number == 0 || number > most_participant_number)
     throw bad_usage(fmt::format("participants have numbers from 1 to {}", most_participant_number));
@@ -78,7 +91,7 @@ ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number
   std::error_code fault;
   if (fs::exists(study, fault) && !fs::is_directory(study, fault))
     throw bad_input(study.string(), "is not a folder: give the folder of a study");
-  if (fs::is_directory(study, fault)) find_existing(study, folder);
+  find_existing(study, folder);
   if (const fs::file_status there = fs::symlink_status(folder.path, fault);
       fs::exists(there) && !fs::is_directory(there))
     throw bad_input(folder.path.string(), "is not a folder");

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace palpa::study {
 
@@ -25,6 +26,10 @@ struct ParticipantFolder {
 /// Throws bad_usage for a number that is not 1 to most_participant_number, bad_input if the study's folder is a file,
 /// the participant's folder is a link, or two folders have the same number, such as sub-7 and sub-07.
 ParticipantFolder participant_folder(const std::filesystem::path& study, std::uint32_t number);
+
+/// All participants' folders in the study's, by number; none if there is no such folder. Throws bad_input if it cannot
+/// be read.
+std::vector<ParticipantFolder> participant_folders(const std::filesystem::path& study);
 
 /// Creates what is missing of it. Throws failure().
 void make_folders(const ParticipantFolder& folder);

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -15,14 +16,15 @@
 #include "base/file_register.hpp"
 #include "base/output_file.hpp"
 #include "base/text.hpp"
+#include "study/files/tsv.hpp"
 #include "study/sitting/events_table.hpp"
+#include "study/sitting/same_study.hpp"
 
 namespace palpa::study {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t most_journal_bytes = 64u << 20;
 constexpr const char* end_of_log = "_events.tsv";
 
 /// The names of all files in a folder and below it, sorted, from that folder on.
@@ -46,9 +48,36 @@ std::optional<std::uint32_t> run_of(const std::string& file, const std::string& 
   return fault == std::errc{} ? std::optional(run) : std::nullopt;
 }
 
-/// With the line that names the columns.
-std::ptrdiff_t rows_in(const std::string& table) {
-  return std::ranges::count(table, '\n');
+/// The rows of a log up to its last line end. A program that was killed, or a power cut, may leave less than was
+/// written.
+std::vector<std::vector<std::string_view>> rows_in(std::string_view table) {
+  std::vector<std::vector<std::string_view>> rows;
+  Lines lines(table);
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (!lines.cut()) rows.push_back(cells_of(*line, '\t'));
+  }
+  return rows;
+}
+
+/// Whether each row of a log is in `table`, in this order. A log of another version of palpa may lack columns.
+bool contains_rows(const std::string& table, const std::string& log) {
+  const auto all = rows_in(table), some = rows_in(log);
+  if (some.empty()) return true;
+  std::vector<std::pair<std::size_t, std::size_t>> columns;
+  for (std::size_t i = 0; i < some[0].size(); ++i) {
+    const auto found = std::ranges::find(all[0], some[0][i]);
+    if (found != all[0].end()) columns.emplace_back(i, found - all[0].begin());
+  }
+  auto at = all.begin();
+  return !columns.empty() && std::ranges::all_of(some, [&](const auto& row) {
+    at = std::ranges::find_if(at, all.end(), [&](const auto& other) {
+      return row.size() == some[0].size() &&
+             std::ranges::all_of(columns, [&](const auto& both) { return row[both.first] == other[both.second]; });
+    });
+    if (at == all.end()) return false;
+    ++at;
+    return true;
+  });
 }
 
 }  // namespace
@@ -62,7 +91,10 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
   }
   refuse_lost_journal();
   const bool begins = is_new();
-  if (begins) try_out();
+  if (begins) {
+    refuse_other_study(plan, study, folder_);
+    try_out();
+  }
   make_folders(folder_);
   file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder_.path), .is_folder = true}});
   try {
@@ -86,7 +118,10 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
                                   entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
     }
     refuse_unknown_files(journal.entries);
-    if (!begins && !finished) try_out();
+    if (!begins && !finished) {
+      refuse_other_models(plan, steps_, journal.entries, file_->name());
+      try_out();
+    }
     file_->cut(journal.whole);
     entries_ = std::move(journal.entries);
     digits_ = std::move(journal.last_digits);
@@ -175,9 +210,9 @@ void Record::refuse_unknown_files(std::span<const Entry> entries) const {
     const bool known = run && *run >= 1 && *run <= runs.size();
     if (!known && (run || file.ends_with(end_of_log))) refuse(file, "the run of");
     if (!known || folder_.beh() / file != folder_.file(*run, end_of_log)) continue;
-    // The log is written from the journal, so it has no more rows.
+    // The log is written from the journal, after each entry that ends a step.
     const std::string log = AppendFile(folder_.beh() / file).content(most_journal_bytes);
-    if (rows_in(log) > rows_in(events_table(*plan_, steps_, runs[*run - 1]))) refuse(file, "all rows of");
+    if (!contains_rows(events_table(*plan_, steps_, runs[*run - 1]), log)) refuse(file, "all rows of");
   }
 }
 

@@ -21,8 +21,9 @@ namespace palpa::study {
 class Record {
  public:
   /// Opens the participant's journal in the folder of the study, or begins it. A line that was cut off is removed.
-  /// Throws bad_usage if the participant withdrew, was begun with another plan, is being run by another process, or if
-  /// a rehearsal would continue a person's sitting or the reverse; bad_input for a journal that was edited, is damaged,
+  /// Throws bad_usage if the participant withdrew, was begun with another plan or touched other models, is being run by
+  /// another process, or if a rehearsal would continue a person's sitting or the reverse; for a new participant, if
+  /// another one of the study has another plan or other models; bad_input for a journal that was edited, is damaged,
   /// of another version or of another participant, if it is empty or missing although the participant has files, and if
   /// there are files of runs, or rows of logs, that it does not contain; failure() if a file cannot be written. If it
   /// throws, no file of a participant was changed. `plan` must outlive it.

@@ -101,7 +101,7 @@ class SittingBench {
       pose[3][1] = -finger_depth_m;
       return pose;
     }));
-    script_.emplace(*run_.rehearse, run_.common.seed);
+    script_.emplace(run_.rehearse.value_or(0.5), run_.common.seed);
     study::EarLevel level;
     level.db = {100, 101};
     level.sounding_s = 10;
@@ -135,6 +135,15 @@ class SittingBench {
   void passes(std::chrono::milliseconds time) {
     const auto until = std::chrono::steady_clock::now() + time;
     goes_until([&] { return std::chrono::steady_clock::now() > until; }, false);
+  }
+  /// A click of the participant on a button, or beside all of them.
+  void click(std::optional<std::size_t> button) {
+    viewer::WindowEvent event;
+    event.kind = viewer::WindowEvent::Kind::press;
+    event.at_ns =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+            .count();
+    conductor_->participant(event, button);
   }
   void press(viewer::Key key, bool experimenter = false) {
     viewer::WindowEvent event;

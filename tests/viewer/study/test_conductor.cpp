@@ -331,6 +331,46 @@ TEST_F(ConductorTest, WithoutItsSoundNoFileIsBegun) {
   EXPECT_FALSE(fs::exists(folder_ / "study"));
 }
 
+/// The participant's number is not used up, and the plan can still be changed.
+TEST_F(ConductorTest, WithoutItsSourceNoFileIsBegun) {
+  test::SittingBench bench(folder_, test::write_study_plan(folder_, ""));
+  bench.options().source = "camera:/dev/none";
+  EXPECT_ERROR(bench.begin(), Exit::usage, "camera");
+  bench.options().source = "pressed:" + (folder_ / "none.ply").string();
+  EXPECT_ERROR(bench.begin(), Exit::bad_input, "none.ply");
+  EXPECT_FALSE(fs::exists(folder_ / "study"));
+}
+
+TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
+  bench_ = std::make_unique<test::SittingBench>(
+      folder_,
+      test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n"));
+  test::SittingBench& bench = *bench_;
+  bench.options().rehearse.reset();
+  bench.begin();
+  ASSERT_TRUE(bench.reaches(Screen::consent));
+  bench.click(0);
+  bench.click(0);
+  EXPECT_EQ(bench.sitting().screen(), Screen::depth_consent) << "nobody has read it yet";
+  bench.passes(310ms);
+  bench.click(1);
+  ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
+  bench.passes(310ms);
+  bench.click(std::nullopt);
+  ASSERT_TRUE(bench.reaches(Screen::question, false));
+  bench.click(1);
+  ASSERT_EQ(bench.sitting().screen(), Screen::ready);
+  bench.passes(120ms);
+  EXPECT_TRUE(bench.conductor().presentation().ready()) << "otherwise, the click would do nothing anyway";
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::ready);
+  bench.passes(310ms);
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  bench.click(1);
+  EXPECT_EQ(bench.sitting().screen(), Screen::paused) << "during a touch, every click silences";
+}
+
 TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   test::SittingBench& bench = long_touches("free");
   ASSERT_TRUE(touches_and_sounds());
@@ -399,7 +439,13 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
     throw bad_usage("no such boards: give --layout x");
   };
-  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, "it is `layout` of the [[method]] 'single-focus' in");
+  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
+               "in a study, --layout is `layout` of the [[method]] 'single-focus' in");
+  kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
+    throw bad_usage("too fast: use --dwell 12ms, or --method single-focus");
+  };
+  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
+               "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in");
   run.rig = test::source_file("assets/rigs/paper.toml");
   take_layouts(plan, run, kinds);
   EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";

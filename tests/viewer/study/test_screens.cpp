@@ -1,9 +1,13 @@
 // The pictures of a study's windows.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "viewer/study/screens.hpp"
 
@@ -70,6 +74,72 @@ TEST(Screens, ShowTheirText) {
   const drawing::Pixels over = draw(words, 800, 500, &scene);
   EXPECT_NE(over.at(400, 5)[0], 200);
   EXPECT_EQ(over.at(400, 480)[0], 200);
+}
+
+/// Rows of the scene that a text has changed.
+std::size_t covered_rows(const drawing::Pixels& scene, const drawing::Pixels& over) {
+  std::size_t rows = 0;
+  for (std::uint32_t y = 0; y < scene.height; ++y)
+    rows += std::equal(scene.at(0, y), scene.at(0, y) + std::size_t{4} * scene.width, over.at(0, y)) ? 0 : 1;
+  return rows;
+}
+
+TEST(Screens, LongTextsLeaveTheMarkerVisible) {
+  drawing::Pixels scene{1280, 720, std::vector<std::uint8_t>(std::size_t{1280} * 720 * 4, 30)};
+  constexpr std::size_t marker = 240;
+  for (std::size_t y = marker; y < marker + 12; ++y)
+    std::fill_n(scene.rgba.begin() + static_cast<std::ptrdiff_t>(4 * (y * 1280 + 620)), 4 * 40, std::uint8_t{220});
+  std::string words;
+  for (const std::size_t sentences : {1, 6, 8, 14}) {
+    words.clear();
+    for (std::size_t i = 0; i < sentences; ++i)
+      words += "This is one sentence of the instruction to you. ";
+    const ParticipantView view{.screen = study::Screen::ready, .text = words};
+    const drawing::Pixels over = draw(view, 1280, 720, &scene);
+    EXPECT_LE(covered_rows(scene, over), marker) << sentences;
+    EXPECT_GT(lit(over), 40u * 12 + 300) << "and the text is there";
+  }
+}
+
+/// A consent page may be long.
+TEST(Screens, LongTextsEndAboveTheButtons) {
+  ParticipantView view = question(2);
+  view.text.clear();
+  for (int i = 0; i < 14; ++i)
+    view.text += "This is one sentence of the information to you. ";
+  const ButtonPlace place = button_places(view, 1280, 720)[0];
+  ParticipantView buttons = view;
+  buttons.text.clear();
+  const drawing::Pixels with = draw(view, 1280, 720), without = draw(buttons, 1280, 720);
+  for (std::uint32_t y = place.top; y < 720; ++y)
+    ASSERT_TRUE(std::equal(with.at(0, y), with.at(0, y) + 4 * 1280, without.at(0, y))) << y;
+}
+
+TEST(Screens, KeysStandBesideTheirLabels) {
+  for (const std::size_t answers : {2, 12, 16}) {
+    ParticipantView view = question(answers), keys = view;
+    const std::string label = "pyramid, gypsy";
+    view.buttons.assign(answers, label);
+    keys.buttons.assign(answers, "");
+    const drawing::Pixels both = draw(view, 400, 300), only_keys = draw(keys, 400, 300);
+    // The boxes around the key and around what the label adds.
+    const ButtonPlace place = button_places(view, 400, 300)[answers - 1];
+    struct Box {
+      std::uint32_t left = 400, right = 0, top = 300, bottom = 0;
+      void add(std::uint32_t x, std::uint32_t y) {
+        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+      }
+    } of_key, of_label;
+    for (std::uint32_t y = place.top + 2; y + 2 < place.bottom; ++y) {
+      for (std::uint32_t x = place.left + 2; x + 2 < place.right; ++x) {
+        if (only_keys.at(x, y)[0] > 100) of_key.add(x, y);
+        if (both.at(x, y)[0] > only_keys.at(x, y)[0] + 50) of_label.add(x, y);
+      }
+    }
+    ASSERT_LT(of_key.left, of_key.right);
+    ASSERT_LT(of_label.left, of_label.right);
+    EXPECT_TRUE(of_key.right < of_label.left || of_label.bottom < of_key.top) << answers;
+  }
 }
 
 TEST(Screens, TheExperimenterSeesWhetherItSounds) {

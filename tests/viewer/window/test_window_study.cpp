@@ -108,7 +108,9 @@ TEST_F(WindowStudy, AWholeStudyIsKilledTwiceAndHasTheSameAnalysis) {
     for (int i = 0; i < 6000 && !end.ended && (kills == 2 || entries_in(journal, "\"begin\"") < steps); ++i)
       end = run.wait(10e-3);
     if (end.ended) {
-      EXPECT_EQ(end.exit_code, 0) << read_text(said);
+      const bool finished = entries_in(journal, "\"finish\"") == 1;
+      EXPECT_EQ(end.exit_code, finished ? 0 : 1) << read_text(said);
+      EXPECT_TRUE(finished || read_text(said).find(": error: ") != std::string::npos) << "it says why";
       continue;
     }
     ASSERT_LT(kills, 2) << "the last run does not end: " << read_text(said);
@@ -194,6 +196,22 @@ TEST_F(WindowStudy, ASignalDuringATouchIsSilenceAndAVoidTrial) {
   EXPECT_NE(study.said().find("stopped by a signal after 0 of 8 steps; the same command continues"), std::string::npos)
       << study.said();
   EXPECT_NE(study.log().find("\tvoid\t"), std::string::npos) << study.log();
+  study.expect_silence();
+}
+
+/// Nobody is there to press a key.
+TEST_F(WindowStudy, ARehearsalThatPausesSaysWhy) {
+  const XServer server;
+  if (server.name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  SoundingStudy study("window-study-pause", server);
+  ASSERT_TRUE(study.touches()) << study.said();
+  study.run().signal(SIGSTOP);
+  std::this_thread::sleep_for(1200ms);
+  study.run().signal(SIGCONT);
+  const LiveRun::End end = study.run().wait(20);
+  EXPECT_TRUE(end.ended);
+  EXPECT_EQ(end.exit_code, 1) << study.said();
+  EXPECT_NE(study.said().find(": error: the program stood still"), std::string::npos) << study.said();
   study.expect_silence();
 }
 
