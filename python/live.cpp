@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <set>
 
@@ -163,6 +164,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   session::LinkSetting link_setting = session.link_setting();
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
+  o.run.written = setup::outputs_of(options, links);
   session::RunOptions looking = observers_of(o, session);
   looking.frames = options.frames;
   return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
@@ -179,8 +181,9 @@ void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   }
   const std::vector<session::SourceKind> sources = driver::camera_sources();
   std::optional<setup::LiveRun> live;
-  if (open(options, sources, links, run.stop, live))
-    run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+  if (!open(options, sources, links, run.stop, live)) return;
+  run.written = setup::outputs_of(options, links);
+  run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
 }
 
 /// The whole of a run, on its own thread.
@@ -202,6 +205,20 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   run.fault = fault;
   run.over = true;
   run.changed.notify_all();
+}
+
+/// The next run would replace what an earlier one wrote, and nobody asked for that.
+void refuse_written(const Run& run) {
+  for (const Output& output : run.written) {
+    std::error_code fault;
+    if (output.kind == Output::Kind::folder || output.target == "-" ||
+        !std::filesystem::is_regular_file(output.target, fault))
+      continue;
+    throw bad_usage(
+        fmt::format("{}: an earlier run of this session wrote {}, which the next run would replace: make a "
+                    "new Session with another file, or delete this one",
+                    output.option, output.target));
+  }
 }
 
 double steady_s() {
@@ -321,6 +338,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   Run& run = o->run;
   if (!o->live()) throw bad_usage("source is missing: a session without one works frame by frame, with touch()");
   if (run.running) throw bad_usage("the session already runs: wait for its end with wait() or stop()");
+  refuse_written(run);
   setup::LiveOptions options = o->options;
   options.frames = frames;
   run.on_frame = callback_of("on_frame", on_frame);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 #include "layout.hpp"
 #include "own.hpp"
 #include "running.hpp"
@@ -58,6 +59,7 @@ struct Run {
   std::exception_ptr fault;                             ///< of the engine
   std::optional<py::error_already_set> callback_fault;  ///< of a callback, which ended the run
   std::shared_ptr<StatsObject> stats;
+  std::vector<Output> written;    ///< by the runs so far
   py::object on_frame, on_event;  ///< only during a run
   std::thread thread;
   std::shared_ptr<session::PushedPoints> points;  ///< of a session from points, while it runs
