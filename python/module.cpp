@@ -286,6 +286,7 @@ PYBIND11_MODULE(_engine, m) {
   add_log(m);
   add_options(m);
   add_shapes(m);
+  add_places(m);
   add_camera(m);
   add_touch(m);
   add_layout(m);

@@ -19,6 +19,7 @@ void guard(const py::module_& m);
 void add_running(py::module_& m);
 void add_options(py::module_& m);
 void add_shapes(py::module_& m);
+void add_places(py::module_& m);
 void add_camera(py::module_& m);
 void add_touch(py::module_& m);
 void add_layout(py::module_& m);

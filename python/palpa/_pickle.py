@@ -2,9 +2,9 @@
 from . import _engine
 
 
-def restore(name, data):
-    """An object of this class."""
-    return _engine._restore(name, data)
+def restore(name, data, frame=None):
+    """An object of this class; `frame`: that of a Places."""
+    return _engine._restore(name, data, frame)
 
 
 def scene(given, options):
