@@ -165,20 +165,35 @@ print("ready", flush=True)
 """
 
 
-def test_ctrl_c_ends_a_long_computation():
-    code = LONG + """
+def ended_by_ctrl_c(call, after=0.3):
+    """What the program prints, and the seconds that it took to end."""
+    code = LONG + f"""
 try:
-    palpa.simulate(palpa.Scene("assets/cube.glb"), "assets/finger.ply", backend="cpu")
+    {call}
     print("finished")
 except KeyboardInterrupt:
     print("interrupted")
 """
     with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         process.stdout.readline()
-        time.sleep(0.3)
+        time.sleep(after)
+        begin = time.perf_counter()
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
-    assert out in {"interrupted\n", "finished\n"} and err == "" and process.returncode == 0
+        assert (err, process.returncode) == ("", 0)
+        return out, time.perf_counter() - begin
+
+
+def test_ctrl_c_ends_a_long_computation():
+    out, _ = ended_by_ctrl_c('palpa.simulate(palpa.Scene("assets/cube.glb"), "assets/finger.ply", backend="cpu")')
+    assert out in {"interrupted\n", "finished\n"}
+
+
+@pytest.mark.times
+@pytest.mark.parametrize("call", ['palpa.decompose("assets/hand.glb", resolution="5M", parts=256)', "palpa.learn_background(frames=1000)"])
+def test_ctrl_c_ends_parts_and_frames(call):
+    out, seconds = ended_by_ctrl_c(call)
+    assert out == "interrupted\n" and seconds < 1
 
 
 def test_the_interpreter_ends_while_threads_compute():
