@@ -292,6 +292,7 @@ PYBIND11_MODULE(_engine, m) {
   add_layout(m);
   add_bodies(m);
   add_tasks(m);
+  add_recording(m);
   add_session(m);
   add_sweeps(m);
   add_pickles(m);

@@ -25,6 +25,7 @@ void add_touch(py::module_& m);
 void add_layout(py::module_& m);
 void add_bodies(py::module_& m);
 void add_tasks(py::module_& m);
+void add_recording(py::module_& m);
 void add_session(py::module_& m);
 void add_sweeps(py::module_& m);
 void add_pickles(py::module_& m);

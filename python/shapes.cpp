@@ -76,6 +76,16 @@ void set_scene(const SceneObject& scene, setup::FrameOptions& options) {
   }
 }
 
+const SceneObject* loaded_scene(const py::object& scene, const py::kwargs& kwargs,
+                                std::initializer_list<const char*> keywords) {
+  if (!py::isinstance<SceneObject>(scene)) return nullptr;
+  for (const char* keyword : keywords) {
+    if (kwargs.contains(keyword) && !kwargs[keyword].is_none())
+      throw bad_usage(fmt::format("{} goes with the path of a scene; a Scene has its own", keyword));
+  }
+  return &scene.cast<const SceneObject&>();
+}
+
 std::size_t solid_index(const SceneObject& scene, const py::object& key) {
   if (py::isinstance<py::str>(key)) {
     const std::string name = bytes_of("solid", key);
@@ -157,6 +167,22 @@ std::shared_ptr<SceneObject> load_scene(const py::object& file, const py::kwargs
   scene->options = o.solids;
   allow_outside_references(o.common.allow_outside);
   scene->solids = cancellable([&] { return setup::load_solids(*path, o.gltf_scene, o.solids); });
+  return scene;
+}
+
+/// A pickled scene. A forked process cannot load it, but if that were refused here, a multiprocessing.Pool would lose
+/// the task and wait for ever. So it is without solids there, and refused when it is used.
+std::shared_ptr<SceneObject> restored_scene(const py::object& given, const py::kwargs& keywords) {
+  if (is_own_process()) return load_scene(given, keywords);
+  auto scene = std::make_shared<SceneObject>();
+  scene->source = path_of(given).value_or("");
+  scene->given = given;
+  scene->keywords = keywords;
+  return scene;
+}
+
+const SceneObject& loaded(const SceneObject& scene) {
+  if (scene.solids.empty()) refuse_fork();
   return scene;
 }
 
@@ -338,16 +364,16 @@ BadInput
              return py::make_tuple(py::module_::import("palpa._pickle").attr("scene"),
                                    py::make_tuple(o.given, o.keywords));
            })
-      .def("__len__", [](const SceneObject& o) { return o.solids.size(); })
+      .def("__len__", [](const SceneObject& o) { return loaded(o).solids.size(); })
       .def("__getitem__",
            [](const std::shared_ptr<SceneObject>& o, const py::object& key) {
-             return SolidObject{o, solid_index(*o, key)};
+             return SolidObject{o, solid_index(loaded(*o), key)};
            })
       .def_property_readonly(
           "solids",
           [](const std::shared_ptr<SceneObject>& o) {
             std::vector<SolidObject> all;
-            for (std::size_t i = 0; i < o->solids.size(); ++i)
+            for (std::size_t i = 0; i < loaded(*o).solids.size(); ++i)
               all.push_back({o, i});
             return all;
           },
@@ -365,6 +391,9 @@ BadInput
 void add_shapes(py::module_& m) {
   add_mesh(m);
   add_scene(m);
+  m.def("_restore_scene", [](const py::object& given, const py::dict& keywords) {
+    return restored_scene(given, py::reinterpret_borrow<py::kwargs>(keywords));
+  });
 }
 
 }  // namespace palpa::python

@@ -9,4 +9,9 @@ def restore(name, data, frame=None):
 
 def scene(given, options):
     """A scene, loaded again."""
-    return _engine.Scene(given, **options)
+    return _engine._restore_scene(given, options)
+
+
+def recording(folder):
+    """A recording, loaded again."""
+    return _engine._restore_recording(folder)

@@ -112,6 +112,26 @@ def test_fork_is_refused(cube, finger):
     os.close(write)
 
 
+def test_a_fork_refuses_what_it_restored(cube, finger):
+    """A multiprocessing.Pool would lose the task and wait for ever if its arguments could not be unpickled."""
+    code = """
+import multiprocessing, operator, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+cube, recording, finger = palpa.Scene("assets/cube.glb"), palpa.Recording("assets/depth/take"), palpa.read_ply("assets/finger.ply")
+arrays = palpa.Scene({"solid": palpa.Mesh("assets/cube.glb")})
+pool = multiprocessing.get_context("fork").Pool(1)
+images = operator.methodcaller("images", 0)
+for work, one in ((len, cube), (len, arrays), (palpa.Session, cube), (len, recording), (images, recording)):
+    try:
+        pool.apply_async(work, (one,)).get(30)
+    except palpa.Error as error:
+        print("spawn" in str(error))
+pool.terminate()
+"""
+    done = python(code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, 5 * "True\n", "")
+
+
 def test_a_forked_process_ends():
     """Its objects are destroyed without their threads and devices."""
     code = """
