@@ -74,6 +74,7 @@ setup::TouchInput depth_arrays(const std::vector<py::object>& images, const setu
     input.frames.push_back(std::move(frame));
   }
   input.point_count = sensing::count_valid(input.cameras, input.frames);
+  setup::warn_of_min_range(input);
   return input;
 }
 

@@ -176,3 +176,12 @@ def test_no_device(cube, finger):
     with pytest.raises(palpa.NoDevice) as caught:
         cube.touch(finger, gpu="no such device")
     assert caught.value.exit_code == 3
+
+
+def test_a_least_range_that_leaves_nothing_is_told(cube):
+    matrix = [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]]
+    with pytest.warns(palpa.PalpaWarning, match="^Camera: min_range_m = 280 makes all depths below 280 m no data; if it is in millimetres, write 0.28"):
+        palpa.Camera(424, 240, matrix, min_range=280)
+    camera = palpa.Camera(424, 240, matrix, depth_unit=1e-4, min_range=3, name="one")
+    with pytest.warns(palpa.PalpaWarning, match='camera "one": its min_range_m = 3 makes all of the .* depths in its image no data: they reach to'):
+        cube.touch(depth="assets/depth/hand.png", camera=camera, backend="cpu")
