@@ -27,6 +27,12 @@
 
 namespace palpa::python {
 
+std::vector<sensing::SkinPoint> skin_of_frame(SessionObject& o, const std::string& name, const py::object& given) {
+  const std::vector<Vec3> positions = points_of(name, given);
+  if (!o.knows_size) o.knows_size = setup::warn_of_skin(name + ":", positions);
+  return setup::skin_points(name, positions).points;
+}
+
 std::vector<EventObject> events_of(std::span<const session::Event> events, const std::vector<std::string>& solids) {
   std::vector<EventObject> made;
   for (const session::Event& event : events)
@@ -328,7 +334,7 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
   }
   refuse_other_frame("points", points);
   std::vector<glm::vec3> skin;
-  for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
+  for (const sensing::SkinPoint& point : skin_of_frame(o, "points", points))
     skin.push_back(point.position);
   to->push(std::move(skin), time_s);
 }

@@ -101,6 +101,7 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
   if (skin.is_none() || is_text_or_path(skin)) {
     return unlocked([&] { return setup::load_touch_input(o, scene.solids); });
   }
+  setup::warn_of_skin("skin:", points);
   if (o.penetration_m && !points.empty()) {
     const double dy = setup::lowering(scene.solids, points, *o.penetration_m);
     for (Vec3& point : points)

@@ -30,6 +30,18 @@ double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> p
   return all.high.y - penetration - lowest;
 }
 
+bool warn_of_skin(const std::string& name, std::span<const Vec3> positions) {
+  // Fewer points need not show how large something is.
+  constexpr std::size_t points_of_a_scan = 100;
+  if (positions.size() < points_of_a_scan) return false;
+  Box box;
+  for (const Vec3& position : positions)
+    box.add(position);
+  if (const std::string odd = geometry::implausible_size(box); !odd.empty())
+    log::warning(fmt::format("{} {}", name, odd));
+  return true;
+}
+
 void warn_of_min_range(const TouchInput& input) {
   constexpr double nearly_all = 0.99;
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
@@ -52,16 +64,9 @@ void warn_of_min_range(const TouchInput& input) {
 
 namespace {
 
-/// Fewer points need not show how large something is.
-constexpr std::size_t points_of_a_scan = 100;
-
 TouchInput load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
   std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
-  Box box;
-  for (const Vec3& position : positions)
-    box.add(position);
-  if (const std::string odd = geometry::implausible_size(box); positions.size() >= points_of_a_scan && !odd.empty())
-    log::warning(fmt::format("{}: its skin {}", options.points, odd));
+  warn_of_skin(options.points + ": its skin", positions);
   if (options.penetration_m && !positions.empty()) {
     const double dy = lowering(solids, positions, *options.penetration_m);
     for (Vec3& position : positions)

@@ -1,4 +1,6 @@
 """Bad arrays and bad options: one clear message, of the right class, and nothing else happens."""
+import warnings
+
 import numpy as np
 import pytest
 
@@ -176,6 +178,34 @@ def test_no_device(cube, finger):
     with pytest.raises(palpa.NoDevice) as caught:
         cube.touch(finger, gpu="no such device")
     assert caught.value.exit_code == 3
+
+
+def test_skin_in_another_unit_is_told(cube, finger):
+    skin = 1e3 * finger
+    told = pytest.warns(palpa.PalpaWarning, match=r"skin: measures .* m \(coordinates are metres\); if they are millimetres")
+    with told:
+        cube.touch(skin, backend="cpu")
+    session = palpa.Session(cube, backend="cpu")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        session.touch(finger[:50], 0.0)  # too few to tell
+    with told as caught:
+        session.touch(skin, 0.01)
+        session.touch(skin, 0.02)
+    assert len(caught) == 1
+    pushed = palpa.Session(cube, source="points", layout="openmpd", backend="cpu")
+    with pytest.warns(palpa.PalpaWarning, match="points: measures"), pushed:
+        pushed.start()
+        pushed.push_points(skin)
+
+
+@pytest.mark.parametrize("masked", [lambda points: np.ma.masked_where(points == points[3], points),
+                                    lambda points: [points[0], np.ma.masked_equal(points[1], points[1][0])]])
+def test_masked_entries_are_refused(cube, finger, openmpd, masked):
+    for call in (lambda: cube.touch(masked(finger), backend="cpu"), lambda: openmpd.solve(masked(finger[:9]), backend="cpu")):
+        with pytest.raises(palpa.BadUsage, match="has masked entries: leave them out, or fill them"):
+            call()
+    assert len(cube.touch(np.ma.array(finger), penetration=1e-3, backend="cpu").contacts) > 0
 
 
 def test_a_least_range_that_leaves_nothing_is_told(cube):
