@@ -269,7 +269,7 @@ std::string to_toml(const Camera& camera) {
 }
 
 void check_camera(const Camera& camera, const std::string& name) {
-  TomlTable root = TomlTable::parse(to_toml(camera), name, "a camera");
+  TomlTable root = TomlTable::parse(to_toml(camera), name, "a camera", {}, false);
   read_cameras(root, {});
 }
 

@@ -215,3 +215,8 @@ def test_a_least_range_that_leaves_nothing_is_told(cube):
     camera = palpa.Camera(424, 240, matrix, depth_unit=1e-4, min_range=3, name="one")
     with pytest.warns(palpa.PalpaWarning, match='camera "one": its min_range_m = 3 makes all of the .* depths in its image no data: they reach to'):
         cube.touch(depth="assets/depth/hand.png", camera=camera, backend="cpu")
+
+
+def test_a_cameras_fault_has_no_line():
+    with pytest.raises(palpa.BadInput, match="^Camera: width is 0, expected 1 to 16384$"):
+        palpa.Camera(0, 480, [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]])
