@@ -39,10 +39,25 @@ std::string text_of_error(const py::error_already_set& error) {
   return "NumPy makes no array of it";
 }
 
+/// NumPy would give the values below the mask, also of the arrays in a list.
+void refuse_masked(const std::string& name, py::handle value) {
+  const py::module_ masked = py::module_::import("numpy.ma");
+  const py::object kind = masked.attr("MaskedArray");
+  const auto look = [&](py::handle one) {
+    if (py::isinstance(one, kind) && masked.attr("is_masked")(one).cast<bool>())
+      throw bad_usage(fmt::format("{}: has masked entries: leave them out, or fill them", name));
+  };
+  look(value);
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) return;
+  for (const py::handle part : value)
+    look(part);
+}
+
 /// numpy.asarray(value). What the value's own __array__ raises is thrown on; if NumPy cannot make an array of it, the
 /// message says why.
 py::array any_array(const std::string& name, py::handle value, const char* wanted) {
   using Numpy = py::detail::npy_api;
+  refuse_masked(name, value);
   const py::object array = py::reinterpret_steal<py::object>(
       Numpy::get().PyArray_FromAny_(value.ptr(), nullptr, 0, 0, Numpy::NPY_ARRAY_ENSUREARRAY_, nullptr));
   if (array) return py::array(array);

@@ -95,6 +95,7 @@ std::shared_ptr<ScatterObject> scatter(const py::object& mesh, const py::object&
   const NamedMesh body = mesh_of("mesh", mesh);
   std::vector<Vec3> points;
   if (!where.is_none()) points = places_of("where", where).places.points;
+  if (!layout.is_none()) refuse_other_frame("where", where, *layout_of("layout", layout));
   const acoustics::Air air = setup::air(o.drive.medium, o.air);
   return owned(cancellable(
       [&] { return ScatterObject{setup::scatter(body.name, body.mesh, sound, air, std::move(points), force)}; }));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <set>
 
@@ -25,6 +26,12 @@
 #include "touch_object.hpp"
 
 namespace palpa::python {
+
+std::vector<sensing::SkinPoint> skin_of_frame(SessionObject& o, const std::string& name, const py::object& given) {
+  const std::vector<Vec3> positions = points_of(name, given);
+  if (!o.knows_size) o.knows_size = setup::warn_of_skin(name + ":", positions);
+  return setup::skin_points(name, positions).points;
+}
 
 std::vector<EventObject> events_of(std::span<const session::Event> events, const std::vector<std::string>& solids) {
   std::vector<EventObject> made;
@@ -163,6 +170,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   session::LinkSetting link_setting = session.link_setting();
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
+  o.run.written = setup::outputs_of(options, links);
   session::RunOptions looking = observers_of(o, session);
   looking.frames = options.frames;
   return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
@@ -179,8 +187,9 @@ void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   }
   const std::vector<session::SourceKind> sources = driver::camera_sources();
   std::optional<setup::LiveRun> live;
-  if (open(options, sources, links, run.stop, live))
-    run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+  if (!open(options, sources, links, run.stop, live)) return;
+  run.written = setup::outputs_of(options, links);
+  run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
 }
 
 /// The whole of a run, on its own thread.
@@ -202,6 +211,20 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
   run.fault = fault;
   run.over = true;
   run.changed.notify_all();
+}
+
+/// The next run would replace what an earlier one wrote, and nobody asked for that.
+void refuse_written(const Run& run) {
+  for (const Output& output : run.written) {
+    std::error_code fault;
+    if (output.kind == Output::Kind::folder || output.target == "-" ||
+        !std::filesystem::is_regular_file(output.target, fault))
+      continue;
+    throw bad_usage(
+        fmt::format("{}: an earlier run of this session wrote {}, which the next run would replace: make a "
+                    "new Session with another file, or delete this one",
+                    output.option, output.target));
+  }
 }
 
 double steady_s() {
@@ -311,7 +334,7 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
   }
   refuse_other_frame("points", points);
   std::vector<glm::vec3> skin;
-  for (const sensing::SkinPoint& point : setup::skin_points("points", points_of("points", points)).points)
+  for (const sensing::SkinPoint& point : skin_of_frame(o, "points", points))
     skin.push_back(point.position);
   to->push(std::move(skin), time_s);
 }
@@ -321,6 +344,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   Run& run = o->run;
   if (!o->live()) throw bad_usage("source is missing: a session without one works frame by frame, with touch()");
   if (run.running) throw bad_usage("the session already runs: wait for its end with wait() or stop()");
+  refuse_written(run);
   setup::LiveOptions options = o->options;
   options.frames = frames;
   run.on_frame = callback_of("on_frame", on_frame);

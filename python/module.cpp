@@ -286,11 +286,13 @@ PYBIND11_MODULE(_engine, m) {
   add_log(m);
   add_options(m);
   add_shapes(m);
+  add_places(m);
   add_camera(m);
   add_touch(m);
   add_layout(m);
   add_bodies(m);
   add_tasks(m);
+  add_recording(m);
   add_session(m);
   add_sweeps(m);
   add_pickles(m);

@@ -14,13 +14,13 @@
 #include "array/free_field.hpp"
 #include "arrays.hpp"
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
 #include "module.hpp"
 #include "own.hpp"
 #include "placed.hpp"
 #include "running.hpp"
-#include "setup/nearest_word.hpp"
 #include "setup/option_table.hpp"
 #include "shapes.hpp"
 #include "touch_object.hpp"
@@ -161,7 +161,7 @@ setup::Given OptionTable::given_by(const py::kwargs& arguments) const {
       std::vector<std::string> names;
       for (const auto& [known, option] : options_)
         names.push_back(known);
-      const std::string nearest = setup::nearest_word(keyword, names);
+      const std::string nearest = nearest_word(keyword, names);
       throw bad_usage(fmt::format("{} has no option '{}'{}", function_, printable(keyword, 60),
                                   nearest.empty() ? "" : fmt::format(": did you mean {}?", nearest)));
     }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <type_traits>
 
 #include "archive.hpp"
 #include "base/error.hpp"
@@ -203,13 +204,18 @@ void add_pickle(const py::module_& m, const char* name) {
         std::string version = PALPA_VERSION;
         archive(version);
         archive(const_cast<Object&>(o));  // writing changes nothing
+        py::object frame = py::none();
+        if constexpr (std::is_same_v<Object, PlacesObject>) {
+          if (o.frame) frame = o.frame;
+        }
         return py::make_tuple(py::module_::import("palpa._pickle").attr("restore"),
-                              py::make_tuple(name, py::bytes(archive.take())));
+                              py::make_tuple(name, py::bytes(archive.take()), frame));
       },
       py::name("__reduce__"), py::is_method(cls));
 }
 
-py::object restore(const std::string& name, const py::bytes& bytes) {
+/// `frame`: that of a Places; None if it has none.
+py::object restore(const std::string& name, const py::bytes& bytes, const py::object& frame) {
   const auto maker = makers().find(name);
   if (maker == makers().end()) throw bad_usage(fmt::format("palpa has no class {}", printable(name, 60)));
   const std::string data = bytes;
@@ -222,13 +228,14 @@ py::object restore(const std::string& name, const py::bytes& bytes) {
   }
   py::object made = maker->second(archive);
   if (!archive.at_end()) throw bad_usage("the pickle is too long");
+  if (!frame.is_none()) made.cast<PlacesObject&>().frame = frame;
   return made;
 }
 
 }  // namespace
 
 void add_pickles(py::module_& m) {
-  m.def("_restore", &restore);
+  m.def("_restore", &restore, py::arg("name"), py::arg("bytes"), py::arg("frame") = py::none());
   add_pickle<MeshObject>(m, "Mesh");
   add_pickle<LayoutObject>(m, "Layout");
   add_pickle<CameraObject>(m, "Camera");

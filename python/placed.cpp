@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "arrays.hpp"
 #include "base/error.hpp"
 #include "module.hpp"
+#include "places.hpp"
 
 namespace palpa::python {
 namespace {
@@ -23,6 +25,25 @@ py::module_ arrays() {
 py::object place_of(py::handle array) {
   if (!py::isinstance<py::array>(array) || !py::isinstance(array, arrays().attr("Placed"))) return py::none();
   return array.attr("of");
+}
+
+/// Where the points of an array, of Places, or of the arrays in a list belong, as far as it is known.
+std::vector<py::object> places_in(py::handle points) {
+  std::vector<py::object> places;
+  const auto add = [&](const py::object& place) {
+    const bool known = place && !place.is_none();
+    if (known && std::ranges::none_of(places, [&](const py::object& other) { return other.is(place); }))
+      places.push_back(place);
+  };
+  if (py::isinstance<PlacesObject>(points)) {
+    add(points.cast<const PlacesObject&>().frame);
+  } else if (py::isinstance<py::list>(points) || py::isinstance<py::tuple>(points)) {
+    for (const py::handle part : points)
+      add(place_of(part));
+  } else {
+    add(place_of(points));
+  }
+  return places;
 }
 
 /// A layout whose own frame is the world, such as `paper` and layouts that were moved.
@@ -46,10 +67,29 @@ std::string name_of(const LayoutObject& layout) {
   return fmt::format("the {}layout {}{}", layout.unmoved ? "moved " : "", layout.layout.name, from);
 }
 
+bool are_in_one_frame(const LayoutObject& a, const LayoutObject& b) {
+  return &a == &b || are_same(a.layout.transducers, b.layout.transducers) || (is_in_world(a) && is_in_world(b));
+}
+
+bool are_in_one_frame(const py::object& a, const py::object& b) {
+  const bool a_of_layout = py::isinstance<LayoutObject>(a), b_of_layout = py::isinstance<LayoutObject>(b);
+  if (a_of_layout && b_of_layout) return are_in_one_frame(a.cast<const LayoutObject&>(), b.cast<const LayoutObject&>());
+  return (!a_of_layout || is_in_world(a.cast<const LayoutObject&>())) &&
+         (!b_of_layout || is_in_world(b.cast<const LayoutObject&>()));
+}
+
+std::string name_of_frame(const py::object& place) {
+  return py::isinstance<LayoutObject>(place) ? "that of " + name_of(place.cast<const LayoutObject&>()) : "the world";
+}
+
 }  // namespace
 
 py::array in_world(const py::array& points) {
   return arrays().attr("placed")(points, "world");
+}
+
+py::array in_frame(const py::array& points, const py::object& frame) {
+  return frame ? py::array(arrays().attr("placed")(points, frame)) : points;
 }
 
 py::array of_layout(const py::array& array, const LayoutPtr& layout) {
@@ -57,31 +97,42 @@ py::array of_layout(const py::array& array, const LayoutPtr& layout) {
 }
 
 void refuse_other_frame(const std::string& name, py::handle points, const LayoutObject& layout) {
-  const py::object place = place_of(points);
-  if (py::isinstance<py::str>(place) && !is_in_world(layout)) {
-    throw bad_usage(
-        fmt::format("{}: these points are in the world, but {} takes points in its own frame: give "
-                    "layout.from_world(points), or a whole Touch to layout.solve_touch",
-                    name, name_of(layout)));
+  for (const py::object& place : places_in(points)) {
+    if (!py::isinstance<LayoutObject>(place)) {
+      if (is_in_world(layout)) continue;
+      throw bad_usage(
+          fmt::format("{}: these points are in the world, but {} takes points in its own frame: give "
+                      "layout.from_world(points), or a whole Touch to layout.solve_touch",
+                      name, name_of(layout)));
+    }
+    const auto& other = place.cast<const LayoutObject&>();
+    if (are_in_one_frame(other, layout)) continue;
+    throw bad_usage(fmt::format(
+        "{}: these points are in the frame of {}, but {} takes points in its own: convert them, and give a plain array",
+        name, name_of(other), name_of(layout)));
   }
-  if (!py::isinstance<LayoutObject>(place)) return;
-  const auto& other = place.cast<const LayoutObject&>();
-  if (&other == &layout || are_same(other.layout.transducers, layout.layout.transducers)) return;
-  if (is_in_world(other) && is_in_world(layout)) return;
-  throw bad_usage(fmt::format(
-      "{}: these points are in the frame of {}, but {} takes points in its own: convert them, and give a plain array",
-      name, name_of(other), name_of(layout)));
 }
 
 void refuse_other_frame(const std::string& name, py::handle points) {
-  const py::object place = place_of(points);
-  if (!py::isinstance<LayoutObject>(place)) return;
-  const auto& other = place.cast<const LayoutObject&>();
-  if (is_in_world(other)) return;
-  throw bad_usage(
-      fmt::format("{}: these points are in the frame of {}, but points in the world are taken here: "
-                  "convert them, and give a plain array",
-                  name, name_of(other)));
+  for (const py::object& place : places_in(points)) {
+    if (!py::isinstance<LayoutObject>(place) || is_in_world(place.cast<const LayoutObject&>())) continue;
+    throw bad_usage(
+        fmt::format("{}: these points are in the frame of {}, but points in the world are taken here: "
+                    "convert them, and give a plain array",
+                    name, name_of(place.cast<const LayoutObject&>())));
+  }
+}
+
+py::object frame_of(const std::string& name, py::handle points) {
+  py::object frame;
+  for (const py::object& place : places_in(points)) {
+    if (frame && !are_in_one_frame(frame, place)) {
+      throw bad_usage(fmt::format("{}: these points are in different frames, {} and {}: convert some of them", name,
+                                  name_of_frame(frame), name_of_frame(place)));
+    }
+    if (!frame) frame = place;
+  }
+  return frame;
 }
 
 array::Drive drive_of_layout(const std::string& name, py::handle drive, const LayoutObject& layout) {

@@ -19,6 +19,12 @@ py::array in_world(const py::array& points);
 /// Points in the layout's own frame, or drives of its transducers.
 py::array of_layout(const py::array& array, const std::shared_ptr<LayoutObject>& layout);
 
+/// Where these points belong: "world", a Layout, or null if it is not known. Like the functions below, looks at Places,
+/// and into lists and tuples of arrays. Throws bad_usage if they belong to different frames.
+py::object frame_of(const std::string& name, py::handle points);
+/// Points of such a frame.
+py::array in_frame(const py::array& points, const py::object& frame);
+
 /// Throws bad_usage, naming `name` and both frames, for points that are known to be in another frame than the layout's.
 void refuse_other_frame(const std::string& name, py::handle points, const LayoutObject& layout);
 /// The same for points that must be in the world.

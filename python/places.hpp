@@ -15,6 +15,7 @@ namespace py = pybind11;
 /// `palpa.Places`, as plane() and line() make them.
 struct PlacesObject {
   setup::Places places;
+  py::object frame{};  ///< that of the points they were made from; see placed.hpp
   /// The shape of an array with one entry per place: (rows, columns) of a plane, otherwise (n,).
   std::vector<py::ssize_t> shape() const;
 };

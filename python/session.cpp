@@ -196,7 +196,7 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
   std::vector<sensing::DepthFrame> images;
   if (depth.is_none()) {
     refuse_other_frame("skin", skin);
-    points = setup::skin_points("skin", points_of("skin", skin)).points;
+    points = skin_of_frame(o, "skin", skin);
   } else {
     const std::vector<sensing::Camera>& cameras = session.setting().cameras;
     if (!is_list(depth) || py::len(depth) != cameras.size())

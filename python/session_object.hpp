@@ -17,9 +17,11 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/outputs.hpp"
 #include "layout.hpp"
 #include "own.hpp"
 #include "running.hpp"
+#include "sensing/skin_point.hpp"
 #include "session/points_run.hpp"
 #include "session/session.hpp"
 #include "session/watch/events.hpp"
@@ -58,6 +60,7 @@ struct Run {
   std::exception_ptr fault;                             ///< of the engine
   std::optional<py::error_already_set> callback_fault;  ///< of a callback, which ended the run
   std::shared_ptr<StatsObject> stats;
+  std::vector<Output> written;    ///< by the runs so far
   py::object on_frame, on_event;  ///< only during a run
   std::thread thread;
   std::shared_ptr<session::PushedPoints> points;  ///< of a session from points, while it runs
@@ -70,6 +73,7 @@ struct SessionObject {
   setup::LiveOptions options;
   py::object layout;  ///< as it was given: a Layout without a file is known as long as it lives
   bool has_cameras = false;
+  std::atomic<bool> knows_size{false};  ///< of its skin, which is looked at once
   std::shared_ptr<LayoutObject> array;  ///< frame by frame, if there is one
   std::unique_ptr<session::Session> session;
   std::vector<EventObject> events;
@@ -81,6 +85,9 @@ struct SessionObject {
   bool live() const { return !options.source.empty(); }
   bool from_points() const { return options.source == "points"; }
 };
+
+/// Points of a frame, which `name` stands for. Warns once of points in another unit than metres.
+std::vector<sensing::SkinPoint> skin_of_frame(SessionObject& session, const std::string& name, const py::object& given);
 
 /// One call at a time. The interpreter's lock is released while this thread waits, because another call may need it for
 /// a function of the caller's. Throws bad_usage if such a function calls its own session.

@@ -4,7 +4,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -21,7 +20,6 @@
 #include "module.hpp"
 #include "options.hpp"
 #include "placed.hpp"
-#include "places.hpp"
 #include "running.hpp"
 #include "setup/load.hpp"
 #include "setup/values.hpp"
@@ -78,6 +76,16 @@ void set_scene(const SceneObject& scene, setup::FrameOptions& options) {
   }
 }
 
+const SceneObject* loaded_scene(const py::object& scene, const py::kwargs& kwargs,
+                                std::initializer_list<const char*> keywords) {
+  if (!py::isinstance<SceneObject>(scene)) return nullptr;
+  for (const char* keyword : keywords) {
+    if (kwargs.contains(keyword) && !kwargs[keyword].is_none())
+      throw bad_usage(fmt::format("{} goes with the path of a scene; a Scene has its own", keyword));
+  }
+  return &scene.cast<const SceneObject&>();
+}
+
 std::size_t solid_index(const SceneObject& scene, const py::object& key) {
   if (py::isinstance<py::str>(key)) {
     const std::string name = bytes_of("solid", key);
@@ -93,21 +101,6 @@ std::size_t solid_index(const SceneObject& scene, const py::object& key) {
   if (index < -count || index >= count)
     throw py::index_error(fmt::format("the scene has {}", counted(scene.solids.size(), "solid")));
   return static_cast<std::size_t>(index < 0 ? index + count : index);
-}
-
-std::vector<py::ssize_t> PlacesObject::shape() const {
-  if (places.grid) return {places.grid->rows, places.grid->columns};
-  return {static_cast<py::ssize_t>(places.points.size())};
-}
-
-PlacesObject places_of(const std::string& name, py::handle value) {
-  if (py::isinstance<PlacesObject>(value)) return value.cast<const PlacesObject&>();
-  const bool pair = py::isinstance<py::tuple>(value) && py::len(value) == 2;
-  if (py::isinstance<MeshObject>(value) || pair || path_of(value)) {
-    NamedMesh mesh = mesh_of(name, value);
-    return {setup::point_places(std::move(mesh.mesh.positions), std::move(mesh.mesh.triangles))};
-  }
-  return {setup::point_places(points_of(name, value))};
 }
 
 namespace {
@@ -174,6 +167,22 @@ std::shared_ptr<SceneObject> load_scene(const py::object& file, const py::kwargs
   scene->options = o.solids;
   allow_outside_references(o.common.allow_outside);
   scene->solids = cancellable([&] { return setup::load_solids(*path, o.gltf_scene, o.solids); });
+  return scene;
+}
+
+/// A pickled scene. A forked process cannot load it, but if that were refused here, a multiprocessing.Pool would lose
+/// the task and wait for ever. So it is without solids there, and refused when it is used.
+std::shared_ptr<SceneObject> restored_scene(const py::object& given, const py::kwargs& keywords) {
+  if (is_own_process()) return load_scene(given, keywords);
+  auto scene = std::make_shared<SceneObject>();
+  scene->source = path_of(given).value_or("");
+  scene->given = given;
+  scene->keywords = keywords;
+  return scene;
+}
+
+const SceneObject& loaded(const SceneObject& scene) {
+  if (scene.solids.empty()) refuse_fork();
   return scene;
 }
 
@@ -355,16 +364,16 @@ BadInput
              return py::make_tuple(py::module_::import("palpa._pickle").attr("scene"),
                                    py::make_tuple(o.given, o.keywords));
            })
-      .def("__len__", [](const SceneObject& o) { return o.solids.size(); })
+      .def("__len__", [](const SceneObject& o) { return loaded(o).solids.size(); })
       .def("__getitem__",
            [](const std::shared_ptr<SceneObject>& o, const py::object& key) {
-             return SolidObject{o, solid_index(*o, key)};
+             return SolidObject{o, solid_index(loaded(*o), key)};
            })
       .def_property_readonly(
           "solids",
           [](const std::shared_ptr<SceneObject>& o) {
             std::vector<SolidObject> all;
-            for (std::size_t i = 0; i < o->solids.size(); ++i)
+            for (std::size_t i = 0; i < loaded(*o).solids.size(); ++i)
               all.push_back({o, i});
             return all;
           },
@@ -377,111 +386,14 @@ BadInput
       });
 }
 
-setup::Plane plane_word(const std::string& word) {
-  for (const auto& entry : setup::plane_words) {
-    if (word == entry.word) return entry.value;
-  }
-  throw bad_usage(fmt::format("plane: '{}' is not one of xy, xz, yz", printable(word, 60)));
-}
-
-std::array<double, 2> two_numbers(const char* name, const py::object& value) {
-  const std::vector<double> numbers = numbers_of(name, value);
-  if (numbers.size() != 2) throw bad_usage(fmt::format("{}: give two numbers, right and up", name));
-  return {numbers[0], numbers[1]};
-}
-
-std::uint32_t pixel_count(double number) {
-  constexpr double most = 65536;
-  if (!(number >= 1 && number <= most) || number != static_cast<double>(static_cast<std::uint32_t>(number)))
-    throw bad_usage(fmt::format("pixels: {} is not a whole number from 1 to 65536", number));
-  return static_cast<std::uint32_t>(number);
-}
-
-PlacesObject make_plane(const std::string& plane, const py::object& centre, const py::object& size,
-                        const py::object& pixels) {
-  setup::Grid grid{.plane = plane_word(plane)};
-  if (!centre.is_none()) grid.centre = point_of("centre", centre);
-  const auto [right, up] = two_numbers("size", size);
-  grid.size_m = {right, up};
-  if (!pixels.is_none()) {
-    const auto [columns, rows] = two_numbers("pixels", pixels);
-    grid.columns = pixel_count(columns);
-    grid.rows = pixel_count(rows);
-  }
-  return {unlocked([&] { return setup::plane_places(grid); })};
-}
-
-void add_places_class(py::module_& m) {
-  py::class_<PlacesObject, std::shared_ptr<PlacesObject>>(m, "Places",
-                                                          "Places for Layout.field, made by plane() and line().")
-      .def_property_readonly(
-          "points", [](const py::object& self) { return shown(self.cast<PlacesObject&>().places.points, self); },
-          "ndarray of float64, shape (n, 3): metres; of a plane row by row from the top; read-only, not copied.")
-      .def_property_readonly(
-          "shape", [](const PlacesObject& o) { return py::tuple(py::cast(o.shape())); },
-          "tuple of int: the shape of a field at these places, (rows, columns) or (n,).")
-      .def_property_readonly(
-          "extent",
-          [](const PlacesObject& o) -> py::object {
-            if (!o.places.grid) return py::none();
-            const setup::Grid& g = *o.places.grid;
-            const bool first_y = g.plane == setup::Plane::yz;
-            const double right = first_y ? g.centre.y : g.centre.x;
-            const double up = g.plane == setup::Plane::xy ? g.centre.y : g.centre.z;
-            return py::make_tuple(right - g.size_m.x / 2, right + g.size_m.x / 2, up - g.size_m.y / 2,
-                                  up + g.size_m.y / 2);
-          },
-          "tuple of float or None: left, right, bottom, top of a plane in metres, as matplotlib's imshow takes them.")
-      .def("__len__", [](const PlacesObject& o) { return o.places.points.size(); })
-      .def("__repr__", [](const PlacesObject& o) {
-        return fmt::format("<palpa.Places: {}>", o.places.grid
-                                                     ? counted(o.places.points.size(), "pixel") + " of a plane"
-                                                     : counted(o.places.points.size(), "sample") + " of a line");
-      });
-  m.def("plane", &make_plane, py::arg("plane"), py::kw_only(), py::arg("centre") = py::none(), py::arg("size"),
-        py::arg("pixels") = py::none(), R"(Places on a plane, at the centres of pixels.
-
-Parameters
-----------
-plane : {"xy", "xz", "yz"}
-    The axes that run to the right and up.
-centre : array_like, shape (3,), optional
-    Metres, in the layout's own frame. The default is the origin.
-size : (float, float)
-    Width and height, metres.
-pixels : (int, int), optional
-    Columns and rows. The default is square pixels, 256 on the longer side.
-
-Returns
--------
-Places
-    A field there has the shape (rows, columns), rows from the top.)");
-  m.def(
-      "line",
-      [](const py::object& start, const py::object& end, std::uint32_t samples) {
-        return PlacesObject{setup::line_places(point_of("start", start), point_of("end", end), samples)};
-      },
-      py::arg("start"), py::arg("end"), py::kw_only(), py::arg("samples") = 201,
-      R"(Places on a line, both ends included.
-
-Parameters
-----------
-start, end : array_like, shape (3,)
-    Metres, in the layout's own frame.
-samples : int, optional
-    At least 2.
-
-Returns
--------
-Places)");
-}
-
 }  // namespace
 
 void add_shapes(py::module_& m) {
   add_mesh(m);
   add_scene(m);
-  add_places_class(m);
+  m.def("_restore_scene", [](const py::object& given, const py::dict& keywords) {
+    return restored_scene(given, py::reinterpret_borrow<py::kwargs>(keywords));
+  });
 }
 
 }  // namespace palpa::python

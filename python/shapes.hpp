@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,11 @@ struct SceneObject {
 
 /// Lets a run load the scene's file again, or use its solids, if there is none.
 void set_scene(const SceneObject& scene, setup::FrameOptions& options);
+
+/// The Scene, or null for anything else. Its file is read again, as it was read for the Scene. Throws bad_usage if a
+/// keyword says how to read it.
+const SceneObject* loaded_scene(const py::object& scene, const py::kwargs& kwargs,
+                                std::initializer_list<const char*> keywords);
 
 /// `palpa.Solid`: one of a scene, which it keeps alive.
 struct SolidObject {

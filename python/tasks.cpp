@@ -2,7 +2,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <atomic>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -18,12 +17,10 @@
 #include "base/reference.hpp"
 #include "base/text.hpp"
 #include "driver/sources.hpp"
-#include "exported.hpp"
 #include "geometry/gltf/write.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "running.hpp"
-#include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "setup/options.hpp"
 #include "setup/tasks/background.hpp"
@@ -35,18 +32,6 @@
 
 namespace palpa::python {
 namespace {
-
-/// The Scene, or null for anything else. Its file is read again, as it was read for the Scene. Throws bad_usage if a
-/// keyword says how to read it.
-const SceneObject* loaded_scene(const py::object& scene, const py::kwargs& kwargs,
-                                std::initializer_list<const char*> keywords) {
-  if (!py::isinstance<SceneObject>(scene)) return nullptr;
-  for (const char* keyword : keywords) {
-    if (kwargs.contains(keyword) && !kwargs[keyword].is_none())
-      throw bad_usage(fmt::format("{} goes with the path of a scene; a Scene has its own", keyword));
-  }
-  return &scene.cast<const SceneObject&>();
-}
 
 // ---- parts ----------------------------------------------------------------------------------------------------------
 
@@ -324,175 +309,12 @@ void add_calibration(py::module_& m) {
   m.def("write_nudged_rig", &write_nudged_rig, py::arg("file"), py::arg("offset"), nudged.c_str());
 }
 
-// ---- recordings -----------------------------------------------------------------------------------------------------
-
-struct RecordingObject {
-  std::string source;
-  sensing::Recording recording;
-};
-
-py::list images_of(const RecordingObject& o, py::ssize_t index) {
-  const auto count = static_cast<py::ssize_t>(o.recording.entries.size());
-  if (index < -count || index >= count)
-    throw py::index_error(fmt::format("the recording has {}", counted(o.recording.entries.size(), "frame")));
-  sensing::FrameSet set;
-  unlocked([&] { sensing::read_entry(o.recording, static_cast<std::size_t>(index < 0 ? index + count : index), set); });
-  py::list images;
-  for (std::size_t camera = 0; camera < set.frames.size(); ++camera) {
-    const sensing::Camera& of = o.recording.cameras[camera];
-    py::array_t<std::uint16_t> image({static_cast<py::ssize_t>(of.height), static_cast<py::ssize_t>(of.width)},
-                                     set.frames[camera].depth.data());
-    images.append(sealed(std::move(image)));
-  }
-  return images;
-}
-
-struct ExportArguments {
-  setup::ExportTask task;
-};
-void add_export_options(CLI::App& app, ExportArguments& o) {
-  const setup::Group group(app, "What to export");
-  setup::add_frame_options(group, o.task, "number of frames to export; 0 exports all until the source ends");
-  group.text("--foci", o.task.foci, "FILE", "writes the foci of each frame, as .csv or .json");
-  group.text("--drives", o.task.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");
-  setup::add_session_options(app, o.task, setup::FingerMesh::unknown, "--foci-count");
-  setup::add_common(app, o.task.common);
-}
-constexpr std::initializer_list<const char*> not_exported = {"--scene", "--source", "--json", "--quiet", "--log-level"};
-
-Declared<ExportArguments>& export_options() {
-  static auto* const options = new Declared<ExportArguments>("export", add_export_options, not_exported);
-  return *options;
-}
-
-std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::object& source,
-                                            const py::kwargs& kwargs) {
-  refuse_fork();
-  ExportArguments o = export_options().read(kwargs);
-  if (py::isinstance<RecordingObject>(source)) {
-    o.task.source = "recording:" + source.cast<const RecordingObject&>().source;
-  } else {
-    o.task.source = file_of("source", source);
-  }
-  if (const SceneObject* const loaded =
-          loaded_scene(scene, kwargs, {"gltf_scene", "surface", "parts", "internal_faces"})) {
-    set_scene(*loaded, o.task);
-  } else {
-    o.task.scene = file_of("scene", scene);
-  }
-  o.task.common.quiet = true;  // a bar on a terminal would be printing
-  const std::vector<session::SourceKind> sources = driver::camera_sources();
-  setup::check(o.task, sources, true);
-  auto made = std::make_shared<ExportObject>();
-  std::atomic<bool> stop{false};
-  run_beside(stop, [&] {
-    const bool writes_events = !o.task.events.starts_with("udp:");
-    const Outputs outputs({{"--foci", o.task.foci},
-                           {"--drives", o.task.drives},
-                           {"--events", writes_events ? o.task.events : std::string()}});
-    o.task.common.device = setup::kept_device(o.task.common);
-    setup::FocusRows rows;
-    session::Link* link = &rows;
-    made->result = setup::ExportRun(o.task, sources, stop, {&link, 1}).run();
-    made->rows = rows.rows();
-  });
-  return made;
-}
-
-py::dict foci_table(const ExportObject& o) {
-  const auto count = static_cast<py::ssize_t>(o.rows.size());
-  py::dict table;
-  const auto whole = [&](const char* key, auto get) {
-    py::array_t<std::int64_t> column(count);
-    for (std::size_t i = 0; i < o.rows.size(); ++i)
-      column.mutable_data()[i] = static_cast<std::int64_t>(get(o.rows[i]));
-    table[key] = sealed(std::move(column));
-  };
-  const auto real = [&](const char* key, auto get) {
-    py::array_t<double> column(count);
-    for (std::size_t i = 0; i < o.rows.size(); ++i)
-      column.mutable_data()[i] = double{get(o.rows[i])};
-    table[key] = sealed(std::move(column));
-  };
-  using Row = setup::FocusRow;
-  whole("slot", [](const Row& r) { return r.slot; });
-  real("time", [](const Row& r) { return r.time_s; });
-  whole("finger", [](const Row& r) { return r.finger; });
-  whole("solid", [](const Row& r) { return r.solid; });
-  whole("focus", [](const Row& r) { return r.focus; });
-  real("x", [](const Row& r) { return r.position.x; });
-  real("y", [](const Row& r) { return r.position.y; });
-  real("z", [](const Row& r) { return r.position.z; });
-  real("gain", [](const Row& r) { return r.gain; });
-  return table;
-}
-
-void add_recording(py::module_& m) {
-  py::class_<RecordingObject>(m, "Recording", recording_doc)
-      .def(py::init([](const py::object& folder) {
-             const std::string path = file_of("folder", folder);
-             return std::make_unique<RecordingObject>(
-                 RecordingObject{path, unlocked([&] { return sensing::load_recording(path); })});
-           }),
-           py::arg("folder"))
-      .def_property_readonly(
-          "source", [](const RecordingObject& o) { return shown_text(o.source); }, "str: its folder.")
-      .def("__len__", [](const RecordingObject& o) { return o.recording.entries.size(); })
-      .def_property_readonly(
-          "cameras",
-          [](const RecordingObject& o) {
-            std::vector<std::string> names;
-            for (const sensing::Camera& camera : o.recording.cameras)
-              names.push_back(camera.name);
-            return names;
-          },
-          "list of str: the names of its cameras.")
-      .def_property_readonly(
-          "times",
-          [](const RecordingObject& o) {
-            std::vector<double> times;
-            for (const sensing::Recording::Entry& entry : o.recording.entries)
-              times.push_back(entry.time_s);
-            return copied(std::span<const double>(times));
-          },
-          "ndarray of float64, shape (n,): capture times, seconds.")
-      .def("images", &images_of, py::arg("frame"), images_doc)
-      .def("__reduce__",
-           [](const py::object& self) {
-             return py::make_tuple(py::type::of(self), py::make_tuple(self.cast<const RecordingObject&>().source));
-           })
-      .def("__repr__", [](const RecordingObject& o) {
-        return shown_text(fmt::format("<palpa.Recording {}: {} of {}>", o.source,
-                                      counted(o.recording.entries.size(), "frame"),
-                                      counted(o.recording.cameras.size(), "camera")));
-      });
-  py::class_<ExportObject, std::shared_ptr<ExportObject>>(m, "Export", "The foci of all frames of a source.")
-      .def_property_readonly(
-          "foci", &foci_table,
-          "dict: one array per column, one entry per focus of a frame: slot, time (s), finger, solid, "
-          "focus, x, y, z (m, world), gain. pandas.DataFrame(export.foci) is a table.")
-      .def_property_readonly(
-          "frames", [](const ExportObject& o) { return o.result.stats.frames; }, "int")
-      .def_property_readonly(
-          "slot", [](const ExportObject& o) { return o.result.stats.slot_s; }, "float: seconds of one drive.")
-      .def(
-          "json", [](const ExportObject& o) { return setup::to_json(o.result); },
-          "str: what `palpa export --json` writes.")
-      .def("__repr__", [](const ExportObject& o) {
-        return fmt::format("<palpa.Export: {}, {}>", counted(o.result.stats.frames, "frame"),
-                           counted(o.rows.size(), "row"));
-      });
-  const std::string doc = export_options().documented(export_doc);
-  m.def("export", &export_frames, py::arg("scene"), py::arg("source"), doc.c_str());
-}
-
 }  // namespace
 
 void add_tasks(py::module_& m) {
   add_parts(m);
   add_calibration(m);
   add_background(m);
-  add_recording(m);
 }
 
 }  // namespace palpa::python

@@ -74,6 +74,7 @@ setup::TouchInput depth_arrays(const std::vector<py::object>& images, const setu
     input.frames.push_back(std::move(frame));
   }
   input.point_count = sensing::count_valid(input.cameras, input.frames);
+  setup::warn_of_min_range(input);
   return input;
 }
 
@@ -100,6 +101,7 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
   if (skin.is_none() || is_text_or_path(skin)) {
     return unlocked([&] { return setup::load_touch_input(o, scene.solids); });
   }
+  setup::warn_of_skin("skin:", points);
   if (o.penetration_m && !points.empty()) {
     const double dy = setup::lowering(scene.solids, points, *o.penetration_m);
     for (Vec3& point : points)

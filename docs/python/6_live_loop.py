@@ -36,10 +36,11 @@ stats = session.run(frames=60, on_frame=on_frame, on_event=on_event)
 print(stats, stats.drives, "drives,", stats.silent_drives, "silent")
 
 # %% [markdown]
-# While a session runs in the background, any thread may move solids and change the loudness, without waiting.
+# While a session runs in the background, any thread may move solids and change the loudness, without waiting. A session
+# does not replace the file of its first run, so this is another one, with a file of its own.
 
 # %%
-with session:
+with palpa.Session(scene, source="synthetic", link=f"record:{folder}/softer.bin", every_frame=True, backend="cpu") as session:
     session.start(frames=30)
     session.set_gain(0.5)
     session.set_pose("cube", [[1, 0, 0, 0], [0, 1, 0, -0.002], [0, 0, 1, 0], [0, 0, 0, 1]])

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -11,6 +12,7 @@
 #include <toml++/toml.h>
 
 #include "base/input_file.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace palpa {
@@ -21,6 +23,7 @@ struct TomlTable::Document {
   /// The fault of a file that gives a key twice; empty otherwise. `root` is then the file without the second. It may be
   /// any file, and then nothing of it must be shown, so `twice_named` is for a file that has a key which is asked for.
   std::string twice{}, twice_named{};
+  bool has_lines = true;
 };
 
 namespace {
@@ -157,6 +160,19 @@ std::optional<Second> find_first(std::string_view text, std::uint32_t second_lin
   return std::nullopt;
 }
 
+/// 0 if there is none.
+std::uint64_t line_that_is_not_utf8(std::string_view text) {
+  std::uint64_t line = 1;
+  while (!text.empty()) {
+    const auto c = static_cast<unsigned char>(text.front());
+    const std::size_t length = c < 0x80 ? 1 : utf8_length(text);
+    if (length == 0) return line;
+    if (c == '\n') ++line;
+    text.remove_prefix(length);
+  }
+  return 0;
+}
+
 }  // namespace
 
 TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits) {
@@ -164,10 +180,15 @@ TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view wh
 }
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::string_view what,
-                           const TomlLimits& limits) {
+                           const TomlLimits& limits, bool has_lines) {
   guard_toml(text, file, limits);
+  if (const std::uint64_t line = line_that_is_not_utf8(text); line != 0) {
+    throw bad_input(file,
+                    fmt::format("line {}: not TOML: it has bytes that are not UTF-8; save the file as UTF-8", line));
+  }
   try {
-    const auto document = std::make_shared<const Document>(Document{file, toml::parse(text)});
+    const auto document =
+        std::make_shared<const Document>(Document{.file = file, .root = toml::parse(text), .has_lines = has_lines});
     return {document, &document->root, std::string(what)};
   } catch (const toml::parse_error& error) {
     // Its description would quote the file, which is untrusted and may contain anything.
@@ -281,10 +302,23 @@ const void* TomlTable::need(std::string_view key) {
   const void* node = find(key);
   if (node == nullptr) {
     refuse_twice();
+    refuse_misspelt(key);
     throw fault(
         key, name_.starts_with('[') ? fmt::format("{} {} is missing", name_, key) : fmt::format("{} is missing", key));
   }
   return node;
+}
+
+void TomlTable::refuse_misspelt(std::string_view key) const {
+  for (const auto& [name, value] : as_table(table_)) {
+    const std::string word(name.str());
+    if (std::ranges::any_of(asked_, [&](const Asked& asked) { return asked.key == word; })) continue;
+    // A short key with another letter is another key: fy for fx.
+    constexpr std::size_t shortest = 4;
+    if (key.size() < shortest && word.size() == key.size()) continue;
+    if (nearest_word(word, std::array{std::string(key)}).empty()) continue;
+    throw fault(word, fmt::format("unknown key {} in {}; did you mean {}?", printable(word, 40), name_, key));
+  }
 }
 
 std::string TomlTable::place(std::string_view key) const {
@@ -292,7 +326,7 @@ std::string TomlTable::place(std::string_view key) const {
   const auto found = table.find(key);
   const std::uint32_t line = found == table.end() ? table.source().begin.line : line_of(found->first, found->second);
   // The top level has no line where it begins.
-  const bool placed = line != 0 && (found != table.end() || table_ != &document_->root);
+  const bool placed = document_->has_lines && line != 0 && (found != table.end() || table_ != &document_->root);
   return placed ? fmt::format("{}: line {}", document_->file, line) : document_->file;
 }
 

@@ -47,9 +47,10 @@ class TomlTable {
  public:
   /// Reads a regular file; `what` names its kind in messages: "a rig".
   static TomlTable load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits = {});
-  /// The same from a text; `file` is its source, for messages.
+  /// The same from a text; `file` is its source, for messages. Without `has_lines`, nobody has seen the text, and
+  /// messages name no lines of it.
   static TomlTable parse(std::string_view text, const std::string& file, std::string_view what,
-                         const TomlLimits& limits = {});
+                         const TomlLimits& limits = {}, bool has_lines = true);
 
   bool has(std::string_view key);
   /// All keys, in the file's order.
@@ -93,6 +94,8 @@ class TomlTable {
   void ask(std::string_view key, bool read);
   /// Throws for a file that gives a key twice.
   void refuse_twice() const;
+  /// Throws for a key that is not known so far and may stand for this one, which is missing.
+  void refuse_misspelt(std::string_view key) const;
   /// These return toml++'s nodes.
   const void* find(std::string_view key);
   const void* need(std::string_view key);

@@ -61,6 +61,10 @@ std::string chosen_drivers() {
     }
     return fmt::format("{} allows only the drivers of {}: name others, or unset it", name, printable(value, 200));
   }
+  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
+    if (std::getenv(name) != nullptr)
+      return fmt::format("{} is set, but empty, and so names no driver: unset it", name);
+  }
   for (const char* name : {"VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"}) {
     if (const char* const value = std::getenv(name); value != nullptr && *value != '\0')
       return fmt::format("{} is {}, which may leave out the drivers: unset it", name, printable(value, 200));

@@ -29,6 +29,13 @@ std::string implausible_unit(double depth_unit_m) {
       depth_unit_m, depth_unit_m, depth_unit_m * std::numeric_limits<std::uint16_t>::max());
 }
 
+std::string implausible_range(double min_range_m) {
+  constexpr double largest = 5;
+  if (min_range_m <= largest) return {};
+  return fmt::format("min_range_m = {:g} makes all depths below {:g} m no data; if it is in millimetres, write {:g}",
+                     min_range_m, min_range_m, min_range_m / 1000);
+}
+
 Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth) {
   const double z = depth * camera.depth_unit_m;
   const Vec2 n = undistort(camera, {u, v});

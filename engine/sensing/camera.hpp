@@ -53,6 +53,9 @@ struct Camera {
   DeviceSetting device{};
 };
 
+/// Why a camera hardly has this least distance, and what may be meant; empty if it is plausible.
+std::string implausible_range(double min_range_m);
+
 /// Why depths in steps of this unit are implausible, and what would be usual; empty if they are not.
 std::string implausible_unit(double depth_unit_m);
 

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
@@ -151,7 +152,12 @@ void list_patterns(TomlTable& table, ReferenceFolder& folder, std::optional<std:
     patterns.push_back(*pattern);
   }
   const std::uint64_t first = table.has("first") ? table.whole("first", 0, 1'000'000'000) : 0;
-  if (!frames && table.has("count")) frames = table.whole("count", 1, most_frames);
+  if (table.has("count")) {
+    const std::uint64_t count = table.whole("count", 1, most_frames);
+    if (frames && count > *frames)
+      throw table.fault("count", fmt::format("count is {}, but times has {}", count, counted(*frames, "line")));
+    frames = count;
+  }
   if (!frames) {  // as many as exist
     const auto complete = [&](std::uint64_t frame) {
       return std::all_of(patterns.begin(), patterns.end(), [&](const Pattern& p) {
@@ -161,6 +167,15 @@ void list_patterns(TomlTable& table, ReferenceFolder& folder, std::optional<std:
     frames = 0;
     while (*frames < most_frames && complete(*frames))
       ++*frames;
+    constexpr std::uint64_t widest_gap = 1000;
+    for (std::uint64_t gap = 1; *frames > 0 && *frames < most_frames && gap <= widest_gap; ++gap) {
+      if (!complete(*frames + gap)) continue;
+      log::warning(fmt::format(
+          "{}: the recording ends after {}, because an image of number {} is missing, but there are images of number "
+          "{}; put it there, or list the frames with [[frame]] tables",
+          table.place("files"), counted(*frames, "frame"), first + *frames, first + *frames + gap));
+      break;
+    }
     for (std::size_t i = 0; *frames == 0 && i < patterns.size(); ++i) {
       const std::filesystem::path file = folder.find(patterns[i].name(first), "files");
       const std::string fault = fault_of(file);
@@ -197,6 +212,25 @@ void list_frames(std::vector<TomlTable>& tables, ReferenceFolder& folder, Record
   }
 }
 
+/// Warns if times are probably in another unit than seconds. `rate_hz`: what the file says; 0 if it says nothing.
+void warn_of_times(const Recording& recording, double rate_hz) {
+  constexpr double longest_step_s = 5, most_apart = 100;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < recording.entries.size(); ++i)
+    steps.push_back(recording.entries[i].time_s - recording.entries[i - 1].time_s);
+  if (steps.empty()) return;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double ratio = rate_hz > 0 ? *middle * rate_hz : 1;
+  const bool contradicts = ratio > most_apart || ratio < 1 / most_apart;
+  if (!contradicts && *middle <= longest_step_s) return;
+  log::warning(
+      fmt::format("{}: its frames are {:.3g} s apart{}; if the times are in another unit, convert them: they "
+                  "must be in seconds",
+                  recording.file, *middle,
+                  contradicts ? fmt::format(", but its rate_hz of {:g} means {:.3g} s", rate_hz, 1 / rate_hz) : ""));
+}
+
 /// At a constant rate: frame n at n / rate.
 void spread_times(double rate_hz, Recording& recording) {
   for (std::size_t i = 0; i < recording.entries.size(); ++i) {
@@ -230,6 +264,7 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
     list_frames(frames, folder, recording);
   } else {
     list_patterns(*table, folder, times ? std::optional<std::uint64_t>(times->rows.size()) : std::nullopt, recording);
+    if (times) times->rows.resize(recording.entries.size());  // `count` may be smaller
   }
   if (times && times->rows.size() != recording.entries.size()) {
     throw table->fault("times", fmt::format("times has {} for {}", counted(times->rows.size(), "line"),
@@ -242,7 +277,8 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
 
   for (std::size_t i = 0; times && i < recording.entries.size(); ++i)
     recording.entries[i].times_s = times->rows[i];
-  if (recording.entries.front().times_s.empty()) {
+  const bool has_times = !recording.entries.front().times_s.empty();
+  if (!has_times) {
     if (!(rate_hz > 0)) throw bad_input(recording.file, "rate_hz is missing: neither times nor rate are given");
     spread_times(rate_hz, recording);
   }
@@ -252,6 +288,7 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
     entry.time_s = *std::min_element(entry.times_s.begin(), entry.times_s.end());
     entry.sequence = times ? times->sequences[i] : i;
   }
+  if (has_times) warn_of_times(recording, rate_hz);
   return recording;
 }
 

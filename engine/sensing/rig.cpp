@@ -162,6 +162,8 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   if (const std::string odd = implausible_unit(camera.depth_unit_m); !odd.empty())
     log::warning(fmt::format("{}: {}", table.place("depth_unit_m"), odd));
   camera.min_range_m = table.number_or("min_range_m", 0, 0, most_metres);
+  if (const std::string odd = implausible_range(camera.min_range_m); !odd.empty())
+    log::warning(fmt::format("{}: {}", table.place("min_range_m"), odd));
   camera.rate_hz = table.number_or("rate_hz", 0, 0, 1e6);
   if (table.has("T_world_camera")) camera.T_world_camera = plausible_pose(table, "T_world_camera");
   if (table.has("residual_m")) camera.residual_m = table.number("residual_m", 0, 1);
@@ -267,7 +269,7 @@ std::string to_toml(const Camera& camera) {
 }
 
 void check_camera(const Camera& camera, const std::string& name) {
-  TomlTable root = TomlTable::parse(to_toml(camera), name, "a camera");
+  TomlTable root = TomlTable::parse(to_toml(camera), name, "a camera", {}, false);
   read_cameras(root, {});
 }
 

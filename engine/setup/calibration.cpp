@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/synthetic.hpp"
@@ -58,7 +59,9 @@ std::uint64_t take_frames(sensing::DepthSource& source, std::uint64_t frames,
   sensing::FrameSet set;
   std::uint64_t taken = 0;
   double waited_s = 0;
+  const std::atomic<bool>* const stop = cancel_flag();
   while (taken < frames && source.next(set, step_s)) {
+    stop_if_cancelled(stop);
     if (set.frames.empty()) {
       waited_s += step_s;
       if (waited_s > patience_s) throw failure(fmt::format("--source: no frame came for {} s", patience_s));

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
-#include "setup/nearest_word.hpp"
 
 namespace palpa::setup {
 namespace {

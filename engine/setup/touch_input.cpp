@@ -30,18 +30,43 @@ double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> p
   return all.high.y - penetration - lowest;
 }
 
-namespace {
-
-/// Fewer points need not show how large something is.
-constexpr std::size_t points_of_a_scan = 100;
-
-TouchInput load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
-  std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
+bool warn_of_skin(const std::string& name, std::span<const Vec3> positions) {
+  // Fewer points need not show how large something is.
+  constexpr std::size_t points_of_a_scan = 100;
+  if (positions.size() < points_of_a_scan) return false;
   Box box;
   for (const Vec3& position : positions)
     box.add(position);
-  if (const std::string odd = geometry::implausible_size(box); positions.size() >= points_of_a_scan && !odd.empty())
-    log::warning(fmt::format("{}: its skin {}", options.points, odd));
+  if (const std::string odd = geometry::implausible_size(box); !odd.empty())
+    log::warning(fmt::format("{} {}", name, odd));
+  return true;
+}
+
+void warn_of_min_range(const TouchInput& input) {
+  constexpr double nearly_all = 0.99;
+  for (std::size_t i = 0; i < input.frames.size(); ++i) {
+    const sensing::Camera& camera = input.cameras[i];
+    if (!(camera.min_range_m > 0) || !sensing::implausible_range(camera.min_range_m).empty()) continue;
+    const std::uint32_t first = sensing::first_valid_depth(camera);
+    std::uint64_t depths = 0, near = 0, farthest = 0;
+    for (const std::uint16_t depth : input.frames[i].depth) {
+      depths += depth != 0 ? 1 : 0;
+      near += depth != 0 && depth < first ? 1 : 0;
+      farthest = std::max<std::uint64_t>(farthest, depth);
+    }
+    if (depths == 0 || static_cast<double>(near) < nearly_all * static_cast<double>(depths)) continue;
+    log::warning(fmt::format(
+        "camera \"{}\": its min_range_m = {:g} makes {} of the {} in its image no data: they reach to {:.3g} m",
+        printable(camera.name, 60), camera.min_range_m, near == depths ? "all" : fmt::to_string(near),
+        counted(depths, "depth"), static_cast<double>(farthest) * camera.depth_unit_m));
+  }
+}
+
+namespace {
+
+TouchInput load_points(const TouchInputOptions& options, std::span<const geometry::Solid> solids) {
+  std::vector<Vec3> positions = geometry::read_ply(options.points).positions;
+  warn_of_skin(options.points + ": its skin", positions);
   if (options.penetration_m && !positions.empty()) {
     const double dy = lowering(solids, positions, *options.penetration_m);
     for (Vec3& position : positions)
@@ -118,6 +143,7 @@ TouchInput load_depths(const TouchInputOptions& options) {
     input.frames.push_back(std::move(frame));
   }
   input.point_count = sensing::count_valid(input.cameras, input.frames);
+  warn_of_min_range(input);
   return input;
 }
 

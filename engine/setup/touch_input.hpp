@@ -45,6 +45,13 @@ struct TouchInput {
 /// coordinates outside the range of single precision.
 TouchInput skin_points(const std::string& file, std::span<const Vec3> positions);
 
+/// Warns, with this name in front, of skin that is probably in another unit than metres. False: too few points show
+/// nothing.
+bool warn_of_skin(const std::string& name, std::span<const Vec3> positions);
+
+/// Warns of cameras that see nearly nothing because of their min_range_m.
+void warn_of_min_range(const TouchInput& input);
+
 /// Reads the files of the skin. --penetration shifts the skin relative to the top of `solids`. Throws bad_input naming
 /// file and fault.
 TouchInput load_touch_input(const TouchInputOptions& options, std::span<const geometry::Solid> solids);

@@ -11,9 +11,9 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "setup/nearest_word.hpp"
 
 namespace palpa::sweep {
 namespace {
@@ -75,7 +75,7 @@ const setup::OptionInfo& option_of(const std::vector<setup::OptionInfo>& table, 
   keys.reserve(table.size());
   for (const setup::OptionInfo& option : table)
     keys.push_back(option.name.substr(2));
-  const std::string nearest = setup::nearest_word(key, keys);
+  const std::string nearest = nearest_word(key, keys);
   throw ValueFault{fmt::format("{} is not an option that a case can have{}", printable(key, 40),
                                nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest))};
 }

@@ -1,6 +1,7 @@
 #include "sweep/results.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace palpa::sweep {
@@ -134,6 +136,45 @@ std::vector<std::string> results_of(const std::string& json, const std::vector<s
   for (const std::string& path : paths)
     results.push_back(find(document, path));
   return results;
+}
+
+std::string name_fault(const std::string& json, const std::string& path) {
+  const Json document = parsed(json);
+  const Json* at = &document;
+  const std::vector<std::string> parts = parts_of(path);
+  std::string before;
+  for (std::size_t i = 0; i < parts.size() && !at->is_null(); ++i) {
+    const std::string& part = parts[i];
+    const bool last = i + 1 == parts.size();
+    std::vector<std::string> known;
+    if (at->is_object()) {
+      if (at->contains(part)) {
+        at = &(*at)[part];
+        before += part + '.';
+        continue;
+      }
+      for (const auto& item : at->items())
+        known.push_back(item.key());
+      if (last) known.emplace_back("count");
+    } else if (at->is_array()) {
+      if (const std::optional<std::size_t> index = index_of(part)) {
+        if (*index >= at->size()) return {};
+        at = &(*at)[*index];
+        before += part + '.';
+        continue;
+      }
+      if (last) known.assign(functions.begin(), functions.end());
+    }
+    if (std::ranges::find(known, part) != known.end()) return {};
+    const std::string nearest = nearest_word(part, known);
+    return fmt::format("results: {} has no {}; {}", before.empty() ? "a case" : before.substr(0, before.size() - 1),
+                       shortened(part, 40),
+                       !nearest.empty() ? fmt::format("did you mean {}{}?", before, nearest)
+                       : known.empty()
+                           ? "leave it out"
+                           : fmt::format("it has {}", shortened(fmt::to_string(fmt::join(known, ", ")), 200)));
+  }
+  return {};
 }
 
 std::string without_times(const std::string& json) {

@@ -24,6 +24,10 @@ std::string structure_fault(const std::string& path, const std::vector<Structure
 /// a list or an object, and says what would be right.
 std::vector<std::string> results_of(const std::string& json, const std::vector<std::string>& paths);
 
+/// What is wrong with a path that leads to nothing: the name that the JSON does not have, and the one that may be
+/// meant. Empty if the path leads to a value, to null, or beyond the end of a list, which other cases may have.
+std::string name_fault(const std::string& json, const std::string& path);
+
 /// The command's JSON in one line and without its times, which differ between runs.
 std::string without_times(const std::string& json);
 

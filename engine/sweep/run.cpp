@@ -16,6 +16,7 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/locked_bytes.hpp"
+#include "base/log.hpp"
 #include "base/sha256.hpp"
 #include "base/version.hpp"
 #include "gpu/handle.hpp"
@@ -204,14 +205,26 @@ class Sweep {
   }
 
   /// Throws bad_input if a path of the plan leads to no single value, which it would do in every case.
-  void keep(const std::string& json, CaseLine& line) const {
+  void keep(const std::string& json, CaseLine& line) {
     try {
       const std::vector<std::string> texts = results_of(json, plan_.results);
       for (std::size_t i = 0; i < texts.size() && !plan_.keep_everything; ++i)
         line.results.emplace_back(plan_.results[i], texts[i]);
       if (plan_.keep_everything) line.everything = without_times(json);
+      warn_of_names(json, texts);
     } catch (const Error& error) {
       throw bad_input(plan_.file, error.what());
+    }
+  }
+
+  /// Once for each path. The results that a plan has by default are not in every case.
+  void warn_of_names(const std::string& json, const std::vector<std::string>& texts) {
+    for (std::size_t i = 0; plan_.results_given && i < texts.size(); ++i) {
+      if (texts[i] != "null" || warned_.contains(plan_.results[i])) continue;
+      const std::string fault = name_fault(json, plan_.results[i]);
+      if (fault.empty()) continue;
+      warned_.insert(plan_.results[i]);
+      log::warning(fmt::format("{}: {}", plan_.file, fault));
     }
   }
 
@@ -245,6 +258,7 @@ class Sweep {
   std::vector<Case> todo_;
   std::unordered_map<std::string, State> states_;
   std::unordered_set<std::string> failed_elsewhere_;  ///< since this run began
+  std::unordered_set<std::string> warned_;            ///< paths of the plan
   Places places_;
   std::optional<LockedBytes> claims_;
   std::optional<Workbench> bench_;

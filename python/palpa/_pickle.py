@@ -2,11 +2,16 @@
 from . import _engine
 
 
-def restore(name, data):
-    """An object of this class."""
-    return _engine._restore(name, data)
+def restore(name, data, frame=None):
+    """An object of this class; `frame`: that of a Places."""
+    return _engine._restore(name, data, frame)
 
 
 def scene(given, options):
     """A scene, loaded again."""
-    return _engine.Scene(given, **options)
+    return _engine._restore_scene(given, options)
+
+
+def recording(folder):
+    """A recording, loaded again."""
+    return _engine._restore_recording(folder)

@@ -109,6 +109,25 @@ TEST(Toml, FaultsNameFileLineAndKey) {
   EXPECT_EQ(fault_of([&] { table.done(); }), "x: line 6: unknown key \\x01\\nf in a test; known: z, a, b, c, d, e");
 }
 
+TEST(Toml, AMisspeltKeyIsNamedBeforeTheOneThatIsMissing) {
+  TomlTable table = table_of("[t]\nfxx = 1\nfy = 2\nlayot = 3\nspeed = 4\nheigth = 5\n").table("t").value();
+  EXPECT_EQ(fault_of([&] { table.number("fx"); }), "x: line 2: unknown key fxx in [t]; did you mean fx?");
+  EXPECT_EQ(fault_of([&] { table.text("layout"); }), "x: line 4: unknown key layot in [t]; did you mean layout?");
+  EXPECT_EQ(fault_of([&] { table.number("height"); }), "x: line 6: unknown key heigth in [t]; did you mean height?");
+  // Another key, not a misspelt one.
+  TomlTable other = table_of("[t]\nfy = 2\nwidth = 3\n").table("t").value();
+  EXPECT_EQ(fault_of([&] { other.number("fx"); }), "x: line 1: [t] fx is missing");
+  EXPECT_EQ(fault_of([&] { other.number("height"); }), "x: line 1: [t] height is missing");
+  other.number("width");
+  EXPECT_EQ(fault_of([&] { other.number("width_"); }), "x: line 1: [t] width_ is missing");
+}
+
+TEST(Toml, TextMustBeUtf8) {
+  EXPECT_EQ(fault_of([] { table_of("a = 1\nb = \"\xc3\xa4\"\nc = \"\xe4\"\n"); }),
+            "x: line 3: not TOML: it has bytes that are not UTF-8; save the file as UTF-8");
+  EXPECT_EQ(table_of("b = \"\xc3\xa4\"\n").text("b"), "\xc3\xa4");
+}
+
 TEST(Toml, LookingForAKeyIsNotReadingIt) {
   TomlTable table = table_of("a = 1\n");
   EXPECT_TRUE(table.has("a"));

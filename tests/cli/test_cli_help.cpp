@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/nearest_word.hpp"
 #include "cli/support/every_command.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "setup/help.hpp"
-#include "setup/nearest_word.hpp"
 
 namespace palpa::test {
 namespace {
@@ -198,7 +198,7 @@ TEST(Help, LinesAreWrappedAtWords) {
 
 TEST(NearestWord, IsOneThatDiffersInAThirdOfItsLetters) {
   const std::vector<std::string> known{"touch", "run", "drive", "calibrate"};
-  const auto nearest = [&](const char* word) { return setup::nearest_word(word, known); };
+  const auto nearest = [&](const char* word) { return nearest_word(word, known); };
   EXPECT_EQ(nearest("tuoch"), "touch");   // swapped
   EXPECT_EQ(nearest("tuch"), "touch");    // missing
   EXPECT_EQ(nearest("touuch"), "touch");  // extra
@@ -209,7 +209,7 @@ TEST(NearestWord, IsOneThatDiffersInAThirdOfItsLetters) {
   EXPECT_EQ(nearest("toxyz"), "");
   EXPECT_EQ(nearest("r"), "");
   EXPECT_EQ(nearest(""), "");
-  EXPECT_EQ(setup::nearest_word(std::string(100'000, 'x'), known), "");
+  EXPECT_EQ(nearest_word(std::string(100'000, 'x'), known), "");
 }
 
 }  // namespace

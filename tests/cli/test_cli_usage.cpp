@@ -167,6 +167,8 @@ TEST(Usage, NoUsableDeviceIsExitCode3) {
   expect_failure(palpa(gpu, none), 3, "VK_ICD_FILENAMES names /nonexistent.json, which does not exist");
   none.environment = {{"VK_DRIVER_FILES", ""}, {"VK_ICD_FILENAMES", "/etc/passwd"}};
   expect_failure(palpa(gpu, none), 3, "VK_ICD_FILENAMES allows only the drivers of /etc/passwd");
+  none.environment = {{"VK_DRIVER_FILES", ""}, {"VK_ICD_FILENAMES", ""}};
+  expect_failure(palpa(gpu, none), 3, "VK_DRIVER_FILES is set, but empty, and so names no driver: unset it");
   const Result cpu = palpa(with(gpu, {"--backend", "cpu", "--quiet"}), none);
   EXPECT_EQ(cpu.exit_code, 0) << cpu.err;
 }

@@ -14,6 +14,7 @@
 
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/memory_file.hpp"
+#include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -296,7 +297,7 @@ TEST(PlyFaults, Values) {
   EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), "does not fit its type");
   EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n2 0 1 0\n"), "has 2 corners");
   EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n"), "does not fit its type");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0" + std::string(5000, ' ') + "3 0 1 2\n"),
+  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n" + std::string(5000, ' ') + "3 0 1 2\n"),
                   "a number is missing");
   EXPECT_CONTAINS(fault_of(start + std::string(500, '1') + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "400 characters");
   std::string binary = header("binary_little_endian", "element vertex 2\n" + xyz);
@@ -304,6 +305,41 @@ TEST(PlyFaults, Values) {
     put(binary, 1.0F, false);
   put(binary, std::numeric_limits<float>::quiet_NaN(), false);
   EXPECT_CONTAINS(fault_of(binary), "vertex 1 is not finite");
+}
+
+TEST(PlyFaults, ARowIsALineWithTheNumbersOfItsElement) {
+  const std::string points = header("ascii", "element vertex 2\n" + xyz);
+  EXPECT_CONTAINS(fault_of(points + "0 0 0 1\n1 2 3 1\n"), "line 8: 4 numbers, the header promises 3");
+  EXPECT_CONTAINS(fault_of(points + "0 0 0\n1 2 3 x y\n"), "line 9: 5 numbers, the header promises 3");
+  EXPECT_CONTAINS(fault_of(points + "0 0\n1 2 3\n4 5 6\n"), "line 8: 2 numbers, the header promises 3");
+  EXPECT_CONTAINS(fault_of(points + "0 0 0 1 2 3\n"), "line 8: 6 numbers, the header promises 3");
+  const std::string faces = header("ascii", triangle_header) + "0 0 0\r\n1 0 0\t \r\n\r\n0 1 0\r\n";
+  EXPECT_CONTAINS(fault_of(faces + "3 0 1 2 9\n"),
+                  "line 14: 5 numbers, the header and the lists in this line promise 4");
+  EXPECT_CONTAINS(fault_of(faces + "3 0 1\r\n2\r\n"), "line 14: 3 numbers, the header and the lists in this line pro");
+  EXPECT_CONTAINS(fault_of(header("ascii", "element tag 1\nproperty int a\nelement vertex 1\n" + xyz) + "1 2\n3 4 5\n"),
+                  "line 10: 2 numbers, the header promises 1");
+  EXPECT_CONTAINS(fault_of(points + "0 0 0" + std::string(5000, ' ') + "\n1 2 3\n"), "do not end its line");
+  EXPECT_EQ(read(faces + "3 0 1 2").triangles.size(), 1U);
+}
+
+TEST(PlyFaults, DataBehindTheElementsIsLeftOutWithAWarning) {
+  const std::string points = header("ascii", "element vertex 1\n" + xyz),
+                    binary = header("binary_little_endian", "element vertex 1\n" + xyz);
+  const auto warning_of = [](const std::string& file) {
+    return test::stderr_of([&] { EXPECT_EQ(read(file).positions.size(), 1U); });
+  };
+  EXPECT_CONTAINS(warning_of(points + "0 0 0\n\n1 2 3\n4 5 6"),
+                  "line 10: 2 lines more than its header promises are left out");
+  EXPECT_CONTAINS(warning_of(binary + std::string(24, '\0')), "12 bytes more than its header promises");
+  for (const std::string& whole :
+       {points + "0 0 0", points + "0 0 0\r\n \r\n\x1a", binary + std::string(12, '\0') + "\r\n"})
+    EXPECT_EQ(warning_of(whole), "");
+  const std::string more = "element vertex 1\n" + xyz + "element tag 2\nproperty uchar a\nproperty int b\n";
+  EXPECT_EQ(warning_of(header("ascii", more) + "0 0 0\nthese are\nnot read\n"), "");
+  EXPECT_CONTAINS(warning_of(header("ascii", more) + "0 0 0\n1 2\n3 4\n5 6\n"), "line 14: 1 line more");
+  EXPECT_EQ(warning_of(header("binary_big_endian", more) + std::string(12 + 2 * 5, '\0')), "");
+  EXPECT_CONTAINS(warning_of(header("binary_big_endian", more) + std::string(12 + 2 * 5 + 3, '\0')), "3 bytes more");
 }
 
 TEST(PlyFaults, ADiskThatIsFull) {

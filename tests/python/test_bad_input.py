@@ -1,4 +1,6 @@
 """Bad arrays and bad options: one clear message, of the right class, and nothing else happens."""
+import warnings
+
 import numpy as np
 import pytest
 
@@ -176,3 +178,45 @@ def test_no_device(cube, finger):
     with pytest.raises(palpa.NoDevice) as caught:
         cube.touch(finger, gpu="no such device")
     assert caught.value.exit_code == 3
+
+
+def test_skin_in_another_unit_is_told(cube, finger):
+    skin = 1e3 * finger
+    told = pytest.warns(palpa.PalpaWarning, match=r"skin: measures .* m \(coordinates are metres\); if they are millimetres")
+    with told:
+        cube.touch(skin, backend="cpu")
+    session = palpa.Session(cube, backend="cpu")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        session.touch(finger[:50], 0.0)  # too few to tell
+    with told as caught:
+        session.touch(skin, 0.01)
+        session.touch(skin, 0.02)
+    assert len(caught) == 1
+    pushed = palpa.Session(cube, source="points", layout="openmpd", backend="cpu")
+    with pytest.warns(palpa.PalpaWarning, match="points: measures"), pushed:
+        pushed.start()
+        pushed.push_points(skin)
+
+
+@pytest.mark.parametrize("masked", [lambda points: np.ma.masked_where(points == points[3], points),
+                                    lambda points: [points[0], np.ma.masked_equal(points[1], points[1][0])]])
+def test_masked_entries_are_refused(cube, finger, openmpd, masked):
+    for call in (lambda: cube.touch(masked(finger), backend="cpu"), lambda: openmpd.solve(masked(finger[:9]), backend="cpu")):
+        with pytest.raises(palpa.BadUsage, match="has masked entries: leave them out, or fill them"):
+            call()
+    assert len(cube.touch(np.ma.array(finger), penetration=1e-3, backend="cpu").contacts) > 0
+
+
+def test_a_least_range_that_leaves_nothing_is_told(cube):
+    matrix = [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]]
+    with pytest.warns(palpa.PalpaWarning, match="^Camera: min_range_m = 280 makes all depths below 280 m no data; if it is in millimetres, write 0.28"):
+        palpa.Camera(424, 240, matrix, min_range=280)
+    camera = palpa.Camera(424, 240, matrix, depth_unit=1e-4, min_range=3, name="one")
+    with pytest.warns(palpa.PalpaWarning, match='camera "one": its min_range_m = 3 makes all of the .* depths in its image no data: they reach to'):
+        cube.touch(depth="assets/depth/hand.png", camera=camera, backend="cpu")
+
+
+def test_a_cameras_fault_has_no_line():
+    with pytest.raises(palpa.BadInput, match="^Camera: width is 0, expected 1 to 16384$"):
+        palpa.Camera(0, 480, [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]])

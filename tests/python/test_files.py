@@ -85,3 +85,27 @@ def test_an_export_writes_its_files(tmp_path):
     table = np.genfromtxt(tmp_path / "foci.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     assert len(table) > 50 and (tmp_path / "drives.bin").read_bytes()[:8] == b"palpadrv"
     assert json.loads((tmp_path / "events.jsonl").read_text().splitlines()[0])
+
+
+@pytest.mark.parametrize("options", [{"link": "record:{}"}, {"events": "{}"}, {"source": "points", "link": "record:{}"}])
+def test_a_run_does_not_replace_the_file_of_an_earlier_one(cube, tmp_path, options):
+    file = tmp_path / "kept"
+    options = {"source": "synthetic", "layout": "openmpd", "backend": "cpu", **options}
+    session = palpa.Session(cube, **{name: value.format(file) for name, value in options.items()})
+
+    def run():
+        session.start(frames=5)
+        if options["source"] == "points":
+            session.stop()
+        session.wait()
+
+    file.write_text("replaced by the first run, as on the command line")
+    run()
+    kept = file.read_bytes()
+    assert not kept.startswith(b"replaced")
+    with pytest.raises(palpa.BadUsage, match=f"an earlier run of this session wrote {file}.*another file, or delete"):
+        session.start(frames=5)
+    assert not session.running and file.read_bytes() == kept
+    file.unlink()
+    run()
+    assert file.is_file()

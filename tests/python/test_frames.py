@@ -1,4 +1,6 @@
 """Points know their frame and drives their array: what is used elsewhere is refused."""
+import pickle
+
 import numpy as np
 import pytest
 
@@ -70,3 +72,25 @@ def test_a_touch_is_solved_as_its_file(openmpd, touch, tmp_path):
     refused(lambda: openmpd.solve_touch(touch, slot=99, backend="cpu"), "slot", "touch")
     with pytest.raises(palpa.BadInput, match="no finger"):
         openmpd.solve_touch(palpa.Scene("assets/cube.glb").touch([0, 1, 0], backend="cpu"), backend="cpu")
+
+
+def test_lists_planes_and_lines_keep_the_frame(openmpd, sonic, touch):
+    foci, drive = touch.fingers[0].foci, np.ones(256)
+    own = openmpd.from_world(foci)
+    line, plane = palpa.line(foci[0], foci[1], samples=2), palpa.plane("xz", centre=foci[0], size=(0.01, 0.01), pixels=(2, 2))
+    for where in (line, plane, line.points, list(foci), tuple(foci[:2]), [foci[0], (0, 0, 0.1)], pickle.loads(pickle.dumps(line))):
+        refused(lambda where=where: openmpd.field(drive, where, backend="cpu"), "where", "in the world", "layout openmpd")
+    for ours in (palpa.line(own[0], own[1], samples=2), list(own), pickle.loads(pickle.dumps(palpa.line(own[0], own[1], samples=2)))):
+        assert openmpd.field(drive, ours, backend="cpu").peak > 0
+        refused(lambda ours=ours: sonic.field(drive, ours, backend="cpu"), "openmpd", "sonicsurface")
+        refused(lambda ours=ours: palpa.scatter("assets/finger.ply", layout=sonic, drive=drive, where=ours), "where", "openmpd", "sonicsurface")
+    refused(lambda: openmpd.solve([finger.centroid for finger in touch.fingers], backend="cpu"), "in the world")
+    refused(lambda: palpa.Scene("assets/cube.glb").touch(list(own), backend="cpu"), "layout openmpd", "in the world")
+    refused(lambda: openmpd.solve([own[0], foci[0]], backend="cpu"), "in the world")
+    refused(lambda: palpa.line(own[0], foci[0]), "start, end", "different frames, that of the layout openmpd and the world")
+    # Plain points, and those of a layout that is in the world.
+    paper = palpa.Layout("paper")
+    assert palpa.line(foci[0], paper.solve(foci[1], backend="cpu").foci[0], samples=2).shape == (2,)
+    plain = palpa.plane("xz", centre=np.asarray(foci[0]), size=(0.01, 0.01), pixels=(2, 2))
+    assert type(plain.points) is np.ndarray and openmpd.field(drive, plain, backend="cpu").peak > 0
+    assert openmpd.field(drive, np.stack(list(foci)), backend="cpu").peak > 0

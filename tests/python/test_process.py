@@ -112,6 +112,26 @@ def test_fork_is_refused(cube, finger):
     os.close(write)
 
 
+def test_a_fork_refuses_what_it_restored(cube, finger):
+    """A multiprocessing.Pool would lose the task and wait for ever if its arguments could not be unpickled."""
+    code = """
+import multiprocessing, operator, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+cube, recording, finger = palpa.Scene("assets/cube.glb"), palpa.Recording("assets/depth/take"), palpa.read_ply("assets/finger.ply")
+arrays = palpa.Scene({"solid": palpa.Mesh("assets/cube.glb")})
+pool = multiprocessing.get_context("fork").Pool(1)
+images = operator.methodcaller("images", 0)
+for work, one in ((len, cube), (len, arrays), (palpa.Session, cube), (len, recording), (images, recording)):
+    try:
+        pool.apply_async(work, (one,)).get(30)
+    except palpa.Error as error:
+        print("spawn" in str(error))
+pool.terminate()
+"""
+    done = python(code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, 5 * "True\n", "")
+
+
 def test_a_forked_process_ends():
     """Its objects are destroyed without their threads and devices."""
     code = """
@@ -165,20 +185,35 @@ print("ready", flush=True)
 """
 
 
-def test_ctrl_c_ends_a_long_computation():
-    code = LONG + """
+def ended_by_ctrl_c(call, after=0.3):
+    """What the program prints, and the seconds that it took to end."""
+    code = LONG + f"""
 try:
-    palpa.simulate(palpa.Scene("assets/cube.glb"), "assets/finger.ply", backend="cpu")
+    {call}
     print("finished")
 except KeyboardInterrupt:
     print("interrupted")
 """
     with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         process.stdout.readline()
-        time.sleep(0.3)
+        time.sleep(after)
+        begin = time.perf_counter()
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
-    assert out in {"interrupted\n", "finished\n"} and err == "" and process.returncode == 0
+        assert (err, process.returncode) == ("", 0)
+        return out, time.perf_counter() - begin
+
+
+def test_ctrl_c_ends_a_long_computation():
+    out, _ = ended_by_ctrl_c('palpa.simulate(palpa.Scene("assets/cube.glb"), "assets/finger.ply", backend="cpu")')
+    assert out in {"interrupted\n", "finished\n"}
+
+
+@pytest.mark.times
+@pytest.mark.parametrize("call", ['palpa.decompose("assets/hand.glb", resolution="5M", parts=256)', "palpa.learn_background(frames=1000)"])
+def test_ctrl_c_ends_parts_and_frames(call):
+    out, seconds = ended_by_ctrl_c(call)
+    assert out == "interrupted\n" and seconds < 1
 
 
 def test_the_interpreter_ends_while_threads_compute():

@@ -277,6 +277,7 @@ def test_an_exception_of_a_callback_is_raised_again(cube, tmp_path):
         session.run(on_frame=on_frame)
     assert not session.running
     assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
+    (tmp_path / "drives.bin").unlink()
     assert session.run(frames=2).frames == 2  # it can run again
 
 

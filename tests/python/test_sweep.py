@@ -14,7 +14,7 @@ import palpa
 from commands import PALPA, ROOT, run
 
 PLAN = """command = "drive"
-results = ["peak_pa", "pressures_pa.0", "transducers"]
+results = ["weakest_to_strongest", "pressures_pa.0", "transducers"]
 [options]
 focus = ["0,0,100mm", "10mm,0,100mm"]
 [vary]
@@ -142,3 +142,9 @@ def test_ctrl_c_loses_one_case(tmp_path):
     (lines,) = tmp_path.glob("out/runs/*/cases.jsonl")
     states = [line.split('"state":"')[1].split('"')[0] for line in lines.read_text().splitlines()]
     assert 0 < len(states) < 300 and set(states) == {"done"}
+
+
+def test_a_misspelt_result_is_told(plan):
+    plan.write_text(PLAN.replace('"pressures_pa.0"', '"pressures_p.0"'))
+    with pytest.warns(palpa.PalpaWarning, match="a case has no pressures_p; did you mean pressures_pa"):
+        assert palpa.sweep(plan, backend="cpu")[0]["pressures_p.0"] is None

@@ -11,6 +11,7 @@
 #include "random_rig.hpp"
 #include "sensing/grey_png.hpp"
 #include "support/bits.hpp"
+#include "support/captured.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -335,6 +336,43 @@ TEST(Recording, ForeignSequencesByPattern) {
     EXPECT_REFUSED(load_text(folder, "[recording]\nfiles = [\"" + std::string(bad) + "\"]\n" + camera_text),
                    "line 2: files must hold one number each");
   }
+}
+
+TEST(Recording, AMissingImageBeforeOthersIsToldAndCountMayBeBesideTimes) {
+  const fs::path folder = foreign("gap", {"f_1.png", "f_2.png", "f_5.png"});
+  const std::string text = "[recording]\nfiles = [\"f_%d.png\"]\nfirst = 1\n";
+  const auto loaded = [&](const std::string& more, std::size_t frames) {
+    return test::stderr_of([&] { EXPECT_EQ(load_text(folder, text + more + camera_text).entries.size(), frames); });
+  };
+  EXPECT_CONTAINS(loaded("", 2),
+                  "recording.toml: line 2: the recording ends after 2 frames, because an image of number 3 is missing, "
+                  "but there are images of number 5");
+  EXPECT_EQ(loaded("count = 2\n", 2), "");
+  fs::remove(folder / "f_5.png");
+  EXPECT_EQ(loaded("", 2), "");
+  test::write_text(folder / "t.csv", "sequence,time_0_s\n3,0.5\n4,0.75\n");
+  const Recording some = load_text(folder, text + "times = \"t.csv\"\ncount = 1\n" + camera_text);
+  ASSERT_EQ(some.entries.size(), 1u);
+  EXPECT_EQ(some.entries[0].sequence, 3u);
+  EXPECT_EQ(some.entries[0].time_s, 0.5);
+  EXPECT_REFUSED(load_text(folder, text + "times = \"t.csv\"\ncount = 3\n" + camera_text),
+                 "line 5: count is 3, but times has 2 lines");
+}
+
+TEST(Recording, TimesInAnotherUnitAreTold) {
+  const fs::path folder = foreign("unit", {"0.png", "1.png", "2.png"});
+  const auto warning = [&](const std::string& csv, const std::string& camera) {
+    test::write_text(folder / "t.csv", "sequence,time_0_s\n" + csv);
+    return test::stderr_of(
+        [&] { load_text(folder, "[recording]\nfiles = [\"%d.png\"]\ntimes = \"t.csv\"\n" + camera); });
+  };
+  const std::string no_rate = camera_text.substr(0, camera_text.find("rate_hz"));
+  EXPECT_CONTAINS(warning("0,0\n1,33\n2,66\n", camera_text),
+                  "recording.toml: its frames are 33 s apart, but its rate_hz of 30 means 0.0333 s");
+  EXPECT_CONTAINS(warning("0,0\n1,0.00003\n2,0.00006\n", camera_text), "3e-05 s apart, but its rate_hz");
+  EXPECT_CONTAINS(warning("0,0\n1,33\n2,66\n", no_rate), "33 s apart; if the times are in another unit");
+  EXPECT_EQ(warning("0,0\n1,0.033\n2,60\n", camera_text), "");
+  EXPECT_EQ(warning("0,0\n1,3\n2,6\n", no_rate), "");
 }
 
 TEST(Recording, ForeignSequencesByList) {

@@ -105,6 +105,17 @@ TEST(Rig, AnImplausibleDepthUnitOrPoseIsWarnedOf) {
     EXPECT_EQ(said(usual), "");
 }
 
+TEST(Rig, AnImplausibleLeastRangeIsWarnedOf) {
+  const auto said = [](const std::string& range) {
+    return test::stderr_of([&] { load_text(with("min_range_m", "min_range_m = " + range)); });
+  };
+  EXPECT_CONTAINS(said("280"),
+                  "rig.toml: line 11: min_range_m = 280 makes all depths below 280 m no data; if it is in millimetres, "
+                  "write 0.28");
+  for (const char* usual : {"0", "0.28", "3"})
+    EXPECT_EQ(said(usual), "");
+}
+
 TEST(Rig, ALayoutFileIsFoundFromTheRig) {
   const Rig rig = load_text("[array]\nlayout = \"mine/board.toml\"\n");
   EXPECT_EQ(rig.array->layout, (std::filesystem::absolute(scratch()).parent_path() / "mine/board.toml").string());

@@ -46,6 +46,18 @@ TEST(SweepResults, APathToAListIsRefused) {
   EXPECT_ERROR(one("fingers.0"), Exit::usage, "fingers.0 is an object; name one of its entries");
 }
 
+TEST(SweepResults, ANameThatIsMissingHasANearOne) {
+  const auto fault = [](const std::string& path) { return name_fault(json, path); };
+  EXPECT_EQ(fault("point"), "results: a case has no point; did you mean points?");
+  EXPECT_EQ(fault("fingers.0.focii.count"), "results: fingers.0 has no focii; did you mean fingers.0.foci?");
+  EXPECT_EQ(fault("depths.maxx"), "results: depths has no maxx; did you mean depths.max?");
+  EXPECT_EQ(fault("nothing.here"), "results: a case has no nothing; it has points, name, depths, fingers, timing_ms");
+  EXPECT_EQ(fault("points.count"), "results: points has no count; leave it out");
+  for (const char* path : {"points", "depths.1", "depths.count", "fingers.count", "fingers.0.count", "fingers.7.x",
+                           "fingers.0.foci.1", "fingers.0.foci.1.2"})
+    EXPECT_EQ(fault(path), "") << path;
+}
+
 TEST(SweepResults, EverythingIsOneLineWithoutTimes) {
   const std::string text = without_times(json);
   EXPECT_EQ(text.find('\n'), std::string::npos);

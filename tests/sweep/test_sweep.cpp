@@ -295,6 +295,15 @@ TEST_F(SweepRuns, FaultsAreToldBeforeAnythingIsComputed) {
   expect_failure(compute("none/out"), 1, "none/out: cannot be created");
 }
 
+TEST_F(SweepRuns, AMisspeltResultIsToldOnce) {
+  write_text(plan_, "results = [\"pressures_p.0\", \"pressures_pa.7\"]\n" + drives);
+  const Result result = compute("out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string warning = "plan.toml: results: a case has no pressures_p; did you mean pressures_pa?";
+  EXPECT_NE(result.err.find(warning), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("results: "), result.err.rfind("results: ")) << result.err;
+}
+
 TEST_F(SweepRuns, ListsAndEstimates) {
   const Result list = sweep({"--list"});
   EXPECT_EQ(list.exit_code, 0) << list.err;

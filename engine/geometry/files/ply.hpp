@@ -16,8 +16,9 @@ struct Ply {
 };
 
 /// Reads the `vertex` element's x, y, z (any numeric type) and, if present, the `face` element's vertex list. Other
-/// elements and properties are skipped; everything after the last of the two is not read. Throws bad_input, one line
-/// naming file and fault (and line number for ascii): not a PLY, truncated, counts that the file cannot hold,
+/// elements and properties are skipped; everything after the last of the two is not read, and what no element promises
+/// is warned of. Throws bad_input, one line naming file and fault (and line number for ascii): not a PLY, truncated,
+/// counts that the file cannot hold, lines of an ascii file with more or fewer numbers than the header promises,
 /// non-finite coordinates (which vertex), indices out of range, more than 16 million vertices or triangles. Never
 /// blocks.
 Ply read_ply(const std::filesystem::path& file);

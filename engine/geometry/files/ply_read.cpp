@@ -7,60 +7,28 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/log.hpp"
+#include "base/text.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/files/ply_header.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry {
 namespace {
 
-constexpr std::size_t longest_header = 64 << 10;
+using namespace ply;
+
 constexpr std::size_t longest_gap = 4 << 10;                                // white space between two ascii values
+constexpr std::uint64_t longest_rest = 64 << 20;                            // of a file, searched for surplus lines
 constexpr std::size_t longest_token = 400;                                  // the longest plain decimal of a double
 constexpr std::uint64_t most_vertices = 1 << 24, most_triangles = 1 << 24;  // 400 MB and 200 MB
 constexpr std::uint64_t most_corners = 1 << 16;                             // of one polygon
-
-enum class Format { ascii, little, big };
-enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
-
-constexpr std::array<std::size_t, 8> type_size{1, 1, 2, 2, 4, 4, 4, 8};
-
-std::optional<Type> parse_type(std::string_view name) {
-  constexpr std::pair<std::string_view, Type> names[]{
-      {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
-      {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
-      {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
-      {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
-  for (const auto& [text, type] : names) {
-    if (text == name) return type;
-  }
-  return std::nullopt;
-}
-
-struct Property {
-  std::string name;
-  Type type = Type::f32;
-  std::optional<Type> count;  // of a list
-};
-
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-};
-
-struct Header {
-  Format format = Format::ascii;
-  std::vector<Element> elements;
-  std::uint64_t bytes = 0;  // up to and including the line end after end_header
-  std::uint64_t lines = 0;
-  char line_end = '\n';  // the last byte of every line
-};
 
 // The file in order, through a buffer of fixed size.
 class Reader {
@@ -90,6 +58,39 @@ class Reader {
   }
   bool binary() const { return format_ != Format::ascii; }
 
+  /// In an ascii file, a row is a line. Numbers that its element does not promise would shift all that follows.
+  void begin_row(const Element& element) {
+    numbers_ = 0;
+    promised_ = element.properties.size();
+    has_list_ = false;
+  }
+  /// A list of the row has this many numbers.
+  void promise(std::uint64_t count) {
+    promised_ += count;
+    has_list_ = true;
+  }
+  void end_row() {
+    if (binary()) return;
+    std::size_t scanned = 0;
+    bool in_word = false;
+    for (int c = peek(); c >= 0 && !is_line_end(c); c = peek()) {
+      if (++scanned > longest_gap) fail("the numbers of this row do not end its line");
+      const bool word = c != ' ' && c != '\t';
+      if (word && !in_word) ++numbers_;
+      in_word = word;
+      ++begin_;
+    }
+    if (numbers_ != promised_) fail_row();
+    numbers_ = 0;
+  }
+
+  /// Warns of what lies behind the elements of the header, of which these are not read.
+  void warn_of_rest(std::span<const Element> unread) {
+    const std::string more = binary() ? bytes_behind(unread) : lines_behind(unread);
+    if (!more.empty())
+      log::warning(fmt::format("{}: {} more than its header promises are left out", file_.name(), more));
+  }
+
   [[noreturn]] void fail(const std::string& fault) const {
     throw bad_input(file_.name(), format_ == Format::ascii ? fmt::format("line {}: {}", line_, fault) : fault);
   }
@@ -102,6 +103,46 @@ class Reader {
     if (end_ > 0) file_.read_at(position_, std::span(buffer_.data(), end_));
     return end_ > 0;
   }
+  static bool is_line_end(int c) { return c == '\n' || c == '\r'; }
+
+  [[noreturn]] void fail_row() const {
+    fail(fmt::format("{}, {} {}", counted(numbers_, "number"),
+                     has_list_ ? "the header and the lists in this line promise" : "the header promises", promised_));
+  }
+
+  std::string bytes_behind(std::span<const Element> unread) const {
+    constexpr std::uint64_t line_end = 2;  // which some writers append
+    std::uint64_t left = file_.size() - position_ - begin_;
+    for (const Element& element : unread) {
+      for (const Property& p : element.properties) {
+        const std::size_t size = type_size[static_cast<std::size_t>(p.type)];
+        if (p.count || element.count > left / size) return {};
+        left -= element.count * size;
+      }
+    }
+    return left > line_end ? counted(left, "byte") : "";
+  }
+
+  std::string lines_behind(std::span<const Element> unread) {
+    std::uint64_t promised = 0, lines = 0, first = 0, scanned = 0;
+    for (const Element& element : unread)
+      promised += element.properties.empty() ? 0 : element.count;
+    bool blank = true;
+    int c = peek();
+    for (; c >= 0 && scanned < longest_rest; ++scanned) {
+      if (blank && c > ' ') {
+        blank = false;
+        if (++lines == promised + 1) first = line_;
+      }
+      if (is_line_end(c)) blank = true;
+      if (c == line_end_) ++line_;
+      ++begin_;
+      c = peek();
+    }
+    if (first == 0) return {};
+    return fmt::format("line {}: {}{}", first, c < 0 ? "" : "at least ", counted(lines - promised, "line"));
+  }
+
   // The next byte, or -1 at the end of the file.
   int peek() { return begin_ < end_ || refill() ? buffer_[begin_] : -1; }
 
@@ -109,6 +150,7 @@ class Reader {
     std::size_t gap = 0;
     int c = peek();
     while (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
+      if (is_line_end(c) && numbers_ > 0) fail_row();
       if (c == line_end_) ++line_;
       if (++gap > longest_gap) fail("a number is missing");
       ++begin_;
@@ -123,6 +165,7 @@ class Reader {
       ++begin_;
       c = peek();
     }
+    ++numbers_;
     const std::string_view text(token.data(), length);
     double number = 0;
     const char* first = token.data() + (text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
@@ -197,113 +240,9 @@ class Reader {
   char line_end_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(1 << 18);
   std::size_t begin_ = 0, end_ = 0;
+  std::uint64_t numbers_ = 0, promised_ = 0;  // of the row; 0 numbers: between rows
+  bool has_list_ = false;
 };
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  std::size_t at = 0;
-  while ((at = line.find_first_not_of(" \t", at)) != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
-}
-
-// One line of the header, after the first two.
-class HeaderLine {
- public:
-  HeaderLine(const std::string& file, std::uint64_t number, std::string_view line)
-      : file_(file), number_(number), line_(line), words_(words_of(line)) {}
-
-  const std::vector<std::string_view>& words() const { return words_; }
-  [[noreturn]] void fail(const std::string& fault) const {
-    throw bad_input(file_, fmt::format("line {}: {}: {}", number_, text::quoted(line_), fault));
-  }
-
-  Element element() const {
-    if (words_.size() != 3) fail("an element line must be \"element NAME COUNT\"");
-    Element element{std::string(words_[1]), 0, {}};
-    const auto [rest, fault] = std::from_chars(words_[2].data(), words_[2].data() + words_[2].size(), element.count);
-    if (fault != std::errc{} || rest != words_[2].data() + words_[2].size()) fail("the count is not a whole number");
-    return element;
-  }
-  Property property() const {
-    Property property;
-    const bool list = words_.size() > 1 && words_[1] == "list";
-    if (words_.size() != (list ? 5U : 3U))
-      fail("a property line must be \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
-    const auto type = parse_type(words_[list ? 3 : 1]);
-    if (!type) fail("unknown type");
-    if (list) {
-      property.count = parse_type(words_[2]);
-      if (!property.count || *property.count == Type::f32 || *property.count == Type::f64)
-        fail("a list's count must be an integer");
-    }
-    property.type = *type;
-    property.name = words_.back();
-    return property;
-  }
-  Format format() const {
-    if (words_.size() != 3 || words_[2] != "1.0")
-      fail("a format line must be \"format ascii|binary_little_endian|binary_big_endian 1.0\"");
-    if (words_[1] == "ascii") return Format::ascii;
-    if (words_[1] == "binary_little_endian") return Format::little;
-    if (words_[1] == "binary_big_endian") return Format::big;
-    fail("unknown format");
-  }
-
- private:
-  const std::string& file_;
-  std::uint64_t number_;
-  std::string_view line_;
-  std::vector<std::string_view> words_;
-};
-
-Header parse_header(const InputFile& file) {
-  const std::string& name = file.name();
-  std::string text = file.head(longest_header);
-  const std::size_t mark = mark_of(text);
-  text.erase(0, mark);
-  if (!text.starts_with("ply") || (text.size() > 3 && text[3] != '\n' && text[3] != '\r')) {
-    throw bad_input(name, "is not a PLY file: its first line is not \"ply\"");
-  }
-  Header header;
-  // Some writers end lines with only a carriage return. The first line shows this; in a binary body, any byte may
-  // follow.
-  if (text.size() > 4 && text[3] == '\r' && text[4] != '\n') header.line_end = '\r';
-  bool has_format = false;
-  std::size_t at = 0;
-  for (;;) {
-    const std::size_t end = text.find(header.line_end, at);
-    if (end == std::string::npos) {
-      throw bad_input(name, mark + text.size() == longest_header
-                                ? "its header is longer than 64 KiB (lines end with a newline)"
-                                : "its header has no \"end_header\"");
-    }
-    std::string_view line(text.data() + at, end - at);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    at = end + 1;
-    const HeaderLine here(name, ++header.lines, line);
-    const auto& words = here.words();
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info" || header.lines == 1) continue;
-    if (words[0] == "end_header") break;
-    if (words[0] == "format") {
-      header.format = here.format();
-      has_format = true;
-    } else if (words[0] == "element") {
-      header.elements.push_back(here.element());
-    } else if (words[0] == "property") {
-      if (header.elements.empty()) here.fail("a property must come after its element");
-      header.elements.back().properties.push_back(here.property());
-    } else {
-      here.fail("unknown keyword");
-    }
-  }
-  if (!has_format) throw bad_input(name, "its header has no \"format\" line");
-  header.bytes = mark + at;
-  return header;
-}
 
 // The minimum size of the element's rows in bytes.
 std::uint64_t smallest_row(const Header& header, const Element& element) {
@@ -346,8 +285,10 @@ class Body {
                                                 text::quoted(element.name), most_vertices));
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
+      reader_.begin_row(element);
       for (const Property& p : element.properties)
         skip(p);
+      reader_.end_row();
     }
   }
 
@@ -370,6 +311,7 @@ class Body {
     ply.positions.reserve(element.count);
     for (std::uint64_t row = 0; row < element.count; ++row) {
       Vec3 position(0);
+      reader_.begin_row(element);
       for (std::size_t i = 0; i < element.properties.size(); ++i) {
         const Property& p = element.properties[i];
         if (p.count) {
@@ -381,6 +323,7 @@ class Body {
           if (place[static_cast<std::size_t>(axis)] == static_cast<int>(i)) position[axis] = value;
         }
       }
+      reader_.end_row();
       if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
         reader_.fail(fmt::format("vertex {} is not finite: {}", row, text::point(position)));
       }
@@ -400,6 +343,7 @@ class Body {
       throw bad_input(file_.name(), "the indices of element \"face\" are not whole numbers by their type");
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
+      reader_.begin_row(element);
       for (auto p = element.properties.begin(); p != element.properties.end(); ++p) {
         if (p == list) {
           polygon(row, *p);
@@ -407,8 +351,11 @@ class Body {
           skip(*p);
         }
       }
+      reader_.end_row();
     }
   }
+
+  void warn_of_rest(std::span<const Element> unread) { reader_.warn_of_rest(unread); }
 
   // Needed at the end, because faces may come before vertices.
   void check_indices() const {
@@ -428,6 +375,7 @@ class Body {
   std::uint64_t list_length(const Property& p) {
     const double count = reader_.value(*p.count);
     if (count < 0) reader_.fail(fmt::format("a list has a negative count, {}", count));
+    reader_.promise(static_cast<std::uint64_t>(count));
     return static_cast<std::uint64_t>(count);
   }
   void skip(const Property& p) {
@@ -494,6 +442,7 @@ Ply read_ply(const std::filesystem::path& path) {
     }
   }
   body.check_indices();
+  body.warn_of_rest(std::span(header.elements).subspan(wanted));
   return std::move(body.ply);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -128,7 +129,9 @@ std::vector<Mesh> cavities_of(const Mesh& mesh) {
 Distances distances(const Mesh& from, const NearestTriangle& to, std::uint32_t samples, std::uint64_t seed) {
   Distances result;
   std::vector<double> found;
+  const std::atomic<bool>* const stop = cancel_flag();
   for (const Vec3& p : spread_over(from, samples, seed)) {
+    stop_if_cancelled(stop);
     found.push_back(to.distance(p));
     result.mean += found.back() / samples;
   }
@@ -168,11 +171,13 @@ std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options
   bool cancelled = false;
   constexpr std::uint64_t thousandths = 1000;
   Activity work("cutting it into convex parts", thousandths);
+  const std::atomic<bool>* const stop = cancel_flag();
   const auto hulls = vhacd_hulls(without_holes(mesh), vhacd, [&](double fraction) {
     work.reach(static_cast<std::uint64_t>(fraction * thousandths));
-    cancelled = progress && !progress(fraction);
+    cancelled = (progress && !progress(fraction)) || (stop && *stop);
     return !cancelled;
   });
+  stop_if_cancelled(stop);
   if (cancelled) return std::nullopt;
   for (const std::vector<Vec3>& corners : hulls) {
     if (std::optional<Part> part = make_part(corners)) result.parts.push_back(std::move(*part));

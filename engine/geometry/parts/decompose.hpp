@@ -25,9 +25,9 @@ std::string unfit_for_parts(const Mesh& mesh);
 
 /// Convex parts of a welded mesh. A convex mesh is its own only part, exactly. Any other mesh is cut by V-HACD: it may
 /// be open (its holes are closed by fans), in several pieces, or pass through itself. Closed cavities stay empty,
-/// unless they are too small for the voxels or there are too few parts. nullopt if cancelled. The same mesh and options
-/// give the same bytes. Throws failure() if nothing solid was found, and for any concave mesh if palpa has no V-HACD
-/// (see vhacd.hpp).
+/// unless they are too small for the voxels or there are too few parts. nullopt if `progress` ends it. The same mesh
+/// and options give the same bytes. Throws failure() if nothing solid was found, if this thread is Cancellable and was
+/// cancelled, and for any concave mesh if palpa has no V-HACD (see vhacd.hpp).
 std::optional<Parts> decompose(const Mesh& mesh, const DecomposeOptions& options, const Progress& progress = {});
 
 /// Metres.

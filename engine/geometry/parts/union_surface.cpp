@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -95,11 +96,13 @@ class Builder {
  private:
   void add_part(std::uint32_t self) {
     const Part& part = parts_.parts[self];
+    const std::atomic<bool>* const stop = cancel_flag();
     std::vector<std::uint32_t> near;
     for (std::uint32_t j = 0; j < parts_.parts.size(); ++j) {
       if (j != self && touch(part.bounds, parts_.parts[j].bounds)) near.push_back(j);
     }
     for (std::uint32_t t = 0; t < part.mesh.triangles.size(); ++t) {
+      stop_if_cancelled(stop);
       const glm::uvec3& corners = part.mesh.triangles[t];
       Polygon face;
       Box box;

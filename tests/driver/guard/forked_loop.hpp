@@ -17,13 +17,21 @@ class ForkedLoop {
   explicit ForkedLoop(const std::function<void()>& loop) : id_(fork()) {
     if (id_ != 0) return;
     log::set_level(log::Level::quiet);
-    loop();
+    try {
+      loop();
+    } catch (...) {  // otherwise, this process would go on with the tests that follow
+    }
     _exit(1);
   }
   ~ForkedLoop() { end(SIGKILL); }
   ForkedLoop(const ForkedLoop&) = delete;
   ForkedLoop& operator=(const ForkedLoop&) = delete;
   void signal(int which) const { kill(id_, which); }
+  /// Whether it has ended by itself.
+  bool ended() {
+    if (id_ > 0 && waitpid(id_, nullptr, WNOHANG) == id_) id_ = -1;
+    return id_ <= 0;
+  }
   void end(int by) {
     if (id_ <= 0) return;
     kill(id_, by);

@@ -1,10 +1,10 @@
-#include "setup/nearest_word.hpp"
+#include "base/nearest_word.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
-namespace palpa::setup {
+namespace palpa {
 namespace {
 
 /// The number of differences: the "optimal string alignment" distance.
@@ -41,4 +41,4 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   return nearest;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa
