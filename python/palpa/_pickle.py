@@ -1,5 +1,5 @@
 """What pickles of palpa's objects call. A function of the compiled part has no name that pickle could look up."""
-from . import _engine
+from palpa import _engine  # type: ignore[attr-defined]  # it has no stub of its own
 
 
 def restore(name, data, frame=None):
