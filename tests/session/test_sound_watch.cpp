@@ -47,6 +47,8 @@ TEST(SoundWatch, ABoardThatTakesNothingIsSilent) {
   EXPECT_TRUE(watch.stuck(begin + 300ms));
   watch.sent(false, carried, begin + 450ms);
   EXPECT_FALSE(watch.stuck(begin + 450ms)) << "nothing is to sound";
+  plays(455ms, 456ms, false);
+  EXPECT_FALSE(watch.stuck(begin + 456ms)) << "this sound has only begun";
   plays(460ms, 470ms, true);
   EXPECT_TRUE(watch.sounding(begin + 470ms)) << "it is plugged in again";
   EXPECT_FALSE(watch.stuck(begin + 470ms));

@@ -20,8 +20,9 @@ class SoundWatch {
   /// One more drive has left. `behind`: the link's counts; if it does not count, a drive arrives when it leaves.
   void sent(bool sounds, const std::optional<Carried>& behind, Clock::time_point now = Clock::now()) {
     const Clock::rep at = now.time_since_epoch().count();
+    // What was lost at the end of an earlier sound is no longer waited for.
+    if (sounds && (waits_since_ == never || !is_recent(left_, now))) waits_since_ = at;
     if (sounds) left_ = at;
-    if (sounds && waits_since_ == never) waits_since_ = at;
     const std::uint64_t all = behind ? behind->completed.drives + behind->starting : 0;
     const bool arrives = behind ? all != arrived_ : sounds;
     arrived_ = all;
