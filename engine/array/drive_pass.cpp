@@ -190,13 +190,14 @@ DriveMemory::HostDrive& DriveMemory::add_host_slot() {
 }
 
 /// Each thread has its share of the slots, one after the other. A single slot needs no other thread.
-void DriveMemory::drive_on_host() {
+void DriveMemory::solve_on_host() {
   if (used_host_drives_ == 0) return;
   const std::size_t share = chunk_count(used_host_drives_, host_scratch_.size());
   const auto work = [&](std::size_t thread, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       HostDrive& made = host_drives_[i];
       if (!made.foci.empty()) drive_for(layout_, made.foci, options_, made.drive, host_scratch_[thread]);
+      made.foci.clear();
     }
   };
   if (used_host_drives_ == 1) return work(0, 0, 1);
@@ -281,7 +282,6 @@ void DriveMemory::add_focus(const SlotFocus& focus, float gain) {
 }
 
 void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
-  drive_on_host();
   // The previous batch wrote and read the same memory; see gpu/barrier.hpp.
   gpu::compute_to_compute(commands);
   if (!layout_sent_) {
@@ -313,7 +313,10 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
   const std::span made = std::span(host_drives_).first(used_host_drives_);  // in the order of their slots
   const auto found = std::ranges::lower_bound(made, slot, {}, &HostDrive::slot);
-  if (found != made.end() && found->slot == slot) return found->drive;
+  if (found != made.end() && found->slot == slot) {
+    assert(found->foci.empty());  // solve_on_host() has been called
+    return found->drive;
+  }
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
 }
 

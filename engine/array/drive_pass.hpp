@@ -81,8 +81,8 @@ class DriveMemory {
   /// Starts a new batch.
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
-  /// device that ends long loops, drives of more than most_pass_foci() foci are computed by the twin in record(), and
-  /// on every device those whose phases are sought (effort_for in gs_pat.hpp).
+  /// device that ends long loops, drives of more than most_pass_foci() foci are the host's, and on every device those
+  /// whose phases are sought (effort_for in gs_pat.hpp).
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.
@@ -93,8 +93,11 @@ class DriveMemory {
   /// Records upload, passes and readback of the slots added since `clear`. Complete with the submit, without a further
   /// barrier.
   void record(VkCommandBuffer commands, const DrivePasses& passes);
+  /// Computes the drives that are the host's, on worker threads. Call it once per batch, after the last add_slot(). The
+  /// device may work meanwhile.
+  void solve_on_host();
 
-  /// Drive of the batch's slot `slot`. Call it after the submit has completed.
+  /// Drive of the batch's slot `slot`. Call it after the submit has completed, and after solve_on_host().
   std::span<const TransducerDrive> drive(std::uint32_t slot) const;
 
  private:
@@ -138,7 +141,6 @@ class DriveMemory {
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);
   HostDrive& add_host_slot();
-  void drive_on_host();
   void add_focus(const SlotFocus& focus, float gain);
 };
 

@@ -17,7 +17,6 @@
 #include "session/session.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
-#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {
@@ -154,7 +153,9 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
       if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
     }
     buffers.record(recorder.begin(), passes);
-    timeline.wait(timeline.submit(recorder.end()));
+    timeline.submit(recorder.end());
+    buffers.solve_on_host();
+    timeline.wait(timeline.last());
   };
   batch();
   for (const std::uint32_t slot : {0u, slots / 2, slots - 1}) {
@@ -187,23 +188,11 @@ void measure_points(const Context& context, const std::string& name, const std::
                     const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
   touch::Touch found, expected;
   const std::vector<sensing::SkinPoint> skin = sensing::numbered(points);
-  touch::HostStage(solids).touch(skin, expected);
+  touch::Stage(solids).touch(skin, expected);
 
   touch::Passes passes(context.device);
   touch::Stage stage(passes, solids);
-  touch::StageMemory memory(stage);
-  memory.set(skin);
-  gpu::Timestamps times(context.device, 16);
-  std::vector<gpu::PassTime> measured;
-  const gpu::Recorder recorder(context.device, "bench");
-  gpu::Timeline timeline(context.device);
-  const auto frame = [&] {
-    const VkCommandBuffer commands = recorder.begin();
-    times.begin(commands);
-    stage.record(commands, memory, 0, &times);
-    timeline.wait(timeline.submit(recorder.end()));
-    touch::read(memory, found);
-  };
+  const auto frame = [&] { stage.touch(skin, found); };
   frame();
   if (!same_foci(found, expected)) wrong(name);
   std::vector<double> whole;
@@ -214,8 +203,7 @@ void measure_points(const Context& context, const std::string& name, const std::
     const double ms = now_ms() - begin;
     if (run < warm_up) continue;
     whole.push_back(ms);
-    times.read(measured);
-    stages.add(measured);
+    stages.add(stage.times());
     context.progress(name, run - warm_up + 1, context.runs);
   }
   rows.push_back(make_row("touch", name, "total", whole));

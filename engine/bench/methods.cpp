@@ -13,7 +13,7 @@
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "touch/foci/method.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::bench {
 namespace {
@@ -54,7 +54,7 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
   for (const Vec3& p : geometry::read_ply(setup::find_asset("finger.ply")).positions)
     points.emplace_back(p.x, p.y - 0.003, p.z);
   touch::Touch touch;
-  touch::HostStage(setup::load_solids(setup::find_asset("cube.glb"), {})).touch(sensing::numbered(points), touch);
+  touch::Stage(setup::load_solids(setup::find_asset("cube.glb"), {})).touch(sensing::numbered(points), touch);
   if (touch.finger_count != 1) throw failure("bench: the finger does not touch the cube; nothing was timed");
   const touch::Finger& finger = touch.fingers[0];
   const std::string name = fmt::format("{} contacts", finger.contact_count);

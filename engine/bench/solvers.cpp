@@ -161,7 +161,9 @@ void on_device(const Context& context, const array::Layout& layout, const Case& 
       if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
     }
     buffers.record(recorder.begin(), passes);
-    timeline.wait(timeline.submit(recorder.end()));
+    timeline.submit(recorder.end());
+    buffers.solve_on_host();
+    timeline.wait(timeline.last());
   };
   batch();
   const Heard heard = listen(layout, slots, judged, [&](std::uint32_t s) { return buffers.drive(s); });

@@ -22,7 +22,6 @@
 #include "sensing/synthetic.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
-#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {
@@ -151,24 +150,14 @@ double measure_contacts(const Context& context, const std::string& name, const s
                         std::vector<Row>& rows) {
   touch::Passes passes(context.device);
   touch::Stage stage(passes, solids, set_up.rig.cameras);
-  touch::StageMemory memory(stage);
-  gpu::Timestamps stamps(context.device, 32);
-  const gpu::Recorder recorder(context.device, "bench");
-  gpu::Timeline timeline(context.device);
   touch::Touch found, expected;
-  std::vector<gpu::PassTime> times;
   std::vector<double> samples;
-  touch::HostStage twin(solids, set_up.rig.cameras);
+  touch::Stage twin(solids, set_up.rig.cameras);
   twin.touch(frame.frames, expected);
   constexpr std::uint32_t warm_up = 10;
   for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
-    memory.set(frame.frames);
-    const VkCommandBuffer commands = recorder.begin();
-    stamps.begin(commands);
-    stage.record(commands, memory, 0, &stamps);
-    timeline.wait(timeline.submit(recorder.end()));
+    stage.touch(frame.frames, found);
     if (run == 0) {
-      touch::read(memory, found);
       bool same = found.contacts.size() == expected.contacts.size();
       for (std::size_t i = 0; same && i < found.contacts.size(); ++i) {
         same = found.contacts[i].point == expected.contacts[i].point &&
@@ -177,9 +166,8 @@ double measure_contacts(const Context& context, const std::string& name, const s
       if (!same) throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
     }
     if (run < warm_up) continue;
-    stamps.read(times);
     double ms = 0;
-    for (const gpu::PassTime& time : times) {
+    for (const gpu::PassTime& time : stage.times()) {
       if (std::string_view(time.name).starts_with("contacts")) ms += time.ms;
     }
     samples.push_back(ms);

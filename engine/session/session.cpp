@@ -79,8 +79,7 @@ struct Session::State {
     if (setting.finger && !setting.live())
       throw bad_usage("a session computes foci on fingers only while it runs, from the images of depth cameras");
     if (setting.finger) fingers = std::make_unique<LiveFingers>(setting);
-    planner = device ? make_gpu_planner(*device, setting, scheduler, fingers.get())
-                     : make_host_planner(setting, scheduler, fingers.get());
+    planner = make_planner(device, setting, scheduler, fingers.get());
   }
 
   const acoustics::FocusField* felt_by() const { return setting.field ? setting.field : field ? &*field : nullptr; }

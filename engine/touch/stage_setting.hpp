@@ -16,7 +16,6 @@ inline constexpr double longest_memory_s = 3600;
 
 struct StageSetting {
   Parameters parameters;
-  Detail detail = Detail::contacts;
   /// Fingers keep their ids from frame to frame; frames must come in the order of their capture. If false, each frame
   /// stands alone and the next five members have no effect.
   bool follow = false;
@@ -59,7 +58,7 @@ struct StageSetting {
     return box;
   }
 
-  // On the device only: the maximum numbers of one frame. If a frame has more, read() reports an error. 0: the stage
+  // On the device only: the maximum numbers of one frame. If a frame has more, finish() reports an error. 0: the stage
   // decides. With cameras, it has room for every pixel and for 262,144 contacts. For points from another source, there
   // is as much room as they need, even if all of them are contacts.
   std::uint32_t most_points = 0;  ///< at most shader::contacts_most_points

@@ -35,7 +35,7 @@ inline constexpr Word<Axes> axes_words[] = {{"steady", Axes::steady}, {"covarian
 
 /// For fingers that are followed: the smoothing that keeps their foci from jumping.
 enum class Smoothing {
-  one_euro,  ///< foci are filtered in the finger's own frame, and foci of emptying sectors glide (glide_pass.hpp)
+  one_euro,  ///< foci are filtered in the finger's own frame, and foci of emptying sectors glide (fingers/glide.hpp)
   none,
 };
 inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::one_euro}, {"none", Smoothing::none}};
@@ -51,8 +51,8 @@ struct Parameters {
   std::uint32_t min_points = 5;  ///< clusters with fewer contacts are not fingers
   std::uint32_t foci = 10;       ///< N, 1 to max_foci; a solid may have its own
   Spacing spacing = Spacing::angle;
-  /// With depth frames: a cluster wider than this may be several fingers (touch/split/split_twin.hpp), patches that are
-  /// together no wider may be one finger with hidden skin between them (touch/bridge/bridge_twin.hpp), and flying
+  /// With depth frames: a cluster wider than this may be several fingers (touch/fingers/split.hpp), patches that are
+  /// together no wider may be one finger with hidden skin between them (touch/fingers/bridge.hpp), and flying
   /// pixels are not fingers. 0: every cluster is one finger.
   double finger_width_m = 25e-3;
   Cluster cluster = Cluster::contacts;
@@ -61,10 +61,6 @@ struct Parameters {
   /// `inside` needs the deep points even if nobody requests them.
   bool wants_deep() const { return deep || cluster == Cluster::inside; }
 };
-
-/// The data that the host reads of a frame: fingers with their foci, or also every contact and its finger. With
-/// staging, every contact that there is room for is copied, 8 MB by default. Request contacts only if they are used.
-enum class Detail { fingers, contacts };
 
 inline constexpr std::uint32_t max_foci = 64;
 inline constexpr std::uint32_t max_fingers = 64;
@@ -104,7 +100,7 @@ struct Finger {
   std::uint32_t id = 0;  ///< stays the same from frame to frame if fingers are followed; in a single frame, the index
   std::uint32_t solid = 0;
   std::uint32_t contact_count = 0;
-  /// Indices into the touch's contacts, ascending; empty if contacts were not requested (touch::Detail).
+  /// Indices into the touch's contacts, ascending.
   std::vector<std::uint32_t> contacts;
   CrossSection section;
   std::vector<Focus> foci;  ///< N sectors of Eq. (7); one, at the centroid, when `point_like`
@@ -119,7 +115,7 @@ struct Finger {
 
 /// Reused from frame to frame; the vectors keep their allocations.
 struct Touch {
-  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point; empty if not requested
+  std::vector<Contact> contacts;  ///< in the order of the skin points: ascending by point
   /// If requested: skin points inside a solid at delta or deeper and in no solid's shell, ascending by point. Their
   /// depth is exact in convex solids, in others at most 2 % too large.
   std::vector<Contact> deep;

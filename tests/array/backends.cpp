@@ -33,6 +33,7 @@ std::vector<Drive> on_device(const Layout& layout, const std::vector<std::vector
     EXPECT_TRUE(buffers.add_slot(slot));
   test::run_on_device(
       [&](VkCommandBuffer commands) { buffers.record(commands, passes[static_cast<std::size_t>(options.solver)]); });
+  buffers.solve_on_host();
   std::vector<Drive> drives;
   for (std::uint32_t s = 0; s < buffers.slots(); ++s) {
     const auto drive = buffers.drive(s);

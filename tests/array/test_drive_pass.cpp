@@ -191,6 +191,7 @@ TEST(DriveMemory, AreReusedBatchAfterBatchWithoutAllocating) {
     for (const auto& slot : batch)
       ASSERT_TRUE(buffers.add_slot(slot));
     test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
+    buffers.solve_on_host();
     ASSERT_EQ(buffers.slots(), batch.size());
     for (std::uint32_t s = 0; s < buffers.slots(); ++s) {
       const Drive twin = drive_for(layout, batch[s]);
@@ -239,6 +240,7 @@ TEST(DriveMemory, MoreFociThanADevicesLoopsReachAreDrivenInFull) {
               0u);
     ASSERT_TRUE(added);
     test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+    memory.solve_on_host();
     const auto first = memory.drive(0), last = memory.drive(memory.slots() - 1);
     EXPECT_TRUE(std::ranges::equal(first, last, [](const TransducerDrive& a, const TransducerDrive& b) {
       return a.amplitude == b.amplitude && a.phase == b.phase && a.amplitude <= 1;
@@ -269,6 +271,7 @@ TEST(DriveMemory, AnEmptyBatchIsFine) {
   const DrivePasses passes(device, Solver::naive);
   DriveMemory buffers(device, load_layout("openmpd"), {}, 0, 0);
   test::run_on_device([&](VkCommandBuffer commands) { buffers.record(commands, passes); });
+  buffers.solve_on_host();
   EXPECT_EQ(buffers.slots(), 0u);
 }
 

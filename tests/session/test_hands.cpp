@@ -17,7 +17,6 @@
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/foci/method.hpp"
-#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {
@@ -153,14 +152,8 @@ Seen look(const std::string& name, const sensing::Camera& camera, geometry::Mesh
 touch::Touch touch_on_device(const Seen& seen, const touch::Parameters& parameters = {}) {
   static touch::Passes passes(test::test_device());
   touch::Stage stage(passes, seen.solids, seen.cameras, {.parameters = parameters});
-  touch::StageMemory memory(stage);
-  memory.set(seen.images);
-  const gpu::Recorder recorder(test::test_device(), "hands");
-  gpu::Timeline timeline(test::test_device(), "hands");
-  stage.record(recorder.begin(), memory);
-  timeline.wait(timeline.submit(recorder.end()));
   touch::Touch out;
-  touch::read(memory, out);
+  stage.touch(seen.images, out);
   return out;
 }
 
@@ -205,7 +198,7 @@ void expect_own_foci(const touch::Touch& touch) {
 touch::Touch touch_inside(const Seen& seen) {
   const touch::Parameters parameters{.cluster = touch::Cluster::inside};
   touch::Touch twin;
-  touch::HostStage(seen.solids, seen.cameras, {.parameters = parameters}).touch(seen.images, twin);
+  touch::Stage(seen.solids, seen.cameras, {.parameters = parameters}).touch(seen.images, twin);
   touch::Touch out = touch_on_device(seen, parameters);
   EXPECT_GT(out.deep.size(), out.contacts.size());
   EXPECT_EQ(out.deep.size(), twin.deep.size());
@@ -277,7 +270,7 @@ TEST(Hands, TenFingertipsOnOneBody) {
   // cluster is the whole part of a finger that is inside: each holds exactly one labelled tip and one of the rings.
   const touch::Parameters thick{.delta_m = 0.5};
   touch::Touch whole;
-  touch::HostStage(seen.solids, seen.cameras, {.parameters = thick}).touch(seen.images, whole);
+  touch::Stage(seen.solids, seen.cameras, {.parameters = thick}).touch(seen.images, whole);
   ASSERT_EQ(whole.finger_count, 10u);
   const auto points_of = [](const touch::Touch& from, std::uint32_t f) {
     std::vector<std::uint32_t> points;

@@ -9,7 +9,7 @@
 #include "session/links/plan.hpp"
 #include "session/plan/scheduler.hpp"
 #include "support/shared_data.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -25,7 +25,7 @@ struct Frame {
     std::vector<glm::vec3> points;
     for (const Vec3& p : geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions)
       points.emplace_back(p.x, p.y - depth_m, p.z);
-    touch::HostStage(solids).touch(sensing::numbered(points), touch);
+    touch::Stage(solids).touch(sensing::numbered(points), touch);
     for (touch::Finger& finger : touch.fingers)
       finger.id = 4;
   }

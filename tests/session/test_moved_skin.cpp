@@ -10,7 +10,7 @@
 #include "session/predict/second_search.hpp"
 #include "session/predict/skin_step.hpp"
 #include "support/shared_data.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -95,7 +95,7 @@ struct InThePlate : TwoFrames {
   touch::Touch seen;
 
   InThePlate() : TwoFrames({0, -3e-3, 0}, Vec3(0), nullptr, Transform(1)) {
-    touch::HostStage(solids, cameras).touch(frames[0].frames, seen);
+    touch::Stage(solids, cameras).touch(frames[0].frames, seen);
   }
   /// The contacts that the finger has after it has moved up by `lift_m`; none if it no longer touches then.
   std::uint32_t contacts_after(double lift_m, std::uint32_t min_points, bool holds) {

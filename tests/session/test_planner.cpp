@@ -60,8 +60,7 @@ struct Planning {
 
   Planning(const Scene& scene, const gpu::Device* device = &test::test_device())
       : scheduler(scene.setting.scene, scene.setting.solids, scene.setting.touch, scene.setting.schedule),
-        planner(device ? make_gpu_planner(*device, scene.setting, scheduler)
-                       : make_host_planner(scene.setting, scheduler)) {}
+        planner(make_planner(device, scene.setting, scheduler)) {}
   Planner* operator->() const { return planner.get(); }
 };
 

@@ -25,7 +25,7 @@
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "support/time_limits.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
@@ -69,7 +69,7 @@ touch::Touch finger() {
     points.emplace_back(p.x, p.y - 3e-3, p.z);
   touch::Touch touch;
   const std::vector<geometry::Solid> solids = cube();
-  touch::HostStage(solids, {}, {.parameters = thirteen}).touch(sensing::numbered(points), touch);
+  touch::Stage(solids, {}, {.parameters = thirteen}).touch(sensing::numbered(points), touch);
   return touch;
 }
 

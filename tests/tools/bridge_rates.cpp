@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "touch/fingertips.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -40,8 +40,8 @@ void run(int trials) {
           const Trial trial = random_trial(random, cameras, elevation, trial_objects[t % 3], fingers);
           const auto solids = object(trial.object);
           Touch before, after;
-          HostStage(solids, trial.cameras, {.parameters = {.finger_width_m = 0}}).touch(trial.images, before);
-          HostStage(solids, trial.cameras).touch(trial.images, after);
+          Stage(solids, trial.cameras, {.parameters = {.finger_width_m = 0}}).touch(trial.images, before);
+          Stage(solids, trial.cameras).touch(trial.images, after);
           if (before.finger_count > 0) tally[fingers - 1].add(is_wrong(before, trial), is_wrong(after, trial));
         }
       }

@@ -64,7 +64,7 @@ double quantile(std::vector<double>& values, double share) {
 }
 
 Flicker flicker_of(const Still& still, const StageSetting& setting) {
-  HostStage stage(still.solids, still.cameras, setting);
+  Stage stage(still.solids, still.cameras, setting);
   Touch touch;
   Flicker result;
   std::map<std::uint32_t, std::vector<Focus>> before;
@@ -123,7 +123,7 @@ std::vector<Still> recorded() {
 /// The digits with at least five contacts in a picture without noise.
 std::uint32_t digits_in(const palpa::test::HandScene& scene, int cameras) {
   const HandFilm film = make_film(scene, {.cameras = cameras, .frames = 1, .noise = palpa::test::FilmNoise::none});
-  HostStage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras);
+  Stage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras);
   Touch touch;
   stage.touch(film.frames[0].frames, touch);
   std::vector<int> has(scene.digits);
@@ -188,7 +188,7 @@ void walk(const std::function<Vec3(double time_s)>& apart, double seconds, int c
                                           .noise = palpa::test::FilmNoise::full,
                                           .seed = seed,
                                           .motion = motion});
-  HostStage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras, setting);
+  Stage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras, setting);
   Touch touch;
   std::map<std::uint32_t, std::size_t> owner;
   double gap_since = -1;
@@ -276,7 +276,7 @@ void withdrawals(int count) {
                                                 .noise = palpa::test::FilmNoise::full,
                                                 .seed = static_cast<std::uint64_t>(k + 1),
                                                 .motion = motion});
-        HostStage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras, setting);
+        Stage stage({box({-0.3, -scene.plate_m, -0.3}, {0.3, 0, 0.3}, "plate")}, film.cameras, setting);
         Touch touch;
         double last = -1;
         for (std::size_t f = 0; f < film.frames.size(); ++f) {
@@ -387,7 +387,7 @@ void scan(std::size_t frames) {
 void trace(const std::string& pose, double turn, double tilt, double press, int cameras) {
   const palpa::test::HandScene scene = hand_scene(pose, press, tilt, press < 3e-3 ? 1e-3 : 35e-3, turn);
   const Still still = rendered(pose, scene, cameras, palpa::test::FilmNoise::half, 16);
-  HostStage stage(still.solids, still.cameras, {.follow = true, .hysteresis = Hysteresis::on});
+  Stage stage(still.solids, still.cameras, {.follow = true, .hysteresis = Hysteresis::on});
   Touch touch;
   for (const sensing::FrameSet& set : still.frames) {
     stage.touch(set.frames, touch, set.time_s);

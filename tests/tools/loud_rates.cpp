@@ -46,6 +46,7 @@ std::vector<Drive> on_device(const Layout& layout, const Sets& sets, const Drive
     if (!memory.add_slot(set)) std::abort();
   }
   test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+  memory.solve_on_host();
   std::vector<Drive> drives;
   for (std::uint32_t s = 0; s < memory.slots(); ++s)
     drives.emplace_back(memory.drive(s).begin(), memory.drive(s).end());

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "touch/fingers/finger_scenes.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -28,7 +28,7 @@ void run(int scenes) {
           Parameters parameters = scene.parameters;
           if (!after) parameters.finger_width_m = 0;
           Touch touch;
-          HostStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, touch);
+          Stage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, touch);
           const Score score = score_of(scene, touch);
           touched = score.fingers > 0 || scene.fingers.empty();
           if (!touched) break;

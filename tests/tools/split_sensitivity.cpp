@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "touch/fingers/finger_scenes.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 #include "tuned.hpp"
 
 namespace palpa::touch::test {
@@ -80,7 +80,7 @@ void run(int scenes) {
       for (int t = 0; t < scenes; ++t) {
         const FingerScene scene = random_scene(random, kind, cameras);
         ++seen;
-        HostStage usual({scene.solid}, scene.cameras, {.parameters = scene.parameters});
+        Stage usual({scene.solid}, scene.cameras, {.parameters = scene.parameters});
         for (std::size_t c = 0; c < constants().size(); ++c) {
           const Constant& constant = constants()[c];
           for (std::size_t f = c == 0 ? 0 : 1; f < factors.size(); ++f) {
@@ -88,7 +88,7 @@ void run(int scenes) {
             constant.scale(parameters, factors[f]);
             Touch touch;
             if (constant.is_parameter) {
-              HostStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, touch);
+              Stage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, touch);
             } else {
               usual.touch(scene.images, touch);
             }

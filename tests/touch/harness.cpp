@@ -28,39 +28,19 @@ Passes& test_passes() {
   return passes;
 }
 
-void DeviceStage::touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s) {
-  memory.set(images);
-  again(out, time_s);
-}
-
-void DeviceStage::touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s) {
-  memory.set(points);
-  again(out, time_s);
-}
-
-void DeviceStage::again(Touch& out, double time_s, gpu::Timestamps* times) {
-  const VkCommandBuffer commands = recorder_.begin();
-  if (times) times->begin(commands);
-  stage.record(commands, memory, time_s, times);
-  palpa::test::submit_and_wait(recorder_.end());
-  read(memory, out);
-}
-
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
                       const StageSetting& setting, int runs, std::vector<gpu::PassTime>* times) {
-  gpu::Timestamps stamps(test_device(), 16);
   DeviceStage stage(solids, {}, setting);
-  stage.memory.set(points);
   Touch out;
   std::vector<gpu::PassTime> once;
   for (int run = 0; run < runs; ++run) {
     const Touch before = out;
     const double began_s = palpa::test::processor_s();
-    stage.again(out, 0, &stamps);
+    stage.touch(points, out);
     const double took = (palpa::test::processor_s() - began_s) * 1e3;
     if (run > 0) expect_identical(before, out);
     if (times) {
-      stamps.read(once);
+      once.assign(stage.times().begin(), stage.times().end());
       once.push_back({"all threads' CPU time", took});
       if (run == 0) *times = once;
       for (std::size_t i = 0; i < once.size(); ++i)
@@ -74,7 +54,7 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std:
                const Parameters& parameters) {
   if (backend == Backend::cpu) {
     Touch out;
-    HostStage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
+    Stage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
     return out;
   }
   const auto count = static_cast<std::uint32_t>(points.size());

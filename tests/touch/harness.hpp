@@ -10,9 +10,7 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
-#include "gpu/commands.hpp"
 #include "gpu/timestamps.hpp"
-#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::touch::test {
@@ -26,23 +24,12 @@ class OnBothBackends : public ::testing::TestWithParam<Backend> {};
 /// All pipelines that any test of this program needs, on the test device, each created once.
 Passes& test_passes();
 
-/// A stage on the test device, one frame at a time.
-class DeviceStage {
+/// A stage whose points are found on the test device.
+class DeviceStage : public Stage {
  public:
   explicit DeviceStage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
                        const StageSetting& setting = {})
-      : stage(test_passes(), solids, cameras, setting), memory(stage) {}
-
-  void touch(std::span<const sensing::DepthFrame> images, Touch& out, double time_s = 0);
-  void touch(std::span<const sensing::SkinPoint> points, Touch& out, double time_s = 0);
-  /// Computes the current input once more.
-  void again(Touch& out, double time_s = 0, gpu::Timestamps* times = nullptr);
-
-  Stage stage;
-  StageMemory memory;
-
- private:
-  gpu::Recorder recorder_{test_passes().device(), "touch test"};
+      : Stage(test_passes(), solids, cameras, setting) {}
 };
 
 /// One touch of points whose index is their place. On the GPU, it runs twice in reused memory: both runs must agree.

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "gpu/barrier.hpp"
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/foci/foci.h"
-#include "shaders/touch/sections/sections.h"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"
@@ -23,21 +22,9 @@
 #include "spirv/fingers_prepare.comp.hpp"
 #include "spirv/fingers_select.comp.hpp"
 #include "spirv/fingers_undecided.comp.hpp"
-#include "spirv/foci.comp.hpp"
-#include "spirv/follow.comp.hpp"
-#include "spirv/glide.comp.hpp"
-#include "spirv/sections_axes.comp.hpp"
-#include "spirv/sections_count.comp.hpp"
-#include "spirv/sections_group.comp.hpp"
-#include "spirv/split_assign.comp.hpp"
-#include "spirv/split_list.comp.hpp"
-#include "spirv/split_look.comp.hpp"
-#include "spirv/split_parts.comp.hpp"
-#include "spirv/split_sample.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
-#include "touch/sections/sector_borders.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -54,8 +41,6 @@ struct Guarded {
         solids(GuardedBuffer::of<shader::SolidRecord>(device, prepared.records)),
         cells(GuardedBuffer::of<shader::PlaneCell>(device, prepared.cells)),
         planes(GuardedBuffer::of<shader::vec4>(device, prepared.planes)),
-        borders(GuardedBuffer::of<shader::Border>(device, sector_borders())),
-        of_solid(GuardedBuffer::of<std::uint32_t>(device, prepared.foci_of)),
         total(device, 16),
         contacts(device, std::size_t{room.contacts} * 32),
         deep_total(device, 16),
@@ -64,16 +49,10 @@ struct Guarded {
         clusters(device, std::size_t{room.clustered()} * 8),
         header(device, sizeof(shader::TouchHeader)),
         fingers(device, std::size_t{max_fingers} * sizeof(shader::FingerRecord)),
-        grouped(device, std::size_t{room.contacts} * 16),
-        tracks(device, sizeof(shader::TrackTable)),
-        foci(device, std::size_t{max_fingers} * max_foci * sizeof(shader::FocusRecord)),
-        homes(device, sizeof(shader::Home) * shader::follow_most_tracks),
         contacts_scratch(device, ContactsPass::scratch(room)),
         fingers_scratch(device, FingersPass::scratch(room)),
-        sections_scratch(device, SectionsPass::scratch()),
         solid_texels(device, solids.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids"),
-        contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts"),
-        grouped_texels(device, grouped.ref(), VK_FORMAT_R32G32B32A32_UINT, "grouped contacts") {
+        contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
     const shader::ScanTotal given{count, shader::scan_groups_of(count, ContactsPass::groups(device, room, prepared)), 1,
                                   1};
@@ -81,23 +60,22 @@ struct Guarded {
   }
 
   Room room;
-  GuardedBuffer points, length, solids, cells, planes, borders, of_solid, total, contacts, deep_total, deep, parents,
-      clusters, header, fingers, grouped, tracks, foci, homes;
-  palpa::test::GuardedScratch contacts_scratch, fingers_scratch, sections_scratch;
-  gpu::TexelView solid_texels, contact_texels, grouped_texels;
+  GuardedBuffer points, length, solids, cells, planes, total, contacts, deep_total, deep, parents, clusters, header,
+      fingers;
+  palpa::test::GuardedScratch contacts_scratch, fingers_scratch;
+  gpu::TexelView solid_texels, contact_texels;
 
   bool intact() {
     bool all = true;
     int place = 0;
-    for (GuardedBuffer* buffer :
-         {&points, &length, &solids, &cells, &planes, &borders, &of_solid, &total, &contacts, &deep_total, &deep,
-          &parents, &clusters, &header, &fingers, &grouped, &tracks, &foci, &homes}) {
+    for (GuardedBuffer* buffer : {&points, &length, &solids, &cells, &planes, &total, &contacts, &deep_total, &deep,
+                                  &parents, &clusters, &header, &fingers}) {
       const bool one = buffer->intact();
       EXPECT_TRUE(one) << "guard words of buffer " << place;
       all = all && one;
       ++place;
     }
-    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &fingers_scratch, &sections_scratch}) {
+    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &fingers_scratch}) {
       const bool one = scratch->intact();
       EXPECT_TRUE(one) << "guard words of scratch " << place;
       all = all && one;
@@ -110,10 +88,6 @@ struct Guarded {
 void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& solids, const Parameters& parameters) {
   static ContactsPass contacts(palpa::test::test_device());
   static FingersPass fingers(palpa::test::test_device());
-  static const SectionsPass sections(palpa::test::test_device());
-  static const FollowPass follow(palpa::test::test_device());
-  static const FociPass foci(palpa::test::test_device());
-  static const GlidePass glide(palpa::test::test_device());
   contacts.prepare(solids, parameters);
   fingers.prepare(parameters);
   contacts.record(commands,
@@ -140,20 +114,6 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
                   .deep_total = b.deep_total.ref(),
                   .deep = b.deep.ref()},
                  b.fingers_scratch, b.room, parameters);
-  gpu::compute_to_compute(commands);
-  sections.record(
-      commands,
-      {b.total.ref(), b.parents.ref(), b.contact_texels.ref(), b.header.ref(), b.grouped_texels.ref(), b.fingers.ref()},
-      b.sections_scratch, b.room);
-  gpu::compute_to_compute(commands);
-  follow.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref()}, shader::follow_restart, {});
-  gpu::compute_to_compute(commands);
-  foci.record(
-      commands,
-      {b.grouped_texels.ref(), b.header.ref(), b.fingers.ref(), b.foci.ref(), b.borders.ref(), b.of_solid.ref()},
-      parameters);
-  gpu::compute_to_compute(commands);
-  glide.record(commands, {b.header.ref(), b.fingers.ref(), b.tracks.ref(), b.foci.ref(), b.homes.ref()});
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
@@ -176,16 +136,22 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
 
     // What had room is what the twin finds among the first points.
     Touch twin;
-    HostStage(scene, {}, {.parameters = parameters}).touch(std::span(cloud).first(c.room), twin);
+    Stage(scene, {}, {.parameters = parameters}).touch(std::span(cloud).first(c.room), twin);
     const auto header = guarded.header.read<shader::TouchHeader>()[0];
     EXPECT_EQ(header.contacts, c.points);
     EXPECT_EQ(header.points, c.points);
     EXPECT_EQ(header.clusters, twin.cluster_count);
     const auto contacts = guarded.contacts.read<shader::ContactRecord>();
+    const auto fingers = guarded.fingers.read<shader::FingerRecord>();
+    const auto parents = guarded.parents.read<std::uint32_t>();
+    std::map<std::uint32_t, int> finger_of_root;
+    for (std::uint32_t f = 0; f < header.fingers; ++f)
+      finger_of_root[parents[fingers[f].first]] = static_cast<int>(f);
     const auto finger = finger_of_contacts(twin);
     for (std::uint32_t i = 0; i < c.room; ++i) {
       ASSERT_EQ(contacts[i].point, i);
-      ASSERT_EQ(contacts[i].finger, static_cast<std::uint32_t>(finger[i])) << "contact " << i;
+      const auto found = finger_of_root.find(parents[i]);
+      ASSERT_EQ(found == finger_of_root.end() ? -1 : found->second, finger[i]) << "contact " << i;
     }
   }
 }
@@ -213,7 +179,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
   const PreparedSolids solids = prepare_solids(scene);
   const Parameters parameters{.delta_m = 4e-3, .finger_gap_m = 2e-3, .cluster = Cluster::inside};
   Touch twin;
-  HostStage(scene, {}, {.parameters = parameters}).touch(cloud, twin);
+  Stage(scene, {}, {.parameters = parameters}).touch(cloud, twin);
   for (const Room& room : {Room{.points = 5000, .contacts = 5000, .deep = 5000, .inside = true},
                            Room{.points = 5000, .contacts = 301, .deep = 203, .inside = true},
                            Room{.points = 5000, .contacts = 1, .deep = 1, .inside = true}}) {
@@ -261,8 +227,8 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                  MEMBER(ContactsPush, most_points), MEMBER(ContactsPush, most_contacts)},
                 false);
   // contacts_pack writes them as vectors.
-  const auto count = palpa::test::read_spirv(spirv::sections_count_comp);
-  expect_struct(count, "ContactRecord", sizeof(shader::ContactRecord),
+  const auto select = palpa::test::read_spirv(spirv::fingers_select_comp);
+  expect_struct(select, "ContactRecord", sizeof(shader::ContactRecord),
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
                  MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger)},
                 true);
@@ -282,59 +248,13 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(FingersPush, cells_per_metre), MEMBER(FingersPush, limit), MEMBER(FingersPush, most_contacts),
                  MEMBER(FingersPush, min_points)},
                 false);
-  const auto select = palpa::test::read_spirv(spirv::fingers_select_comp);
   expect_struct(select, "Cluster", sizeof(shader::Cluster), {MEMBER(Cluster, smallest), MEMBER(Cluster, size)}, true);
   expect_struct(select, "TouchHeader", sizeof(shader::TouchHeader),
                 {MEMBER(TouchHeader, fingers), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
-                 MEMBER(TouchHeader, points), MEMBER(TouchHeader, look_x), MEMBER(TouchHeader, parts_x),
-                 MEMBER(TouchHeader, assign_x), MEMBER(TouchHeader, list_x), MEMBER(TouchHeader, patches_x),
-                 MEMBER(TouchHeader, join_x), MEMBER(TouchHeader, relabel_x), MEMBER(TouchHeader, relabel_z)},
+                 MEMBER(TouchHeader, points)},
                 false);
-  const auto sections = palpa::test::read_spirv(spirv::sections_axes_comp);
-  expect_struct(sections, "FingerRecord", sizeof(shader::FingerRecord),
-                {MEMBER(FingerRecord, first), MEMBER(FingerRecord, solid), MEMBER(FingerRecord, contacts),
-                 MEMBER(FingerRecord, point_like), MEMBER(FingerRecord, id), MEMBER(FingerRecord, start),
-                 MEMBER(FingerRecord, foci), MEMBER(FingerRecord, centre), MEMBER(FingerRecord, axis1),
-                 MEMBER(FingerRecord, axis2), MEMBER(FingerRecord, axis3), MEMBER(FingerRecord, turn),
-                 MEMBER(FingerRecord, mean), MEMBER(FingerRecord, lean), MEMBER(FingerRecord, held_low)},
-                true);
-  expect_struct(count, "SectionsPush", sizeof(shader::SectionsPush), {MEMBER(SectionsPush, most_contacts)}, false);
-  const auto split = palpa::test::read_spirv(spirv::split_sample_comp);
-  expect_struct(split, "SplitPush", sizeof(shader::SplitPush),
-                {MEMBER(SplitPush, most_contacts), MEMBER(SplitPush, cameras), MEMBER(SplitPush, finger_width)}, false);
-  expect_struct(split, "SplitState", sizeof(shader::SplitState),
-                {MEMBER(SplitState, kind), MEMBER(SplitState, samples), MEMBER(SplitState, parts_low),
-                 MEMBER(SplitState, parts_high), MEMBER(SplitState, root)},
-                true);
-  const auto parts = palpa::test::read_spirv(spirv::split_parts_comp);
-  expect_struct(parts, "SplitEvidence", sizeof(shader::SplitEvidence),
-                {MEMBER(SplitEvidence, looked_low), MEMBER(SplitEvidence, looked_high),
-                 MEMBER(SplitEvidence, valley_low), MEMBER(SplitEvidence, valley_high)},
-                true);
-  const auto follow = palpa::test::read_spirv(spirv::follow_comp);
-  expect_struct(follow, "FollowPush", sizeof(shader::FollowPush),
-                {MEMBER(FollowPush, elapsed_us), MEMBER(FollowPush, steady), MEMBER(FollowPush, memory_us)}, false);
-  expect_struct(follow, "Track", sizeof(shader::Track),
-                {MEMBER(Track, id), MEMBER(Track, solid), MEMBER(Track, carrier), MEMBER(Track, unseen_us),
-                 MEMBER(Track, contacts), MEMBER(Track, flags), MEMBER(Track, home), MEMBER(Track, since_us),
-                 MEMBER(Track, place), MEMBER(Track, velocity), MEMBER(Track, axis1), MEMBER(Track, axis3),
-                 MEMBER(Track, spread_a), MEMBER(Track, spread_b)},
-                true);
-  expect_struct(follow, "TrackTable", sizeof(shader::TrackTable),
-                {MEMBER(TrackTable, count), MEMBER(TrackTable, next_id), MEMBER(TrackTable, tracks)}, false);
-  const auto foci = palpa::test::read_spirv(spirv::foci_comp);
-  expect_struct(foci, "FocusRecord", sizeof(shader::FocusRecord),
-                {MEMBER(FocusRecord, x), MEMBER(FocusRecord, y), MEMBER(FocusRecord, z), MEMBER(FocusRecord, points)},
-                true);
-  const auto glide = palpa::test::read_spirv(spirv::glide_comp);
-  expect_struct(glide, "GlidingFocus", sizeof(shader::GlidingFocus),
-                {MEMBER(GlidingFocus, x), MEMBER(GlidingFocus, empty_us), MEMBER(GlidingFocus, speed_x)}, true);
-  expect_struct(glide, "Home", sizeof(shader::Home),
-                {MEMBER(Home, centre), MEMBER(Home, velocity), MEMBER(Home, axis1), MEMBER(Home, axis3),
-                 MEMBER(Home, foci), MEMBER(Home, focus)},
-                true);
-  expect_struct(foci, "Border", sizeof(shader::Border), {MEMBER(Border, x), MEMBER(Border, y)}, true);
-  expect_struct(foci, "FociPush", sizeof(shader::FociPush), {MEMBER(FociPush, foci), MEMBER(FociPush, spacing)}, false);
+  expect_struct(select, "FingerRecord", sizeof(shader::FingerRecord),
+                {MEMBER(FingerRecord, first), MEMBER(FingerRecord, solid), MEMBER(FingerRecord, contacts)}, true);
 }
 
 TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
@@ -351,18 +271,7 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
                                     &spirv::fingers_crowded_comp, &spirv::fingers_undecided_comp}) {
     EXPECT_EQ(size_of(*kernel), shader::blocks_group) << kernel->name;
   }
-  for (const gpu::Kernel* kernel :
-       {&spirv::split_sample_comp, &spirv::split_look_comp, &spirv::split_parts_comp, &spirv::split_list_comp}) {
-    EXPECT_EQ(size_of(*kernel), shader::split_group) << kernel->name;
-  }
-  EXPECT_EQ(size_of(spirv::split_assign_comp), shader::contact_group);
   EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
-  EXPECT_EQ(size_of(spirv::sections_count_comp), shader::sections_chunk_group);
-  EXPECT_EQ(size_of(spirv::sections_group_comp), shader::sections_chunk_group);
-  EXPECT_EQ(size_of(spirv::sections_axes_comp), shader::sections_group);
-  EXPECT_EQ(size_of(spirv::follow_comp), shader::follow_group);
-  EXPECT_EQ(size_of(spirv::foci_comp), shader::foci_group);
-  EXPECT_EQ(size_of(spirv::glide_comp), shader::glide_group);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@
 #include "support/thrown.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/harness.hpp"
-#include "touch/host_stage.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -47,7 +46,7 @@ struct Scene {
 TEST(Stage, DepthFramesOnTheDeviceAreThoseOfTheTwin) {
   const Scene scene;
   DeviceStage stage(scene.solids, scene.cameras);
-  HostStage host(scene.solids, scene.cameras);
+  Stage host(scene.solids, scene.cameras);
   for (const double depth : {3e-3, 1e-3, 5e-3}) {
     const auto images = scene.frames(depth);
     Touch expected, found;
@@ -61,15 +60,15 @@ TEST(Stage, DepthFramesOnTheDeviceAreThoseOfTheTwin) {
 TEST(Stage, AStrideLeavesFingersWhereTheyAre) {
   const Scene scene;
   DeviceStage stage(scene.solids, scene.cameras);
-  HostStage host(scene.solids, scene.cameras);
-  EXPECT_EQ(stage.stage.most_pixel_stride(), host.most_pixel_stride());
+  Stage host(scene.solids, scene.cameras);
+  EXPECT_EQ(stage.most_pixel_stride(), host.most_pixel_stride());
   ASSERT_GE(host.most_pixel_stride(), 2u);
   const auto images = scene.frames(3e-3);
   Touch whole, again;
   host.touch(images, whole);
   ASSERT_EQ(whole.finger_count, 1u);
   for (std::uint32_t stride = 2; stride <= host.most_pixel_stride(); ++stride) {
-    stage.stage.set_pixel_stride(stride);
+    stage.set_pixel_stride(stride);
     host.set_pixel_stride(stride);
     Touch expected, found;
     host.touch(images, expected);
@@ -81,7 +80,7 @@ TEST(Stage, AStrideLeavesFingersWhereTheyAre) {
     EXPECT_LT(glm::length(expected.fingers[0].section.centroid - whole.fingers[0].section.centroid), 1e-3f) << stride;
     EXPECT_EQ(expected.fingers[0].foci.size(), whole.fingers[0].foci.size());
   }
-  stage.stage.set_pixel_stride(1);
+  stage.set_pixel_stride(1);
   stage.touch(images, again);
   expect_identical(whole, again);
 }
@@ -104,7 +103,7 @@ TEST(Stage, AStrideNeverTakesPixelsOfOneFingerFartherApartThanTheGap) {
   Parameters parameters;
   for (const double gap_m : {0.5e-3, 2e-3, 5e-3, 50e-3}) {
     parameters.finger_gap_m = gap_m;
-    HostStage host(scene.solids, scene.cameras, {.parameters = parameters});
+    Stage host(scene.solids, scene.cameras, {.parameters = parameters});
     const std::uint32_t most = host.most_pixel_stride();
     EXPECT_GE(most, 1u);
     EXPECT_LE(most, 4u);
@@ -120,7 +119,7 @@ TEST(Stage, AStrideNeverTakesPixelsOfOneFingerFartherApartThanTheGap) {
 TEST(Stage, PointsOnTheDeviceAreThoseOfTheTwin) {
   const std::vector<geometry::Solid> solids{cube()};
   DeviceStage stage(solids, {}, {.most_points = 10'000});
-  HostStage host(solids);
+  Stage host(solids);
   for (const std::uint32_t count : {10'000u, 0u, 3000u}) {
     const auto points = indexed(fingertip(count, 3e-3));
     Touch expected, found;
@@ -128,30 +127,6 @@ TEST(Stage, PointsOnTheDeviceAreThoseOfTheTwin) {
     stage.touch(points, found);
     expect_identical(expected, found);
   }
-}
-
-TEST(Stage, ContactsStayOnTheDeviceWhereNobodyAsks) {
-  const Scene scene;
-  const auto images = scene.frames(3e-3);
-  Touch all, some;
-  DeviceStage(scene.solids, scene.cameras).touch(images, all);
-  DeviceStage frugal(scene.solids, scene.cameras, {.detail = Detail::fingers});
-  frugal.touch(images, some);
-  EXPECT_TRUE(some.contacts.empty());
-  ASSERT_EQ(some.finger_count, all.finger_count);
-  ASSERT_GT(all.finger_count, 0u);
-  for (std::uint32_t f = 0; f < all.finger_count; ++f) {
-    EXPECT_TRUE(some.fingers[f].contacts.empty());
-    EXPECT_EQ(some.fingers[f].contact_count, all.fingers[f].contacts.size());
-    EXPECT_EQ(all.fingers[f].contact_count, all.fingers[f].contacts.size());
-    EXPECT_EQ(some.fingers[f].section.centroid, all.fingers[f].section.centroid);
-    ASSERT_EQ(some.fingers[f].foci.size(), all.fingers[f].foci.size());
-    for (std::size_t n = 0; n < all.fingers[f].foci.size(); ++n)
-      EXPECT_EQ(some.fingers[f].foci[n].position, all.fingers[f].foci[n].position);
-  }
-  // A touch that held contacts before holds none afterwards.
-  frugal.touch(images, all);
-  EXPECT_TRUE(all.contacts.empty());
 }
 
 class StageOn : public OnBothBackends {};
@@ -164,7 +139,7 @@ TEST_P(StageOn, KnowsHowDeepFingersPress) {
     Touch touch;
     const StageSetting setting{.parameters = {.deep = deep}};
     if (GetParam() == Backend::cpu) {
-      HostStage(scene.solids, scene.cameras, setting).touch(images, touch);
+      Stage(scene.solids, scene.cameras, setting).touch(images, touch);
     } else {
       DeviceStage(scene.solids, scene.cameras, setting).touch(images, touch);
     }
@@ -181,7 +156,7 @@ TEST_P(StageOn, KnowsHowDeepFingersPress) {
 
 TEST_P(StageOn, FollowsFingersWhereItIsTold) {
   const Scene scene;
-  const auto cpu = std::make_unique<HostStage>(scene.solids, scene.cameras, StageSetting{.follow = true});
+  const auto cpu = std::make_unique<Stage>(scene.solids, scene.cameras, StageSetting{.follow = true});
   DeviceStage gpu(scene.solids, scene.cameras, {.follow = true});
   Touch touch;
   const auto frame = [&](double depth, double time_s) {
@@ -203,13 +178,17 @@ TEST_P(StageOn, FollowsFingersWhereItIsTold) {
 TEST(Stage, RefusesInputThatDoesNotFit) {
   const Scene scene;
   Stage seen(test_passes(), scene.solids, scene.cameras), given(test_passes(), scene.solids, {}, {.most_points = 10});
-  StageMemory images(seen), points(given);
   const std::vector<sensing::SkinPoint> eleven(11);
-  EXPECT_ERROR(points.set(eleven), Exit::usage, "11 skin points");
-  EXPECT_NO_THROW(points.set(std::span(eleven).first(10)));
-  EXPECT_ERROR(images.set(std::span(eleven).first(1)), Exit::usage, "a stage with cameras");
-  EXPECT_ERROR(images.set(std::vector<sensing::DepthFrame>(2)), Exit::usage, "2 depth frames for 3 cameras");
-  EXPECT_ERROR(images.set(std::vector<sensing::DepthFrame>(3)), Exit::usage, "depth frame 0 has 0 pixels");
+  Touch touch;
+  EXPECT_ERROR(given.touch(eleven, touch), Exit::usage, "11 skin points");
+  EXPECT_NO_THROW(given.touch(std::span(eleven).first(10), touch));
+  Stage on_host(scene.solids, scene.cameras);
+  for (Stage* stage : {&seen, &on_host}) {
+    EXPECT_ERROR(stage->touch(eleven, touch), Exit::usage, "a stage with cameras");
+    EXPECT_ERROR(stage->touch(std::vector<sensing::DepthFrame>(2), touch), Exit::usage, "2 depth frames for 3 cameras");
+    EXPECT_ERROR(stage->touch(std::vector<sensing::DepthFrame>(3), touch), Exit::usage, "depth frame 0 has 0 pixels");
+  }
+  EXPECT_ERROR(given.touch(std::vector<sensing::DepthFrame>(1), touch), Exit::usage, "a stage without cameras");
 }
 
 TEST(Stage, SaysWhenCamerasSeeMoreThanThereIsRoomFor) {
@@ -232,7 +211,7 @@ TEST_P(StageOn, RefusesParametersWhenItIsMade) {
                                    {Parameters{.finger_gap_m = 1e-9}, "finger gap is 1e-09 m"}}) {
     const StageSetting setting{.parameters = bad};
     if (GetParam() == Backend::cpu) {
-      EXPECT_ERROR(HostStage({cube()}, {}, setting), Exit::usage, fault);
+      EXPECT_ERROR(Stage({cube()}, {}, setting), Exit::usage, fault);
     } else {
       EXPECT_ERROR(Stage(test_passes(), {cube()}, {}, setting), Exit::usage, fault);
     }

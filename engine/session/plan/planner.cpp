@@ -99,7 +99,7 @@ void FingerDrives::drive_one(const array::SlotFocus& focus, std::span<array::Tra
   }
 }
 
-touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler) {
+touch::StageSetting stage_setting(const SessionSetting& setting) {
   touch::StageSetting stage{.parameters = setting.touch,
                             .follow = setting.follow,
                             .axes = setting.axes,
@@ -107,8 +107,6 @@ touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler
                             .hysteresis = setting.hysteresis,
                             .memory_s = setting.hold_s};
   if (!setting.cameras.empty()) stage.surroundings = surroundings_of(setting);
-  const bool listed = !setting.live() || setting.events || scheduler.needs_contacts();
-  stage.detail = listed ? touch::Detail::contacts : touch::Detail::fingers;
   stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
   if (setting.events) stage.parameters.deep = true;
   return stage;

@@ -22,7 +22,7 @@
 
 namespace palpa::session {
 
-/// One frame of skin. The planner keeps no reference to it.
+/// One frame of skin. Images and points must stay as they are until the planner's first step of this frame.
 struct SkinFrame {
   std::span<const sensing::DepthFrame> images{};  ///< for a session with cameras: one per camera
   std::span<const sensing::SkinPoint> points{};   ///< for a session without cameras: indices ascend
@@ -79,15 +79,12 @@ class Planner {
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
 };
 
-/// Runs the passes on the device. For a live setting, there are two frames in flight, and a frame that exceeds its
-/// capacity is left out with a warning. Otherwise, there is one frame in flight, and exceeding its capacity is an
-/// error. `device`, `setting` and `scheduler` must outlive it. Throws Error if the device is lost. The drives of frames
-/// with foci that `sounds`, which may be null, knows are computed on the host.
-std::unique_ptr<Planner> make_gpu_planner(const gpu::Device& device, const SessionSetting& setting,
-                                          Scheduler& scheduler, FingerSounds* sounds = nullptr);
-/// The same with the passes' C++ twins.
-std::unique_ptr<Planner> make_host_planner(const SessionSetting& setting, Scheduler& scheduler,
-                                           FingerSounds* sounds = nullptr);
+/// `device` computes points and drives; null: the host does. Fingers are the host's in both cases. With a live setting
+/// on a device, there are two frames in flight, and a frame that has more skin than there is room for is left out with
+/// a warning; otherwise, this is an error. `setting` and `scheduler` must outlive it. Throws Error if the device is
+/// lost. The drives of frames with foci that `sounds`, which may be null, knows are computed on the host.
+std::unique_ptr<Planner> make_planner(const gpu::Device* device, const SessionSetting& setting, Scheduler& scheduler,
+                                      FingerSounds* sounds = nullptr);
 
 /// Computes the drives of a frame on the host, from the sound on its fingers.
 class FingerDrives {
@@ -118,8 +115,7 @@ void reserve(touch::Touch& touch);
 PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
                                    const touch::PreparedSolids& solids);
 
-/// The setting of the stage, on the device or as its twins. Single frames, events and methods that need contacts get
-/// contacts; events also get deep points.
-touch::StageSetting stage_setting(const SessionSetting& setting, const Scheduler& scheduler);
+/// The setting of the stage. Events get deep points.
+touch::StageSetting stage_setting(const SessionSetting& setting);
 
 }  // namespace palpa::session

@@ -9,7 +9,7 @@
 #include "geometry/haptics.hpp"
 #include "session/plan/tuning_thread.hpp"
 #include "session/plan/voice.hpp"
-#include "touch/sections/nearest_filled.hpp"
+#include "touch/fingers/nearest_filled.hpp"
 
 namespace palpa::session {
 

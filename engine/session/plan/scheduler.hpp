@@ -63,8 +63,6 @@ class Scheduler {
   /// Duration of one drive, see slot_length.
   double slot_s() const { return slot_s_; }
   const std::vector<SolidHaptics>& solids() const { return solids_; }
-  /// Whether the method needs the contacts themselves, see touch::needs_contacts.
-  bool needs_contacts() const { return options_.own_method || touch::needs_contacts(options_.method); }
 
   /// Whether any solid requests a pressure.
   bool needs_pressures() const;

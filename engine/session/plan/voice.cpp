@@ -5,7 +5,7 @@
 #include <span>
 
 #include "geometry/haptics.hpp"
-#include "touch/sections/nearest_filled.hpp"
+#include "touch/fingers/nearest_filled.hpp"
 
 namespace palpa::session {
 void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32_t solid,

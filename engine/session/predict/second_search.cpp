@@ -9,8 +9,8 @@
 #include "shaders/touch/known/known_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
-#include "touch/foci/foci_twin.hpp"
-#include "touch/sections/sections_twin.hpp"
+#include "touch/fingers/foci.hpp"
+#include "touch/fingers/sections.hpp"
 
 namespace palpa::session {
 namespace {

@@ -88,7 +88,9 @@ array::Drive drive_on_gpu(const gpu::Device& device, const array::Layout& layout
   const gpu::Recorder recorder(device, "drive");
   gpu::Timeline timeline(device);
   buffers.record(recorder.begin(), passes);
-  timeline.wait(timeline.submit(recorder.end()));
+  timeline.submit(recorder.end());
+  buffers.solve_on_host();
+  timeline.wait(timeline.last());
   const auto drive = buffers.drive(0);
   return {drive.begin(), drive.end()};
 }

@@ -10,7 +10,6 @@ SolidsMemory::SolidsMemory(const gpu::Device& device, const PreparedSolids& soli
   const VkCommandBuffer commands = recorder.begin();
   cells_ = gpu::uploaded(device, commands, std::span(solids.cells), "plane cells");
   planes_ = gpu::uploaded(device, commands, std::span(solids.planes), "planes");
-  foci_of_ = gpu::uploaded(device, commands, std::span(solids.foci_of), "foci of solids");
   surfaces_ = SurfaceMemory(device, solids);
   surfaces_.record(commands);
   timeline.wait(timeline.submit(recorder.end()));

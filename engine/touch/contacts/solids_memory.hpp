@@ -16,10 +16,9 @@ class SolidsMemory {
   const SurfaceMemory& surfaces() const { return surfaces_; }
   gpu::BufferRef cells() const { return cells_.ref(); }
   gpu::BufferRef planes() const { return planes_.ref(); }
-  gpu::BufferRef foci_of() const { return foci_of_.ref(); }
 
  private:
-  gpu::Upload cells_, planes_, foci_of_;
+  gpu::Upload cells_, planes_;
   SurfaceMemory surfaces_;
 };
 

@@ -8,10 +8,6 @@
 
 namespace palpa::touch {
 
-bool needs_contacts(const MethodOptions& options) {
-  return options.method == Method::ellipse || options.foci != 0;
-}
-
 namespace {
 
 void place_by_method(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {

@@ -1,8 +1,8 @@
 // A method turns a finger's cross-section into foci and decides which foci sound together. docs/methods.md compares the
 // methods.
 //
-// Each method is one function in its own file, method_NAME.cpp; place_foci() selects it by name. On either backend, all
-// methods run on the host, between the foci of FociPass and the schedule. They allocate nothing once their output has
+// Each method is one function in its own file, method_NAME.cpp; place_foci() selects it by name. Methods come
+// after the fingers of a frame and before its schedule. They allocate nothing once their output has
 // grown. The schedule decides the order of the foci, their dwell and their intensity (array/schedule.hpp).
 #pragma once
 
@@ -49,9 +49,6 @@ struct Placement {
   /// Nothing moves on the skin, so the skin would feel nothing without modulation.
   bool still() const { return together || foci.size() == 1; }
 };
-
-/// Whether a method needs the contacts themselves (touch::Detail::contacts), not only the finger's data.
-bool needs_contacts(const MethodOptions& options);
 
 /// Places the foci of `finger`, which belongs to `touch`. A point-like finger has one focus at its centroid under every
 /// method. Deterministic. `out.foci` has one entry for a point-like finger and for `single-focus`, otherwise N entries,

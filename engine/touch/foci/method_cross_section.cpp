@@ -1,4 +1,4 @@
-// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). FociPass and its twin have already
+// The paper's method: the centroids of the cross-section's sectors, Eq. (5)-(7). find_foci() has already
 // found them. The sectors are recomputed here only for another number of foci.
 #include <array>
 #include <numbers>

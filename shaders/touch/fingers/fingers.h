@@ -131,78 +131,24 @@ struct Cluster {
 };
 PALPA_CHECK_SIZE(Cluster, 8);
 
-// The host reads this first. Its first three words dispatch one group per finger. After `points` come the dispatches of
-// the passes that look at the fingers again. They have no groups if there is nothing to do: a software device takes
-// longer to start a group than to see that it is not needed.
+// What the host reads: how many of everything there are, and the clusters that may be fingers.
 struct TouchHeader {
   uint fingers;
-  uint groups_y;
-  uint groups_z;
   uint clusters;
   uint contacts;
   uint points;
-  uint look_x;  // split_look: up to the last finger that is too wide
-  uint look_y;
-  uint look_z;
-  uint parts_x;  // split_parts: the same
-  uint parts_y;
-  uint parts_z;
-  uint assign_x;  // split_assign: over the contacts, if one is split
-  uint assign_y;
-  uint assign_z;
-  uint list_x;  // split_list: if one is too wide or no finger
-  uint list_y;
-  uint list_z;
-  uint patches_x;  // bridge_sample, bridge_pairs: one per finger, if there are at least two
-  uint patches_y;
-  uint patches_z;
-  uint join_x;  // bridge_join: if there are at least two
-  uint join_y;
-  uint join_z;
-  uint relabel_x;  // bridge_relabel: over the contacts, if any two are one
-  uint relabel_y;
-  uint relabel_z;
 };
-PALPA_CHECK_SIZE(TouchHeader, 108);
-PALPA_CHECK_OFFSET(TouchHeader, look_x, 24);
-PALPA_CHECK_OFFSET(TouchHeader, parts_x, 36);
-PALPA_CHECK_OFFSET(TouchHeader, assign_x, 48);
-PALPA_CHECK_OFFSET(TouchHeader, list_x, 60);
-PALPA_CHECK_OFFSET(TouchHeader, patches_x, 72);
-PALPA_CHECK_OFFSET(TouchHeader, join_x, 84);
-PALPA_CHECK_OFFSET(TouchHeader, relabel_x, 96);
-PALPA_CHECK_OFFSET(TouchHeader, clusters, 12);
-PALPA_CHECK_OFFSET(TouchHeader, points, 20);
+PALPA_CHECK_SIZE(TouchHeader, 16);
+PALPA_CHECK_OFFSET(TouchHeader, contacts, 8);
 
 struct FingerRecord {
   uint first;  // its smallest contact
   uint solid;
   uint contacts;
-  uint point_like;
-  uint id;     // stays the same while the finger is followed
-  uint start;  // of its contacts, in the contacts ordered by finger
-  uint foci;
-  uint placed;  // every focus has a place, also that of an empty sector
-  vec4 centre;
-  vec4 axis1;  // w: eigenvalue
-  vec4 axis2;
-  vec4 axis3;
-  vec4 turn;      // cosine and sine of the angle from axis1 to the principal direction, towards axis2
-  vec4 mean;      // the centroid relative to the first contact, more precise than `centre`
-  vec4 lean;      // the contacts' covariance of depth with place, m^2: the direction in which they lie deeper
-  uint held_low;  // a bit per focus: its sector has become empty only recently
-  uint held_high;
-  uint beyond;  // contacts beyond the shell's edges
-  uint holds;   // the next frame needs only half of min_points for it
+  uint unused0;
 };
-PALPA_CHECK_SIZE(FingerRecord, 160);
-PALPA_CHECK_OFFSET(FingerRecord, start, 20);
-PALPA_CHECK_OFFSET(FingerRecord, centre, 32);
-PALPA_CHECK_OFFSET(FingerRecord, axis3, 80);
-PALPA_CHECK_OFFSET(FingerRecord, turn, 96);
-PALPA_CHECK_OFFSET(FingerRecord, mean, 112);
-PALPA_CHECK_OFFSET(FingerRecord, lean, 128);
-PALPA_CHECK_OFFSET(FingerRecord, held_low, 144);
+PALPA_CHECK_SIZE(FingerRecord, 16);
+PALPA_CHECK_OFFSET(FingerRecord, contacts, 8);
 
 PALPA_SHADER_END
 #endif

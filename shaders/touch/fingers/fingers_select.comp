@@ -3,7 +3,6 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/fingers/fingers.h"
 #include "shaders/shared/scan.h"
-#include "shaders/touch/split/split.h"
 
 // Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. If there are too
 // many, it takes the largest, and of equally large ones those that begin first: a few wrong pixels must not hide a
@@ -102,13 +101,7 @@ void main() {
     const Cluster cluster = chosen[thread];
     uint finger = 0u;
     for (uint other = 0u; other < taken; ++other) finger += chosen[other].smallest < cluster.smallest ? 1u : 0u;
-    fingers[finger].first = cluster.smallest;
-    fingers[finger].solid = contacts[cluster.smallest].solid;
-    fingers[finger].contacts = cluster.size;
+    fingers[finger] = FingerRecord(cluster.smallest, contacts[cluster.smallest].solid, cluster.size, 0u);
   }
-  if (thread == 0u) {
-    const bool several = taken > 1u;
-    header = TouchHeader(taken, 1u, 1u, listed, found.total, given.total, 0u, split_looks, 1u, 0u, 1u, 1u, 0u, 1u, 1u, 0u, 1u, 1u,
-                         several ? taken : 0u, 1u, 1u, several ? 1u : 0u, 1u, 1u, 0u, 1u, 1u);
-  }
+  if (thread == 0u) header = TouchHeader(taken, listed, found.total, given.total);
 }

@@ -9,7 +9,7 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/solid.hpp"
-#include "touch/host_stage.hpp"
+#include "touch/stage.hpp"
 
 int main(int argc, char** argv) try {
   using namespace palpa;
@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
   }
 
   touch::Touch touch;
-  touch::HostStage(solids).touch(sensing::numbered(skin), touch);
+  touch::Stage(solids).touch(sensing::numbered(skin), touch);
 
   const array::Layout paper = array::load_layout("paper");
   const array::Layout layout = array::transformed(paper, paper.default_T_world_layout);

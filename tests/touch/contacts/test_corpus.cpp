@@ -171,7 +171,7 @@ std::map<std::string, std::string> known_meshes() {
 void expect_true_contacts(const std::vector<geometry::Solid>& solids, std::uint32_t count) {
   const auto points = points_near(solids[0].mesh, count, 11);
   Touch touch;
-  HostStage(solids).touch(indexed(points), touch);
+  Stage(solids).touch(indexed(points), touch);
   std::vector<char> contact(points.size(), 0);
   for (const Contact& c : touch.contacts)
     contact[c.point] = 1;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "touch/depths.hpp"
+#include "touch/fingers/depths.hpp"
 
 namespace palpa::touch {
 namespace {

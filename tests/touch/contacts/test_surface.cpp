@@ -145,9 +145,9 @@ INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(
 Touch touch_on_both(DeviceStage& device, const std::vector<glm::vec3>& points) {
   Touch gpu, again, cpu;
   device.touch(indexed(points), gpu);
-  device.again(again);
+  device.touch(indexed(points), again);
   expect_identical(gpu, again);
-  find_contacts(indexed(points), device.stage.solids(), device.stage.setting().parameters, {}, cpu);
+  find_contacts(indexed(points), device.solids(), device.setting().parameters, {}, cpu);
   again.finger_count = again.cluster_count = 0;
   expect_identical(again, cpu);
   EXPECT_EQ(gpu.deep.size(), cpu.deep.size());
@@ -214,7 +214,7 @@ TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
   const Model& model = known_model(GetParam());
   const geometry::Mesh& mesh = model.solids[0].mesh;
   // Convex solids of few faces are looked up by their planes.
-  const geometry::Surface& known = model.device.stage.solids().surfaces[0];
+  const geometry::Surface& known = model.device.solids().surfaces[0];
   const geometry::Surface surface = known.triangles.empty() ? geometry::make_surface(mesh, {.reach_m = delta}) : known;
   const auto points = points_near(mesh, palpa::test::samples(600, 2'000), 5);
   std::size_t inside = 0;

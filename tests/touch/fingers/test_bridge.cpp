@@ -10,7 +10,6 @@
 #include "base/error.hpp"
 #include "gpu/commands.hpp"
 #include "sensing/skin_twin.hpp"
-#include "support/device.hpp"
 #include "support/instrumented.hpp"
 #include "support/thrown.hpp"
 #include "touch/fingertips.hpp"
@@ -22,15 +21,10 @@ namespace {
 using Images = std::vector<sensing::DepthFrame>;
 using Cameras = std::vector<sensing::Camera>;
 
-Touch touch_on(Backend backend, const std::vector<geometry::Solid>& solids, const Cameras& cameras,
-               const Images& images, const Parameters& parameters = {}) {
+Touch touch_of(const std::vector<geometry::Solid>& solids, const Cameras& cameras, const Images& images,
+               const Parameters& parameters = {}) {
   Touch out;
-  const StageSetting setting{.parameters = parameters};
-  if (backend == Backend::cpu) {
-    HostStage(solids, cameras, setting).touch(images, out);
-  } else {
-    DeviceStage(solids, cameras, setting).touch(images, out);
-  }
+  Stage(solids, cameras, {.parameters = parameters}).touch(images, out);
   return out;
 }
 
@@ -38,16 +32,13 @@ Parameters unbridged() {
   return {.finger_width_m = 0};
 }
 
-class Bridge : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, Bridge, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
-TEST_P(Bridge, JoinsTheTwoSidesOfAFingertip) {
+TEST(Bridge, JoinsTheTwoSidesOfAFingertip) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
   const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
-  const Touch apart = touch_on(GetParam(), solids, cameras, images, unbridged());
+  const Touch apart = touch_of(solids, cameras, images, unbridged());
   ASSERT_EQ(apart.finger_count, 2u);
-  const Touch joined = touch_on(GetParam(), solids, cameras, images);
+  const Touch joined = touch_of(solids, cameras, images);
   ASSERT_EQ(joined.finger_count, 1u);
   EXPECT_EQ(joined.cluster_count, 1u);
   const Finger& finger = joined.fingers[0];
@@ -62,54 +53,54 @@ TEST_P(Bridge, JoinsTheTwoSidesOfAFingertip) {
   EXPECT_GT(std::hypot(apart.fingers[0].section.centroid.x, apart.fingers[0].section.centroid.z), 4e-3);
 }
 
-TEST_P(Bridge, LeavesPointsAlone) {
+TEST(Bridge, LeavesPointsAlone) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
   const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
   const auto skin = sensing::find_skin(cameras, images, touchable_box(prepare_solids(solids)));
   Touch out;
-  HostStage(solids).touch(skin, out);
+  Stage(solids).touch(skin, out);
   EXPECT_EQ(out.finger_count, 2u);
 }
 
-TEST_P(Bridge, JoinsNothingWiderThanAFinger) {
+TEST(Bridge, JoinsNothingWiderThanAFinger) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
   const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
   for (const auto& [width, fingers] : {std::pair{0.0, 2u}, {5e-3, 2u}, {10e-3, 2u}, {18e-3, 1u}, {1.0, 1u}}) {
-    const Touch touch = touch_on(GetParam(), solids, cameras, images, {.finger_width_m = width});
+    const Touch touch = touch_of(solids, cameras, images, {.finger_width_m = width});
     EXPECT_EQ(touch.finger_count, fingers) << width;
   }
   for (const double bad : {-1e-3, std::nan(""), double{INFINITY}}) {
-    EXPECT_ERROR(touch_on(GetParam(), solids, cameras, images, {.finger_width_m = bad}), Exit::usage,
+    EXPECT_ERROR(touch_of(solids, cameras, images, {.finger_width_m = bad}), Exit::usage,
                  fmt::format("finger width is {} m", bad));
   }
 }
 
-TEST_P(Bridge, NeighboursSeenFromBothSidesStayTwo) {
+TEST(Bridge, NeighboursSeenFromBothSidesStayTwo) {
   // Each of the two is two patches: joined the right way, not across.
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 0, 0);
   for (const double gap : {19e-3, 20e-3, 22e-3}) {
     const std::vector<Press> presses{{.press_m = 5.2e-3, .z = -gap / 2}, {.press_m = 5.2e-3, .z = gap / 2}};
     const Images images = images_of(cameras, presses, 2);
-    const Touch touch = touch_on(GetParam(), solids, cameras, images);
+    const Touch touch = touch_of(solids, cameras, images);
     EXPECT_EQ(touch.finger_count, 2u) << gap;
     EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1)) << gap;
   }
 }
 
-TEST_P(Bridge, NeighboursWhoseFacingSidesAreHiddenStayTwo) {
+TEST(Bridge, NeighboursWhoseFacingSidesAreHiddenStayTwo) {
   // Only the outer sides are seen; the width tells.
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 0);
   const std::vector<Press> presses{{.press_m = 5e-3, .x = -9.5e-3}, {.press_m = 5e-3, .x = 9.5e-3}};
-  const Touch touch = touch_on(GetParam(), solids, cameras, images_of(cameras, presses, 3));
+  const Touch touch = touch_of(solids, cameras, images_of(cameras, presses, 3));
   EXPECT_GE(touch.finger_count, 2u);
   EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1));
 }
 
-TEST_P(Bridge, NeighboursSeenFromAboveStayTwo) {
+TEST(Bridge, NeighboursSeenFromAboveStayTwo) {
   // Fingertips that reach sideways into a wall, 2 to 6 mm apart, one camera above: the tops of two rings.
   const std::vector<geometry::Solid> wall{box({-0.1, -0.1, -0.1}, {-0.006, 0.1, 0.1}, "wall")};
   for (const double gap : palpa::test::the_first<double>(1, {20.5e-3, 22e-3, 24.5e-3})) {
@@ -117,21 +108,21 @@ TEST_P(Bridge, NeighboursSeenFromAboveStayTwo) {
     for (const double elevation : {89.0, 60.0, 30.0}) {
       const Cameras camera = ring_of_cameras(1, elevation, 190);
       const Images images = images_of(camera, presses, 4);
-      const Touch touch = touch_on(GetParam(), wall, camera, images);
+      const Touch touch = touch_of(wall, camera, images);
       ASSERT_GE(touch.finger_count, 2u) << gap << ' ' << elevation;
-      const Touch before = touch_on(GetParam(), wall, camera, images, unbridged());
+      const Touch before = touch_of(wall, camera, images, unbridged());
       EXPECT_EQ(touch.finger_count, before.finger_count) << gap << ' ' << elevation;
     }
   }
 }
 
-TEST_P(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
+TEST(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
   const std::vector<geometry::Solid> plate{box({-0.03, -0.009, -0.03}, {0.03, 0, 0.03}, "plate")};
   for (const double elevation : palpa::test::the_first<double>(1, {-20, 0, 20})) {
     for (const int count : {1, 2, 3}) {
       const Cameras cameras = ring_of_cameras(count, elevation, 15);
       const std::vector<Press> presses{{.press_m = 4e-3}, {.press_m = 4e-3, .y = -9e-3, .from_below = true}};
-      const Touch touch = touch_on(GetParam(), plate, cameras, images_of(cameras, presses, 5));
+      const Touch touch = touch_of(plate, cameras, images_of(cameras, presses, 5));
       EXPECT_GE(touch.finger_count, 1u);
       EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1))
           << count << " cameras, " << elevation;
@@ -139,7 +130,7 @@ TEST_P(Bridge, ThumbAndIndexThatPinchAPlateStayTwo) {
   }
 }
 
-TEST_P(Bridge, CrossingFingersStayTwo) {
+TEST(Bridge, CrossingFingersStayTwo) {
   const auto solids = object("cube");
   for (const int count : {1, 2, 3}) {
     for (const double elevation : palpa::test::the_first<double>(1, {0, -30, 20})) {
@@ -147,7 +138,7 @@ TEST_P(Bridge, CrossingFingersStayTwo) {
       // Each leans over the other.
       const std::vector<Press> presses{{.press_m = 4e-3, .tilt_deg = 50, .azimuth_deg = 30, .x = -8e-3, .z = -9e-3},
                                        {.press_m = 4e-3, .tilt_deg = 50, .azimuth_deg = 150, .x = 8e-3, .z = 9e-3}};
-      const Touch touch = touch_on(GetParam(), solids, cameras, images_of(cameras, presses, 6));
+      const Touch touch = touch_of(solids, cameras, images_of(cameras, presses, 6));
       EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1))
           << count << " cameras, " << elevation;
     }
@@ -168,8 +159,8 @@ TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
   for (int t = 0; t < (palpa::test::instrumented() ? 16 : 40); ++t) {
     const Trial trial = random_trial(random, 2, t % 4 < 2 ? 0 : 20, trial_objects[t % 3], t % 2 == 0 ? 1 : 2);
     const auto solids = object(trial.object);
-    const Touch before = touch_on(Backend::cpu, solids, trial.cameras, trial.images, unbridged());
-    const Touch after = touch_on(Backend::cpu, solids, trial.cameras, trial.images);
+    const Touch before = touch_of(solids, trial.cameras, trial.images, unbridged());
+    const Touch after = touch_of(solids, trial.cameras, trial.images);
     if (trial.presses.size() == 1) {
       split_before += before.finger_count > 1 ? 1 : 0;
       split_after += after.finger_count > 1 ? 1 : 0;
@@ -186,18 +177,8 @@ TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
   EXPECT_EQ(merged_by_bridging, 0);
 }
 
-TEST(BridgeOnDevice, DecidesAsTheTwin) {
-  std::mt19937 random(12);
-  for (int t = 0; t < (palpa::test::instrumented() ? 4 : 12); ++t) {
-    const Trial trial = any_trial(random, 1 + t % 2);
-    const auto solids = object(trial.object);
-    expect_identical(touch_on(Backend::cpu, solids, trial.cameras, trial.images),
-                     touch_on(Backend::gpu, solids, trial.cameras, trial.images));
-  }
-}
-
-TEST(BridgeOnDevice, DecidesAsTheTwinForManyPatchesAndBentLenses) {
-  // Small fingers in rows, seen through a distorting lens: more patches than a group has room for in one go.
+TEST(Bridge, JoinsTheSidesOfManyFingersSeenThroughBentLenses) {
+  // Small fingers in rows, seen through a distorting lens: more than 50 patches.
   Cameras cameras = ring_of_cameras(2, 15, 20);
   for (sensing::Camera& camera : cameras)
     camera.distortion = {0.08, -0.05, 1e-3, -2e-3, 0.01};
@@ -206,12 +187,11 @@ TEST(BridgeOnDevice, DecidesAsTheTwinForManyPatchesAndBentLenses) {
   for (int i = 0; i < 25; ++i)
     presses.push_back({.press_m = 3e-3, .x = 24e-3 * (i % 5 - 2), .z = 24e-3 * (i / 5 - 2), .scale = 0.6});
   const Images images = images_of(cameras, presses, 7);
-  const Touch before = touch_on(Backend::cpu, plate, cameras, images, unbridged());
-  const Touch cpu = touch_on(Backend::cpu, plate, cameras, images);
+  const Touch before = touch_of(plate, cameras, images, unbridged());
+  const Touch touch = touch_of(plate, cameras, images);
   EXPECT_GT(before.finger_count, 25u);
-  EXPECT_LT(cpu.finger_count, before.finger_count);
-  expect_identical(cpu, touch_on(Backend::gpu, plate, cameras, images));
-  EXPECT_EQ(presses_in_fingers(cpu, presses), std::vector<int>(cpu.finger_count, 1));
+  EXPECT_LT(touch.finger_count, before.finger_count);
+  EXPECT_EQ(presses_in_fingers(touch, presses), std::vector<int>(touch.finger_count, 1));
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
-// Fingers side by side that are one cluster, and clusters that are not fingers: the pass and its twin on scenes of
+// Fingers side by side that are one cluster, and clusters that are not fingers, in the scenes of
 // finger_scenes.hpp, which know the finger of each contact.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 #include <map>
-#include <optional>
 #include <random>
 
 #include "touch/fingers/finger_scenes.hpp"
@@ -13,13 +12,9 @@
 namespace palpa::touch::test {
 namespace {
 
-Touch touch_of(Backend backend, const FingerScene& scene, const Parameters& parameters) {
+Touch touch_of(const FingerScene& scene, const Parameters& parameters) {
   Touch out;
-  if (backend == Backend::cpu) {
-    HostStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
-  } else {
-    DeviceStage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
-  }
+  Stage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
   return out;
 }
 
@@ -27,14 +22,13 @@ struct Tally {
   int right = 0, split = 0, found = 0;
 };
 
-/// `trials` scenes of a kind: the same from the pass and from its twin.
+/// `trials` scenes of a kind.
 Tally tally_of(SceneKind kind, int cameras, int trials) {
   std::mt19937 random(23);
   Tally tally;
   for (int t = 0; t < trials; ++t) {
     const FingerScene scene = random_scene(random, kind, cameras);
-    const Touch touch = touch_of(Backend::cpu, scene, scene.parameters);
-    expect_identical(touch, touch_of(Backend::gpu, scene, scene.parameters));
+    const Touch touch = touch_of(scene, scene.parameters);
     const Score score = score_of(scene, touch);
     tally.right += score.right() ? 1 : 0;
     tally.split += score.split;
@@ -84,26 +78,22 @@ FingerScene seen_by(FingerScene scene, std::size_t cameras) {
 TEST(Split, ManyCamerasAreAllHeard) {
   std::mt19937 random(23);
   const FingerScene scene = seen_by(random_scene(random, SceneKind::five_deep, 1), 60);
-  const Touch touch = touch_of(Backend::cpu, scene, scene.parameters);
+  const Touch touch = touch_of(scene, scene.parameters);
   EXPECT_GT(touch.finger_count, 1u);
-  expect_identical(touch, touch_of(Backend::gpu, scene, scene.parameters));
 }
 
-class SplitOn : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, SplitOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
-TEST_P(SplitOn, NoFingerWidthAndNoPicturesDoNeither) {
+TEST(Split, NoFingerWidthAndNoPicturesDoNeither) {
   std::mt19937 random(23);
   for (const SceneKind kind : {SceneKind::pair_deep, SceneKind::rims}) {
     const FingerScene scene = random_scene(random, kind, 3);
     Parameters parameters = scene.parameters;
-    const Touch with = touch_of(GetParam(), scene, parameters);
+    const Touch with = touch_of(scene, parameters);
     parameters.finger_width_m = 0;
-    const Touch without = touch_of(GetParam(), scene, parameters);
+    const Touch without = touch_of(scene, parameters);
     std::vector<glm::vec3> points;
     for (const Contact& contact : without.contacts)
       points.push_back(contact.position);
-    const Touch cloud = touch_on(GetParam(), points, {scene.solid}, scene.parameters);
+    const Touch cloud = touch_on(Backend::cpu, points, {scene.solid}, scene.parameters);
     EXPECT_NE(with.finger_count, without.finger_count);
     ASSERT_EQ(cloud.finger_count, without.finger_count);
     for (std::uint32_t f = 0; f < cloud.finger_count; ++f)
@@ -115,26 +105,24 @@ TEST_P(SplitOn, NoFingerWidthAndNoPicturesDoNeither) {
   }
 }
 
-TEST_P(SplitOn, AllSkinInsideIsNotSplit) {
+TEST(Split, AllSkinInsideIsNotSplit) {
   std::mt19937 random(23);
   const FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
-  EXPECT_EQ(touch_of(GetParam(), scene, {}).finger_count, 2u);
-  EXPECT_EQ(touch_of(GetParam(), scene, {.cluster = Cluster::inside}).finger_count, 1u);
+  EXPECT_EQ(touch_of(scene, {}).finger_count, 2u);
+  EXPECT_EQ(touch_of(scene, {.cluster = Cluster::inside}).finger_count, 1u);
 }
 
-TEST_P(SplitOn, TheSameFingersFromFrameToFrame) {
+TEST(Split, TheSameFingersFromFrameToFrame) {
   std::mt19937 random(23);
   FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
   const StageSetting setting{.follow = true};
-  HostStage host({scene.solid}, scene.cameras, setting);
-  std::optional<DeviceStage> device;
-  if (GetParam() == Backend::gpu) device.emplace(std::vector{scene.solid}, scene.cameras, setting);
+  Stage stage({scene.solid}, scene.cameras, setting);
   std::map<std::uint32_t, Vec3> places;  // of each id, where it was seen first
   int frames_of_two = 0;
   for (unsigned k = 0; k < 12; ++k) {
     see_again(scene, k);  // other noise
     Touch touch;
-    device ? device->touch(scene.images, touch, k / 90.0) : host.touch(scene.images, touch, k / 90.0);
+    stage.touch(scene.images, touch, k / 90.0);
     frames_of_two += touch.finger_count == 2 ? 1 : 0;
     if (touch.finger_count != 2) continue;
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "geometry/parts/parts.hpp"
 #include "touch/harness.hpp"
+#include "touch/points/device_points.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -23,7 +24,7 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const geom
                const Parameters& parameters) {
   Touch out;
   if (backend == Backend::cpu) {
-    HostStage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
+    Stage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
   } else {
     DeviceStage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
   }
@@ -162,8 +163,11 @@ TEST(InsideOnDevice, SaysWhenThereIsNoRoom) {
 }
 
 TEST(InsideOnDevice, AStageForItHasRoomForDeepPoints) {
-  const Stage stage(test_passes(), {cube()}, {}, {.parameters = inside(), .most_points = 100, .most_contacts = 60});
-  const Room room = StageMemory(stage).room();
+  const PreparedSolids solids = prepare_solids({cube()}, inside());
+  const sensing::RayTables no_rays = sensing::make_rays({});
+  const Room room =
+      DevicePoints(test_passes(), no_rays, solids, {.parameters = inside(), .most_points = 100, .most_contacts = 60})
+          .room();
   EXPECT_EQ(room.contacts, 60u);
   EXPECT_EQ(room.deep, 60u);
   EXPECT_EQ(room.clustered(), 100u);

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "touch/foci/foci_twin.hpp"
+#include "touch/fingers/foci.hpp"
+#include "touch/fingers/sections.hpp"
 #include "touch/foci/method.hpp"
 #include "touch/harness.hpp"
-#include "touch/sections/sections_twin.hpp"
 
 namespace palpa::touch::test {
 namespace {

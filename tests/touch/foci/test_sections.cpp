@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "support/device.hpp"
+#include "touch/fingers/sector_borders.hpp"
 #include "touch/harness.hpp"
-#include "touch/sections/sector_borders.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -111,18 +111,17 @@ void expect_foci(const Touch& touch, const Finger& finger, std::uint32_t foci) {
   EXPECT_EQ(members, finger.contacts.size());
 }
 
-class Sections : public OnBothBackends {
+class Sections : public ::testing::Test {
  protected:
   /// One finger of all the points.
   Touch run(const std::vector<glm::vec3>& points, std::uint32_t foci = 10) {
     Parameters parameters = everything_is_contact(1.0);
     parameters.foci = foci;
-    Touch touch = touch_on(GetParam(), points, {everything()}, parameters);
+    Touch touch = touch_on(Backend::cpu, points, {everything()}, parameters);
     EXPECT_EQ(touch.finger_count, points.empty() ? 0u : 1u);
     return touch;
   }
 };
-INSTANTIATE_TEST_SUITE_P(, Sections, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
 /// A flat ellipsoid of points, turned and put anywhere.
 std::vector<glm::vec3> blob(std::uint32_t count, const Vec3& axes, const Vec3& centre, double angle, unsigned seed) {
@@ -136,7 +135,7 @@ std::vector<glm::vec3> blob(std::uint32_t count, const Vec3& axes, const Vec3& c
   return points;
 }
 
-TEST_P(Sections, AgreeWithDoublePrecision) {
+TEST_F(Sections, AgreeWithDoublePrecision) {
   unsigned seed = 0;
   for (const std::uint32_t count : {3U, 4U, 5U, 17U, 127U, 128U, 129U, 350U, 5000U}) {
     for (const Vec3& axes : {Vec3(5e-3, 3e-3, 0.5e-3), Vec3(20e-3, 1e-3, 0.9e-3), Vec3(4e-3, 4e-3, 4e-3)}) {
@@ -150,19 +149,19 @@ TEST_P(Sections, AgreeWithDoublePrecision) {
   }
 }
 
-TEST_P(Sections, HaveAnyNumberOfFoci) {
+TEST_F(Sections, HaveAnyNumberOfFoci) {
   const auto points = blob(2000, {6e-3, 4e-3, 1e-3}, {0, -0.1, 0}, 1.1, 5);
   for (std::uint32_t foci = 1; foci <= max_foci; ++foci)
     expect_foci(run(points, foci), run(points, foci).fingers[0], foci);
 }
 
-TEST_P(Sections, SumLargeFingersAsExactlyAsSmallOnes) {
+TEST_F(Sections, SumLargeFingersAsExactlyAsSmallOnes) {
   const Touch touch = run(blob(60'000, {8e-3, 5e-3, 0.7e-3}, {0.9, -0.8, 0.7}, 2, 11));
   expect_frame(touch, touch.fingers[0]);
   expect_foci(touch, touch.fingers[0], 10);
 }
 
-TEST_P(Sections, RunClockwiseSeenFromTheTipOfW3) {
+TEST_F(Sections, RunClockwiseSeenFromTheTipOfW3) {
   // w1 = x, w3 = y, so w2 = w3 x w1 = -z. From above (+y) with x to the right, +z is nearer the viewer's feet:
   // clockwise from x comes +z.
   std::vector<glm::vec3> points;
@@ -184,7 +183,7 @@ TEST_P(Sections, RunClockwiseSeenFromTheTipOfW3) {
   }
 }
 
-TEST_P(Sections, BordersBelongToTheSectorThatBeginsThere) {
+TEST_F(Sections, BordersBelongToTheSectorThatBeginsThere) {
   // Symmetric, with coordinates that single precision holds exactly: contacts on all four half-axes and on the
   // centroid.
   std::vector<glm::vec3> points{{0.25, 0, 0}, {0, 0, 0.125}, {-0.25, 0, 0}, {0, 0, -0.125}, {0, 0, 0}};
@@ -201,7 +200,7 @@ TEST_P(Sections, BordersBelongToTheSectorThatBeginsThere) {
   EXPECT_EQ(finger.foci[3].position, glm::vec3(0, 0, -0.125));
 }
 
-TEST_P(Sections, LeaveEmptySectorsMarked) {
+TEST_F(Sections, LeaveEmptySectorsMarked) {
   const std::vector<glm::vec3> points{{0.02, 0, 0},       {0.021, 0, 1e-4}, {-0.02, 0, 0},
                                       {-0.021, 0, -1e-4}, {0, 0, 0.01},     {0, 0, 0.012}};
   const Touch touch = run(points, 64);
@@ -226,7 +225,7 @@ void expect_point_like(const Touch& touch, const Vec3& centroid) {
   expect_axes_rules(finger.section);
 }
 
-TEST_P(Sections, OfOneOrTwoContactsArePointLike) {
+TEST_F(Sections, OfOneOrTwoContactsArePointLike) {
   expect_point_like(run({{0.1, 0.2, 0.3}}), {0.1, 0.2, 0.3});
   const Touch two = run({{0.1, 0.2, 0.3}, {0.12, 0.2, 0.3}});
   expect_point_like(two, {0.11, 0.2, 0.3});
@@ -235,7 +234,7 @@ TEST_P(Sections, OfOneOrTwoContactsArePointLike) {
   expect_point_like(run({{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}}), {0.1, 0.2, 0.3});
 }
 
-TEST_P(Sections, OfCollinearContactsArePointLike) {
+TEST_F(Sections, OfCollinearContactsArePointLike) {
   const std::vector<Vec3> directions{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 2, 3}, {-0.3, 0.01, 5}, {1, 1, 0}};
   for (const Vec3& direction : directions) {
     for (const int count : {3, 10, 500}) {
@@ -250,11 +249,11 @@ TEST_P(Sections, OfCollinearContactsArePointLike) {
   }
 }
 
-TEST_P(Sections, OfCoincidentContactsArePointLike) {
+TEST_F(Sections, OfCoincidentContactsArePointLike) {
   expect_point_like(run(std::vector<glm::vec3>(100, {0.3F, -0.2F, 0.1F})), Vec3(glm::vec3(0.3F, -0.2F, 0.1F)));
 }
 
-TEST_P(Sections, OfCoplanarContactsAreNot) {
+TEST_F(Sections, OfCoplanarContactsAreNot) {
   const Touch touch = run(random_points(300, {-5e-3, 0.02, -3e-3}, {5e-3, 0.02, 3e-3}));
   EXPECT_FALSE(touch.fingers[0].point_like);
   EXPECT_NEAR(touch.fingers[0].section.axes[2].y, 1, 1e-6);
@@ -262,7 +261,7 @@ TEST_P(Sections, OfCoplanarContactsAreNot) {
   expect_foci(touch, touch.fingers[0], 10);
 }
 
-TEST_P(Sections, WhoseNormalIsHorizontalPointTowardsZThenX) {
+TEST_F(Sections, WhoseNormalIsHorizontalPointTowardsZThenX) {
   // Coplanar in y: w3 horizontal, along -z or -x if left alone.
   const Touch along_z = run(random_points(300, {-5e-3, -3e-3, 0.02}, {5e-3, 3e-3, 0.02}));
   EXPECT_NEAR(along_z.fingers[0].section.axes[2].z, 1, 1e-6);

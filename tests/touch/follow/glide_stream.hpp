@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,22 +16,15 @@ inline constexpr double frame_90 = 1.0 / 90;
 /// Frames of points through a stage that follows fingers.
 class Stream {
  public:
-  Stream(Backend backend, const std::vector<geometry::Solid>& solids, const StageSetting& setting) {
-    backend == Backend::cpu ? void(host_.emplace(solids, std::span<const sensing::Camera>(), setting))
-                            : void(device_.emplace(solids, std::span<const sensing::Camera>(), setting));
-  }
+  Stream(const std::vector<geometry::Solid>& solids, const StageSetting& setting) : stage_(solids, {}, setting) {}
   const Touch& frame(const std::vector<glm::vec3>& points, double time_s) {
-    const auto skin = indexed(points);
-    host_ ? host_->touch(skin, touch_, time_s) : device_->touch(skin, touch_, time_s);
+    stage_.touch(indexed(points), touch_, time_s);
     return touch_;
   }
-  void set_pose(const Transform& T_world_rest) {
-    host_ ? host_->set_pose(0, T_world_rest) : device_->stage.set_pose(0, T_world_rest);
-  }
+  void set_pose(const Transform& T_world_rest) { stage_.set_pose(0, T_world_rest); }
 
  private:
-  std::optional<HostStage> host_;
-  std::optional<DeviceStage> device_;
+  Stage stage_;
   Touch touch_;
 };
 

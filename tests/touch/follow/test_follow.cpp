@@ -1,4 +1,4 @@
-// Identity and steady axes from frame to frame, on both backends, with synthetic frames of fingers without any
+// Identity and steady axes from frame to frame, with synthetic frames of fingers without any
 // contacts.
 #include <gtest/gtest.h>
 
@@ -11,15 +11,12 @@
 #include <random>
 #include <set>
 
-#include "shaders/touch/fingers/fingers.h"
 #include "shaders/touch/follow/follow_math.h"
-#include "support/device.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
-using palpa::test::GuardedBuffer;
 using Ids = std::vector<std::uint32_t>;
 
 /// A finger of about a fingertip's size; `section` as find_sections leaves it.
@@ -33,20 +30,15 @@ Finger finger_at(const glm::vec3& place, std::uint32_t solid = 0) {
   return finger;
 }
 
-/// Frames through the pass or through its twin.
+/// Frames, one after the other.
 class Sequence {
  public:
-  explicit Sequence(Backend backend, double memory_s = 0)
-      : backend_(backend), setting_{.follow = true, .memory_s = memory_s} {}
+  explicit Sequence(double memory_s = 0) : setting_{.follow = true, .memory_s = memory_s} {}
 
   const Touch& frame(std::vector<Finger> fingers, double time_s) {
     touch_.finger_count = static_cast<std::uint32_t>(fingers.size());
     touch_.fingers = std::move(fingers);
-    if (backend_ == Backend::cpu) {
-      follow_fingers(tracks_, tracks_.clock.elapsed_us(time_s), setting_, touch_);
-    } else {
-      on_device(time_s);
-    }
+    follow_fingers(tracks_, tracks_.clock.elapsed_us(time_s), setting_, touch_);
     return touch_;
   }
   Ids ids(const std::vector<glm::vec3>& places, double time_s, std::uint32_t solid = 0) {
@@ -62,68 +54,24 @@ class Sequence {
   }
 
  private:
-  void on_device(double time_s) {
-    gpu::Device& device = palpa::test::test_device();
-    static const FollowPass pass(device);
-    if (!table_) table_.emplace(device, sizeof(shader::TrackTable));
-    std::vector<shader::FingerRecord> records(max_fingers);
-    const auto vec4 = [](const glm::vec3& v, float w) { return shader::vec4{v.x, v.y, v.z, w}; };
-    for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
-      const Finger& finger = touch_.fingers[f];
-      shader::FingerRecord& r = records[f];
-      const CrossSection& s = finger.section;
-      r.solid = finger.solid;
-      r.contacts = static_cast<std::uint32_t>(finger.contacts.size());
-      r.point_like = finger.point_like ? 1 : 0;
-      r.centre = vec4(s.centroid, 0);
-      r.axis1 = vec4(s.axes[0], s.eigenvalues[0]);
-      r.axis2 = vec4(s.axes[1], s.eigenvalues[1]);
-      r.axis3 = vec4(s.axes[2], s.eigenvalues[2]);
-      r.turn = {1, 0, 0, 0};
-      r.lean = vec4(s.lean, 0);
-    }
-    GuardedBuffer fingers = GuardedBuffer::of<shader::FingerRecord>(device, records);
-    GuardedBuffer header(device, sizeof(shader::TouchHeader));
-    const shader::TouchHeader words{touch_.finger_count, 1, 1, touch_.finger_count};
-    header.write(&words, sizeof(words));
-    const std::uint32_t elapsed_us = clock_.elapsed_us(time_s);
-    palpa::test::run_on_device([&](VkCommandBuffer commands) {
-      pass.record(commands, {header.ref(), fingers.ref(), table_->ref()}, elapsed_us, setting_);
-    });
-    ASSERT_TRUE(fingers.intact() && header.intact() && table_->intact());
-    records = fingers.read<shader::FingerRecord>();
-    const auto vec3 = [](const shader::vec4& v) { return glm::vec3(v.x, v.y, v.z); };
-    for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
-      touch_.fingers[f].id = records[f].id;
-      CrossSection& s = touch_.fingers[f].section;
-      s.axes = {vec3(records[f].axis1), vec3(records[f].axis2), vec3(records[f].axis3)};
-      s.eigenvalues = {records[f].axis1.w, records[f].axis2.w, records[f].axis3.w};
-      s.turn = {records[f].turn.x, records[f].turn.y};
-    }
-  }
-
-  Backend backend_;
   StageSetting setting_;
   Touch touch_;
   Tracks tracks_;
-  FrameClock clock_;
-  std::optional<GuardedBuffer> table_;
 };
 
-class Follow : public OnBothBackends {
+class Follow : public ::testing::Test {
  protected:
-  Sequence sequence_{GetParam()};
+  Sequence sequence_;
 };
-INSTANTIATE_TEST_SUITE_P(, Follow, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
 constexpr double frame_90 = 1.0 / 90, frame_15 = 1.0 / 15;
 
-TEST_P(Follow, KeepsIdsWhileTheOrderOfFingersChanges) {
+TEST_F(Follow, KeepsIdsWhileTheOrderOfFingersChanges) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.05F, 0, 0}}, 0), (Ids{0, 1}));
   EXPECT_EQ(sequence_.ids({{0.051F, 0, 0}, {0.002F, 0, 0}}, frame_90), (Ids{1, 0}));
 }
 
-TEST_P(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
+TEST_F(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0), (Ids{0}));
   EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.03F, 0, 0}}, 0.01), (Ids{0, 1}));
   EXPECT_EQ(sequence_.ids({{0.03F, 0, 0}}, 0.02), (Ids{1}));
@@ -133,8 +81,8 @@ TEST_P(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 0.62), (Ids{2}));  // away for 0.33 s
 }
 
-TEST_P(Follow, RemembersForAsLongAsFramesMayBeApart) {
-  Sequence patient(GetParam(), 1.0);
+TEST_F(Follow, RemembersForAsLongAsFramesMayBeApart) {
+  Sequence patient(1.0);
   EXPECT_EQ(patient.ids({{0, 0, 0}}, 0), (Ids{0}));
   EXPECT_EQ(patient.ids({{0.003F, 0, 0}}, 0.4), (Ids{0}));
   EXPECT_EQ(patient.ids({{0, 0, 0}}, 1.3), (Ids{0}));
@@ -144,21 +92,21 @@ TEST_P(Follow, RemembersForAsLongAsFramesMayBeApart) {
   EXPECT_EQ(patient.ids({{0, 0, 0}}, 2), (Ids{2})) << "a clock that is set back is older than any memory";
 }
 
-TEST_P(Follow, ForgetsEverythingButTheIdsWhenTimeGoesBackOrStops) {
+TEST_F(Follow, ForgetsEverythingButTheIdsWhenTimeGoesBackOrStops) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 10), (Ids{0}));
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9), (Ids{1}));
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9 + 7200), (Ids{2}));
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 9 + 7200), (Ids{2}));  // no time at all is no change
 }
 
-TEST_P(Follow, NeverAcrossSolidsNorTooFar) {
+TEST_F(Follow, NeverAcrossSolidsNorTooFar) {
   sequence_.ids({{0, 0, 0}}, 0, 0);
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, frame_90, 1), (Ids{1}));
   EXPECT_EQ(sequence_.ids({{0.021F, 0, 0}}, 2 * frame_90, 1), (Ids{2}));
   EXPECT_EQ(sequence_.ids({{0.040F, 0, 0}}, 3 * frame_90, 1), (Ids{2}));
 }
 
-TEST_P(Follow, ABrieflyLostFingerDoesNotTakeASeenOnesPlace) {
+TEST_F(Follow, ABrieflyLostFingerDoesNotTakeASeenOnesPlace) {
   sequence_.ids({{0, 0, 0}, {0.014F, 0, 0}}, 0);
   // Finger 0 is gone; finger 1 moves to where that was.
   EXPECT_EQ(sequence_.ids({{0.014F, 0, 0}}, frame_90), (Ids{1}));
@@ -166,12 +114,12 @@ TEST_P(Follow, ABrieflyLostFingerDoesNotTakeASeenOnesPlace) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}}, 3 * frame_90), (Ids{1}));
 }
 
-TEST_P(Follow, KeepsARowOfFingersApartAtHandSpeeds) {
+TEST_F(Follow, KeepsARowOfFingersApartAtHandSpeeds) {
   // Five fingers 20 mm apart, up to 1 m/s, along the row and across it; at 15 Hz a frame is 67 mm: three fingers.
   for (const double interval : {frame_90, frame_15}) {
     for (const double speed : {0.1, 0.5, 1.0}) {
       for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(-0.6, 0, 0.8)}) {
-        Sequence sequence(GetParam());
+        Sequence sequence;
         std::mt19937 random(5);
         std::normal_distribution<float> jitter(0, 0.3e-3F);
         for (int k = 0; k < 8; ++k) {
@@ -189,7 +137,7 @@ TEST_P(Follow, KeepsARowOfFingersApartAtHandSpeeds) {
   }
 }
 
-TEST_P(Follow, FindsALostFingerWhereItMovedOn) {
+TEST_F(Follow, FindsALostFingerWhereItMovedOn) {
   double t = 0, x = 0;
   for (int k = 0; k < 20; ++k, t += frame_90, x += 0.4 * frame_90)
     EXPECT_EQ(sequence_.ids({{x, 0, 0}}, t), (Ids{0}));
@@ -200,7 +148,7 @@ TEST_P(Follow, FindsALostFingerWhereItMovedOn) {
   EXPECT_EQ(sequence_.ids({{lost, 0, 0.012}, {x, 0, 0}}, t), (Ids{1, 0}));
 }
 
-TEST_P(Follow, TakesAsManyFingersAsThereCanBe) {
+TEST_F(Follow, TakesAsManyFingersAsThereCanBe) {
   std::vector<glm::vec3> places;
   Ids expected(max_fingers);
   std::iota(expected.begin(), expected.end(), 0U);
@@ -242,10 +190,10 @@ double least_cost(const std::vector<glm::vec3>& before, const std::vector<glm::v
   return best;
 }
 
-TEST_P(Follow, AssignsWithTheLeastSumOfSquares) {
+TEST_F(Follow, AssignsWithTheLeastSumOfSquares) {
   const double reach = 0.009 + frame_90;  // the documented 9 mm and 1 m/s
   for (unsigned seed = 1; seed <= 60; ++seed) {
-    Sequence sequence(GetParam());
+    Sequence sequence;
     const auto before = random_points(1 + seed % 6, Vec3(0), Vec3(0.03, 0.005, 0.03), seed);
     const auto now = random_points(1 + seed % 7, Vec3(0), Vec3(0.03, 0.005, 0.03), seed + 1000);
     sequence.ids(before, 0);
@@ -297,14 +245,14 @@ void expect_frame(const CrossSection& s, const glm::vec3& principal) {
   EXPECT_NEAR(std::abs(glm::dot(along, principal)), 1, 4e-6) << "turn is not where the principal direction is";
 }
 
-TEST_P(Follow, LeavesTheFirstFramesAxesAlone) {
+TEST_F(Follow, LeavesTheFirstFramesAxesAlone) {
   const Finger finger = with_axes(glm::normalize(glm::vec3(0.3F, 0.2F, -0.8F)), 1.1, 16e-6F, 15e-6F);
   const Touch& touch = sequence_.frame({finger}, 3);
   EXPECT_EQ(touch.fingers[0].section.axes, finger.section.axes);
   EXPECT_EQ(touch.fingers[0].section.turn, glm::vec2(1, 0));
 }
 
-TEST_P(Follow, ARoundCrossSectionsAxesDoNotTurnInTheirPlane) {
+TEST_F(Follow, ARoundCrossSectionsAxesDoNotTurnInTheirPlane) {
   // Equal eigenvalues except for noise, so the principal direction is arbitrary. The plane tumbles right through the
   // horizontal. Smallest rotations carry the axes along.
   std::mt19937 random(3);
@@ -328,7 +276,7 @@ TEST_P(Follow, ARoundCrossSectionsAxesDoNotTurnInTheirPlane) {
   }
 }
 
-TEST_P(Follow, ALongCrossSectionsAxesAreThePrincipalOnesWithoutFlips) {
+TEST_F(Follow, ALongCrossSectionsAxesAreThePrincipalOnesWithoutFlips) {
   glm::vec3 w1{};
   for (int k = 0; k < 200; ++k) {
     const Finger finger = with_axes({0, 1, 0}, 0.03 * k, 30e-6F, 6e-6F);  // 2.7 rad/s at 90 Hz, almost a whole turn
@@ -342,7 +290,7 @@ TEST_P(Follow, ALongCrossSectionsAxesAreThePrincipalOnesWithoutFlips) {
   }
 }
 
-TEST_P(Follow, AxesSettleGentlyWhenACrossSectionBecomesLong) {
+TEST_F(Follow, AxesSettleGentlyWhenACrossSectionBecomesLong) {
   sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, 0);
   glm::vec3 w1 = sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, frame_90).fingers[0].section.axes[0];
   Finger finger;
@@ -375,7 +323,7 @@ Finger on_a_ridge(double angle, float l2, float l3, const glm::vec3& facing) {
   return finger;
 }
 
-TEST_P(Follow, DepthSaysWhereAFingerFacesThatTheContactsDoNotShow) {
+TEST_F(Follow, DepthSaysWhereAFingerFacesThatTheContactsDoNotShow) {
   // The covariance's thinnest direction is anywhere across the ridge, depth's gradient points upwards.
   std::mt19937 random(9);
   std::uniform_real_distribution<double> any(-1.5, 1.5);
@@ -391,7 +339,7 @@ TEST_P(Follow, DepthSaysWhereAFingerFacesThatTheContactsDoNotShow) {
   }
 }
 
-TEST_P(Follow, WhatFacesElsewhereTurnsTheLeastThatItMust) {
+TEST_F(Follow, WhatFacesElsewhereTurnsTheLeastThatItMust) {
   // Depth leans to one side from a frame to the next: w3 goes there within its 0.15 s, at no more than 5 rad/s.
   const glm::vec3 there = glm::normalize(glm::vec3(0, 1, 0.8F));
   glm::vec3 before = sequence_.frame({on_a_ridge(0.3, 1.0e-6F, 0.9e-6F, {0, 1, 0})}, 0).fingers[0].section.axes[2];
@@ -408,7 +356,7 @@ TEST_P(Follow, WhatFacesElsewhereTurnsTheLeastThatItMust) {
   EXPECT_LT(left, 0.01);
 }
 
-TEST_P(Follow, WithoutASlopeOfDepthAFingerFacesAsBefore) {
+TEST_F(Follow, WithoutASlopeOfDepthAFingerFacesAsBefore) {
   Finger finger = on_a_ridge(0.3, 1.0e-6F, 0.9e-6F, {0, 1, 0});
   sequence_.frame({finger}, 0);
   for (int k = 1; k < 20; ++k) {
@@ -416,60 +364,6 @@ TEST_P(Follow, WithoutASlopeOfDepthAFingerFacesAsBefore) {
     finger.section.lean = glm::vec3(0);
     EXPECT_NEAR(sequence_.frame({finger}, k * frame_90).fingers[0].section.axes[2].y, 1, 1e-5) << k;
   }
-}
-
-TEST(FollowTwin, AndPassAgreeBitForBit) {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<float> unit(0, 1);
-  Sequence cpu(Backend::cpu), gpu(Backend::gpu);
-  // A crowd in a small place, so that fingers merge, part, vanish and come back all the time.
-  std::vector<glm::vec3> places, speeds;
-  for (int f = 0; f < 24; ++f) {
-    places.emplace_back(0.1F * unit(random), 0.01F * unit(random), 0.1F * unit(random));
-    speeds.emplace_back(unit(random) - 0.5F, 0, unit(random) - 0.5F);
-  }
-  double t = 0;
-  std::size_t merges = 0;
-  for (int k = 0; k < 250; ++k) {
-    const double interval = k % 50 < 40 ? frame_90 : frame_15;
-    t += interval;
-    std::vector<Finger> fingers;
-    for (std::size_t f = 0; f < places.size(); ++f) {
-      places[f] += speeds[f] * static_cast<float>(interval);
-      for (const int axis : {0, 2}) {
-        if (places[f][axis] < 0 || places[f][axis] > 0.1F) speeds[f][axis] = -speeds[f][axis];
-      }
-      if (unit(random) < 0.05F) continue;
-      bool swallowed = false;
-      for (Finger& other : fingers) {
-        if (glm::distance(other.section.centroid, places[f]) > 0.012F) continue;
-        other.section.centroid = 0.5F * (other.section.centroid + places[f]);
-        other.section.eigenvalues[0] += 20e-6F;
-        other.contacts.resize(other.contacts.size() + 80);
-        swallowed = true;
-        ++merges;
-        break;
-      }
-      if (swallowed) continue;
-      const glm::vec3 normal = glm::normalize(glm::vec3(0.3F * unit(random), 0.1F, unit(random) - 0.5F));
-      Finger finger = with_axes(normal, 6 * unit(random), 16e-6F * (1 + unit(random)), 15e-6F);
-      finger.section.centroid = places[f];
-      finger.point_like = unit(random) < 0.03F;
-      // As clear as not where it faces.
-      finger.section.eigenvalues[2] = 15e-6F * unit(random);
-      finger.section.lean = 1e-6F * glm::vec3(unit(random) - 0.5F, -unit(random), unit(random) - 0.5F);
-      finger.solid = f % 3 == 0 ? 1 : 0;
-      fingers.push_back(finger);
-    }
-    const Touch a = cpu.frame(fingers, t), b = gpu.frame(fingers, t);
-    ASSERT_EQ(a.finger_count, b.finger_count);
-    for (std::uint32_t f = 0; f < a.finger_count; ++f) {
-      ASSERT_EQ(a.fingers[f].id, b.fingers[f].id) << "frame " << k << " finger " << f;
-      ASSERT_EQ(std::memcmp(&a.fingers[f].section, &b.fingers[f].section, sizeof(CrossSection)), 0)
-          << "frame " << k << " finger " << f;
-    }
-  }
-  EXPECT_GT(merges, 100u);
 }
 
 }  // namespace

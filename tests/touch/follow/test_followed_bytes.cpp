@@ -52,11 +52,12 @@ void add(Digest& digest, const Finger& finger) {
 std::uint64_t digest_of_frames(int frames) {
   StageSetting setting = setting_of(10, Smoothing::one_euro);
   setting.parameters.finger_gap_m = 0.012;
-  Stream stream(Backend::gpu, {box({-0.06, -0.04, -0.05}, {0.06, 0, 0.05})}, setting);
+  DeviceStage stage({box({-0.06, -0.04, -0.05}, {0.06, 0, 0.05})}, {}, setting);
+  Touch touch;
   Digest digest;
   std::set<std::uint32_t> ids;
   for (int k = 0; k < frames; ++k) {
-    const Touch& touch = stream.frame(followed_skin(k), k * frame_90);
+    stage.touch(indexed(followed_skin(k)), touch, k * frame_90);
     EXPECT_EQ(touch.finger_count, k % 20 < 4 ? 1U : 2U) << k;
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       EXPECT_TRUE(touch.fingers[f].placed) << k;

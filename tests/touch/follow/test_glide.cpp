@@ -176,15 +176,12 @@ double step_of(int k) {
   return k % 17 == 5 ? 0 : k % 11 == 3 ? 4 * frame_90 : k % 5 == 1 ? 2 * frame_90 : frame_90;
 }
 
-class Glide : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, Glide, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
 const Walk walks[] = {{"cube"},           {"cube", 3},          {"cube", 20, 900}, {"prism", 10, 20000},
                       {"prism", 7, 9000}, {"pyramid", 6, 30000}};
 
-TEST_P(Glide, AxesAreThoseOfAnIndependentComputation) {
+TEST(Glide, AxesAreThoseOfAnIndependentComputation) {
   for (const Walk& walk : walks) {
-    Stream stream(GetParam(), object(walk.object), setting_of(walk.foci, Smoothing::none));
+    Stream stream(object(walk.object), setting_of(walk.foci, Smoothing::none));
     Reference reference;
     double t = 0;
     std::size_t compared = 0;
@@ -206,11 +203,11 @@ TEST_P(Glide, AxesAreThoseOfAnIndependentComputation) {
   }
 }
 
-TEST_P(Glide, FociAreThoseOfAnIndependentComputation) {
+TEST(Glide, FociAreThoseOfAnIndependentComputation) {
   std::size_t held = 0, empty = 0;
   for (const Walk& walk : walks) {
-    Stream raw(GetParam(), object(walk.object), setting_of(walk.foci, Smoothing::none));
-    Stream smooth(GetParam(), object(walk.object), setting_of(walk.foci, Smoothing::one_euro));
+    Stream raw(object(walk.object), setting_of(walk.foci, Smoothing::none));
+    Stream smooth(object(walk.object), setting_of(walk.foci, Smoothing::one_euro));
     Reference reference;
     double t = 0;
     for (int k = 0; k < 100; ++k) {
@@ -236,29 +233,7 @@ TEST_P(Glide, FociAreThoseOfAnIndependentComputation) {
   EXPECT_GT(empty, held);
 }
 
-TEST(GlideTwin, AndPassAgreeBitForBit) {
-  // Two fingers and a third that comes and goes, on two solids; frames are lost, time stands still.
-  const std::vector<geometry::Solid> solids{
-      object("prism")[0],
-      moved(cube(), Transform(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(0.06, 0, 0, 1)))};
-  for (const std::uint32_t foci : {1U, 10U, 37U, 64U}) {
-    Stream cpu(Backend::cpu, solids, setting_of(foci, Smoothing::one_euro));
-    Stream gpu(Backend::gpu, solids, setting_of(foci, Smoothing::one_euro));
-    double t = 0;
-    for (int k = 0; k < 120; ++k) {
-      t += step_of(k);
-      std::vector<glm::vec3> skin = fingertip(1500, 3e-3 + 1e-3 * std::sin(7 * t), 1e-3 * std::sin(20 * t), 0, 2);
-      const auto add = [&](const std::vector<glm::vec3>& more) { skin.insert(skin.end(), more.begin(), more.end()); };
-      if (k % 40 > 5) add(fingertip(400, 2e-3, 0.05 + 0.02 * std::sin(t), 0.01, static_cast<unsigned>(k)));
-      if (k % 7 != 0) add(fingertip(60, 2e-3, 0.07, 0.004 * std::sin(3 * t) - 0.01, static_cast<unsigned>(k)));
-      const Touch a = cpu.frame(skin, t);
-      expect_identical(a, gpu.frame(skin, t));
-      if (::testing::Test::HasFailure()) return;
-    }
-  }
-}
-
-TEST_P(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
+TEST(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
   // A ring whose one side goes away; the contacts that stay do not move.
   std::vector<glm::vec3> whole, part;
   for (int i = 0; i < 720; ++i) {
@@ -267,7 +242,7 @@ TEST_P(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
     // Mirrored, so that the mean stays nearly where it is.
     if (i % 180 > 75) part.push_back(whole.back());
   }
-  Stream stream(GetParam(), {cube()}, setting_of(20, Smoothing::one_euro));
+  Stream stream({cube()}, setting_of(20, Smoothing::one_euro));
   Finger before = stream.frame(whole, 0).fingers[0];
   int k = 1;
   for (; k < 10; ++k)
@@ -301,9 +276,9 @@ TEST_P(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
   }
 }
 
-TEST_P(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
-  Stream stream(GetParam(), {cube()}, setting_of(10, Smoothing::one_euro));
-  Stream fresh(GetParam(), {cube()}, setting_of(10, Smoothing::none));
+TEST(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
+  Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
+  Stream fresh({cube()}, setting_of(10, Smoothing::none));
   const auto at = [](double x, unsigned seed) { return fingertip(1500, 3e-3, x, 0, seed); };
   for (int k = 0; k < 5; ++k)
     stream.frame(at(0, 1), k * frame_90);
@@ -324,12 +299,11 @@ TEST_P(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
   }
 }
 
-TEST_P(Glide, OnARodThatMovesAndTurnsInTheFinger) {
+TEST(Glide, OnARodThatMovesAndTurnsInTheFinger) {
   // A rod of 4 mm through the tip: its contacts lie all around it. 90 and 15 Hz, and whatever comes between.
   for (const double rate : {90.0, 15.0, 31.0}) {
     for (const std::uint32_t foci : {3U, 6U, 7U, 20U}) {
-      Stream stream(GetParam(), {box({-0.03, -0.002, -0.002}, {0.03, 0.002, 0.002}, "rod")},
-                    setting_of(foci, Smoothing::one_euro));
+      Stream stream({box({-0.03, -0.002, -0.002}, {0.03, 0.002, 0.002}, "rod")}, setting_of(foci, Smoothing::one_euro));
       std::optional<Finger> before;
       int steps = 0;
       for (int k = 0; k < 40; ++k) {
@@ -354,12 +328,12 @@ TEST_P(Glide, OnARodThatMovesAndTurnsInTheFinger) {
   }
 }
 
-TEST_P(Glide, CovarianceAndNoSmoothingAreEachFrameByItself) {
-  Stream stream(GetParam(), object("prism"), setting_of(10, Smoothing::none, Axes::covariance));
+TEST(Glide, CovarianceAndNoSmoothingAreEachFrameByItself) {
+  Stream stream(object("prism"), setting_of(10, Smoothing::none, Axes::covariance));
   for (int k = 0; k < 20; ++k) {
     const auto skin = fingertip(2000, 3e-3, 0, 1e-4 * k, static_cast<unsigned>(k));
     const Touch followed = stream.frame(skin, k * frame_90);
-    expect_identical(followed, touch_on(GetParam(), skin, object("prism"), {.finger_gap_m = 0.02}));
+    expect_identical(followed, touch_on(Backend::cpu, skin, object("prism"), {.finger_gap_m = 0.02}));
   }
 }
 

@@ -14,10 +14,7 @@
 namespace palpa::touch::test {
 namespace {
 
-class GlideOn : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, GlideOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
-TEST_P(GlideOn, AFingerThatWasInAnothersClusterRestartsEvenIfItWasLostInBetween) {
+TEST(GlideOn, AFingerThatWasInAnothersClusterRestartsEvenIfItWasLostInBetween) {
   const auto skin_at = [](double a, double b) {
     std::vector<glm::vec3> skin = fingertip(1500, 3e-3, a, 0, 1);
     const std::vector<glm::vec3> other = fingertip(1500, 3e-3, b, 0, 2);
@@ -26,7 +23,7 @@ TEST_P(GlideOn, AFingerThatWasInAnothersClusterRestartsEvenIfItWasLostInBetween)
   };
   StageSetting smooth = setting_of(10, Smoothing::one_euro), plain = setting_of(10, Smoothing::none);
   smooth.parameters.finger_gap_m = plain.parameters.finger_gap_m = 5e-3;
-  Stream stream(GetParam(), {cube()}, smooth), raw(GetParam(), {cube()}, plain);
+  Stream stream({cube()}, smooth), raw({cube()}, plain);
   int k = 0;
   const auto frame = [&](const std::vector<glm::vec3>& skin) {
     raw.frame(skin, k * frame_90);
@@ -69,13 +66,13 @@ Vec3 mean_lag(const Finger& finger, const Finger& raw) {
   return lag / count;
 }
 
-TEST_P(GlideOn, WhereTimesStandStillOrStutterFociKeepUpWithTheFinger) {
+TEST(GlideOn, WhereTimesStandStillOrStutterFociKeepUpWithTheFinger) {
   // 1.1 mm per frame: 100 mm/s at 90 Hz, whatever the times say.
   const auto stuttering = [](int k) { return k / 2 * 0.022; };
   const auto standing = [](int) { return 5.0; };
   for (const auto& time_of : {std::function<double(int)>(stuttering), std::function<double(int)>(standing)}) {
-    Stream stream(GetParam(), {cube()}, setting_of(10, Smoothing::one_euro));
-    Stream raw(GetParam(), {cube()}, setting_of(10, Smoothing::none));
+    Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
+    Stream raw({cube()}, setting_of(10, Smoothing::none));
     for (int k = 0; k < 30; ++k) {
       const auto skin = fingertip(1500, 3e-3, -0.016 + 1.1e-3 * k, 0, 1);
       const Finger finger = stream.frame(skin, time_of(k)).fingers.at(0);
@@ -85,7 +82,7 @@ TEST_P(GlideOn, WhereTimesStandStillOrStutterFociKeepUpWithTheFinger) {
   }
 }
 
-TEST_P(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorRestarts) {
+TEST(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorRestarts) {
   const auto ring = [](double radius) {
     std::vector<glm::vec3> points;
     for (int i = 0; i < 720; ++i) {
@@ -94,7 +91,7 @@ TEST_P(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorRestarts) {
     }
     return points;
   };
-  Stream stream(GetParam(), {cube()}, setting_of(10, Smoothing::one_euro));
+  Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
   stream.frame(ring(4e-3), 1);
   const auto radius = [&](double of_skin) {
     double most = 0;
@@ -106,9 +103,9 @@ TEST_P(GlideOn, WhileTimeStandsStillAFocusFarFromItsSectorRestarts) {
   EXPECT_NEAR(radius(15e-3), 15e-3, 0.4e-3);
 }
 
-TEST_P(GlideOn, GoesOnBelowTenFramesPerSecond) {
-  Stream stream(GetParam(), {cube()}, setting_of(10, Smoothing::one_euro));
-  Stream raw(GetParam(), {cube()}, setting_of(10, Smoothing::none));
+TEST(GlideOn, GoesOnBelowTenFramesPerSecond) {
+  Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
+  Stream raw({cube()}, setting_of(10, Smoothing::none));
   std::vector<double> with, without;
   std::optional<Finger> before, raw_before;
   for (int k = 0; k < 40; ++k) {

@@ -36,7 +36,7 @@ StageSetting holding(Hysteresis hysteresis = Hysteresis::on) {
 
 /// The ids of the fingers of each frame.
 std::vector<std::vector<std::uint32_t>> ids_in(const HandFilm& film, const StageSetting& setting) {
-  HostStage stage(plate_of(film), film.cameras, setting);
+  Stage stage(plate_of(film), film.cameras, setting);
   Touch touch;
   std::vector<std::vector<std::uint32_t>> all;
   for (const sensing::FrameSet& set : film.frames) {
@@ -59,7 +59,7 @@ int changes_in(const std::vector<std::vector<std::uint32_t>>& ids, std::size_t f
 TEST(KnownFingers, AreTheSameOnTheDeviceAndOnTheHost) {
   for (const HandScene& scene : {fingers_scene(2, 14e-3, 2e-3, 0), hand_scene("spread", 20e-3, 60)}) {
     const HandFilm film = make_film(scene, {.frames = 6});
-    HostStage host(plate_of(film), film.cameras, holding());
+    Stage host(plate_of(film), film.cameras, holding());
     DeviceStage device(plate_of(film), film.cameras, holding());
     Touch of_host, of_device;
     for (const sensing::FrameSet& set : film.frames) {
@@ -110,7 +110,7 @@ TEST(KnownFingers, ContinueWithHalfOfMinPoints) {
   // Two thirds of the contacts of the first frames are left.
   const auto rises = [](std::size_t, double t) { return Vec3(0, t > 0.03 ? 1.4e-3 : 0, 0); };
   const HandFilm film = make_film(fingers_scene(1, 18e-3, 2e-3, 0), {.cameras = 1, .frames = 8, .motion = rises});
-  HostStage counts(plate_of(film), film.cameras);
+  Stage counts(plate_of(film), film.cameras);
   Touch touch;
   counts.touch(film.frames.back().frames, touch);
   ASSERT_EQ(touch.finger_count, 1U);
@@ -170,7 +170,7 @@ TEST(KnownFingers, EndAtOnceWhenTheyLeave) {
 TEST(KnownFingers, ThatLeaveAreTheSameOnTheDeviceAndOnTheHost) {
   double leaving_s = 0;
   const HandFilm film = leaving(0.02, 3, leaving_s);
-  HostStage host(plate_of(film), film.cameras, holding());
+  Stage host(plate_of(film), film.cameras, holding());
   DeviceStage device(plate_of(film), film.cameras, holding());
   Touch of_host, of_device;
   std::uint32_t held = 0, not_held = 0;
@@ -189,7 +189,7 @@ TEST(KnownFingers, ContactsBeyondTheShellStayInside) {
   // It touches the plate's top within the sensor's noise, so it reaches beyond the shell's edges.
   const HandFilm film =
       make_film(fingers_scene(1, 18e-3, 0.1e-3, 0), {.cameras = 1, .frames = 24, .noise = FilmNoise::full});
-  HostStage host(plate_of(film), film.cameras, holding());
+  Stage host(plate_of(film), film.cameras, holding());
   DeviceStage device(plate_of(film), film.cameras, holding());
   Touch touch, of_device;
   for (const sensing::FrameSet& set : film.frames) {
@@ -219,7 +219,7 @@ TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
     const sensing::Recording recording = sensing::load_recording(folder / hand.name);
     std::array<int, 2> changes{};
     for (const Hysteresis hysteresis : {Hysteresis::off, Hysteresis::on}) {
-      HostStage stage(geometry::make_solids(geometry::load_gltf(hand.scene)), recording.cameras, holding(hysteresis));
+      Stage stage(geometry::make_solids(geometry::load_gltf(hand.scene)), recording.cameras, holding(hysteresis));
       Touch touch;
       sensing::FrameSet set;
       std::uint32_t before = 0;
@@ -240,7 +240,7 @@ TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
 
 TEST(KnownFingers, AreForgottenIfTheClockGoesBack) {
   const HandFilm film = make_film(fingers_scene(2, 14e-3, 2e-3, 0), {.frames = 3});
-  HostStage stage(plate_of(film), film.cameras, holding()), fresh(plate_of(film), film.cameras, holding());
+  Stage stage(plate_of(film), film.cameras, holding()), fresh(plate_of(film), film.cameras, holding());
   Touch touch, first;
   stage.touch(film.frames[0].frames, touch, 10);
   stage.touch(film.frames[1].frames, touch, 10.01);

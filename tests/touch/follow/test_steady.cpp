@@ -47,8 +47,8 @@ Slide slide_on(const std::string& name, Spacing spacing) {
   const auto cameras = paper_cameras(3);
   sensing::SyntheticRig rig(cameras, {}, sensing::Noise::d415, 4);
   const Parameters parameters{.spacing = spacing, .finger_width_m = 0.016};
-  HostStage alone(object(name), cameras, {.parameters = parameters});
-  HostStage followed(object(name), cameras, {.parameters = parameters, .follow = true});
+  Stage alone(object(name), cameras, {.parameters = parameters});
+  Stage followed(object(name), cameras, {.parameters = parameters, .follow = true});
   std::array<Touch, 2> before, now;
   Slide slide;
   for (int k = 0; k < 60; ++k) {
@@ -203,19 +203,14 @@ double unevenness(const Finger& finger, std::size_t count) {
   return most / least;
 }
 
-class Arc : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, Arc, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
-TEST_P(Arc, SpacesTheFociOfAnEllipseEvenly) {
+TEST(Arc, SpacesTheFociOfAnEllipseEvenly) {
   for (const double length : {5e-3, 8e-3, 12e-3, 16e-3}) {
     Parameters parameters = everything_is_contact();
     const auto points = rim(length, 4e-3, 3000, 2);
-    const double angle = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0), 10);
+    const double angle = unevenness(touch_on(Backend::cpu, points, {everything()}, parameters).fingers.at(0), 10);
     parameters.spacing = Spacing::arc;
-    const double arc = unevenness(touch_on(GetParam(), points, {everything()}, parameters).fingers.at(0), 10);
-    if (GetParam() == Backend::cpu)
-      std::printf("ellipse %g x 4 mm: largest over smallest gap %.2f by angle, %.2f by arc\n", length * 1e3, angle,
-                  arc);
+    const double arc = unevenness(touch_on(Backend::cpu, points, {everything()}, parameters).fingers.at(0), 10);
+    std::printf("ellipse %g x 4 mm: largest over smallest gap %.2f by angle, %.2f by arc\n", length * 1e3, angle, arc);
     // Not 1: a sector that goes round the sharp end has its centroid well inside of the rim.
     EXPECT_LT(arc, 1.9);
     if (length > 6e-3) {
@@ -224,13 +219,13 @@ TEST_P(Arc, SpacesTheFociOfAnEllipseEvenly) {
   }
 }
 
-TEST_P(Arc, CutsAnOutlineIntoPiecesOfEqualLength) {
+TEST(Arc, CutsAnOutlineIntoPiecesOfEqualLength) {
   // The rim's points are evenly along it, so that equal lengths have equally many: an independent measure.
   Parameters parameters = everything_is_contact();
   parameters.spacing = Spacing::arc;
   for (const std::uint32_t foci : {1U, 2U, 3U, 7U, 10U, 24U, 64U}) {
     parameters.foci = foci;
-    const Touch touch = touch_on(GetParam(), rim(12e-3, 4e-3, 30'000, 3), {everything()}, parameters);
+    const Touch touch = touch_on(Backend::cpu, rim(12e-3, 4e-3, 30'000, 3), {everything()}, parameters);
     const Finger& finger = touch.fingers.at(0);
     ASSERT_EQ(finger.foci.size(), foci);
     std::uint32_t members = 0;
@@ -239,20 +234,6 @@ TEST_P(Arc, CutsAnOutlineIntoPiecesOfEqualLength) {
       members += focus.points;
     }
     EXPECT_EQ(members, 30'000u);
-  }
-}
-
-TEST(ArcOnBoth, GivesTheSameBits) {
-  Parameters parameters = everything_is_contact();
-  parameters.spacing = Spacing::arc;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
-    // From three contacts, whose outline is all interpolated, to many; in any pose.
-    const std::uint32_t count = std::array{3U, 4U, 6U, 10U, 40U, 127U, 300U, 2000U}[seed % 8];
-    const auto points =
-        random_points(count, {0.1, 0.2, 0.3}, Vec3(0.1, 0.2, 0.3) + Vec3(6e-3, 1e-3 * seed, 4e-3), seed);
-    parameters.foci = 1 + 7 * seed % 64;
-    expect_identical(touch_on(Backend::cpu, points, {everything()}, parameters),
-                     touch_on(Backend::gpu, points, {everything()}, parameters));
   }
 }
 
@@ -267,7 +248,7 @@ TEST(ArcOnThePrism, MakesGapsMoreEqual) {
     const auto images = images_of(cameras, {{.press_m = 4e-3}}, seed);
     for (const Spacing spacing : {Spacing::angle, Spacing::arc}) {
       const Parameters parameters{.spacing = spacing, .finger_width_m = 0.016};
-      HostStage(object("prism"), cameras, {.parameters = parameters}).touch(images, touch);
+      Stage(object("prism"), cameras, {.parameters = parameters}).touch(images, touch);
       ASSERT_EQ(touch.finger_count, 1u);
       const Finger& finger = touch.fingers[0];
       const std::size_t held = sectors_with_contacts(touch, finger, parameters.foci, spacing);
@@ -278,21 +259,21 @@ TEST(ArcOnThePrism, MakesGapsMoreEqual) {
   EXPECT_LT(sums[1], sums[0]);
 }
 
-TEST_P(Arc, EverySolidMayHaveItsOwnNumberOfFoci) {
+TEST(Arc, EverySolidMayHaveItsOwnNumberOfFoci) {
   std::vector<geometry::Solid> solids{box(Vec3(-1, -1, -1), Vec3(0, 1, 1), "left"),
                                       box(Vec3(0.01, -1, -1), Vec3(1), "right")};
   solids[1].haptics.foci = 7;
   auto points = rim(8e-3, 5e-3, 1000, 1);
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i].x += i < 500 ? -0.05F : 0.05F;
-  const Touch touch = touch_on(GetParam(), points, solids, everything_is_contact());
+  const Touch touch = touch_on(Backend::cpu, points, solids, everything_is_contact());
   ASSERT_EQ(touch.finger_count, 2u);
   EXPECT_EQ(touch.fingers[0].foci.size(), 10u);
   EXPECT_EQ(touch.fingers[1].foci.size(), 7u);
   for (const Focus& focus : touch.fingers[1].foci)
     EXPECT_GT(focus.points, 0u);
   solids[1].haptics.foci = 65;
-  EXPECT_ERROR(touch_on(GetParam(), points, solids, everything_is_contact()), Exit::usage,
+  EXPECT_ERROR(touch_on(Backend::cpu, points, solids, everything_is_contact()), Exit::usage,
                "solid 'right' asks for 65 foci");
 }
 

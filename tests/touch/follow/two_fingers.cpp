@@ -8,10 +8,8 @@
 #include "gpu/commands.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/synthetic.hpp"
-#include "support/device.hpp"
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
-#include "touch/host_stage.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::touch::test {
@@ -91,8 +89,7 @@ std::vector<sensing::FrameSet> through_recording(const std::vector<sensing::Fram
   return out;
 }
 
-std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameSet>& frames, int cameras,
-                             Backend backend) {
+std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameSet>& frames, int cameras) {
   const auto rig = paper_cameras(cameras);
   const auto solids = plate();
   // Clusters as they are, so that fingers do merge: what the pictures say of them would keep some apart.
@@ -116,32 +113,10 @@ std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameS
     }
   };
   Touch touch;
-  if (backend == Backend::cpu) {
-    HostStage stage(solids, rig, setting);
-    for (const sensing::FrameSet& set : frames) {
-      stage.touch(set.frames, touch, set.time_s);
-      note(touch, set.time_s);
-    }
-    return sightings;
-  }
-  gpu::Device& device = palpa::test::test_device();
-  static Passes passes(device);
-  Stage stage(passes, solids, rig, setting);
-  // Two frames in flight, as in the loop.
-  std::array<StageMemory, 2> flights{StageMemory(stage), StageMemory(stage)};
-  const std::array<gpu::Recorder, 2> recorders{gpu::Recorder(device, "walk"), gpu::Recorder(device, "walk")};
-  gpu::Timeline timeline(device, "walk");
-  std::array<std::uint64_t, 2> submitted{};
-  for (std::size_t k = 0; k < frames.size() + 1; ++k) {
-    if (k < frames.size()) {
-      flights[k % 2].set(frames[k].frames);
-      stage.record(recorders[k % 2].begin(), flights[k % 2], frames[k].time_s);
-      submitted[k % 2] = timeline.submit(recorders[k % 2].end());
-    }
-    if (k == 0) continue;
-    timeline.wait(submitted[(k - 1) % 2]);
-    read(flights[(k - 1) % 2], touch);
-    note(touch, frames[k - 1].time_s);
+  Stage stage(solids, rig, setting);
+  for (const sensing::FrameSet& set : frames) {
+    stage.touch(set.frames, touch, set.time_s);
+    note(touch, set.time_s);
   }
   return sightings;
 }

@@ -44,7 +44,6 @@ struct Sighting {
 };
 
 /// Follows the fingers through the frames.
-std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameSet>& frames, int cameras,
-                             Backend backend);
+std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameSet>& frames, int cameras);
 
 }  // namespace palpa::touch::test

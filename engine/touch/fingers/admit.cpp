@@ -1,0 +1,95 @@
+#include "touch/fingers/admit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/split/split_math.h"
+
+namespace palpa::touch {
+namespace {
+
+using shader::Claim;
+using shader::Island;
+
+constexpr std::uint32_t none = shader::known_none;
+
+/// The frame's claims, and for each known finger the largest finger that claims it.
+struct Claims {
+  std::array<Claim, max_fingers> of{};
+  std::array<std::uint32_t, max_fingers> heir{};
+
+  Claims(const Sight& sight, const Known& known, const Touch& touch) {
+    heir.fill(none);
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      const Finger& finger = touch.fingers[f];
+      const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
+      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
+      const std::uint32_t known_as = samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z})
+                                                     : known_majority(known_labels(known, finger.solid, samples));
+      of[f] = {known_as,
+               known_nearby(known, finger.solid, samples),
+               finger.contact_count,
+               shader::known_never,
+               0,
+               static_cast<std::uint32_t>(samples.size()),
+               {}};
+      const std::uint32_t k = of[f].known;
+      if (k != none && (heir[k] == none || of[f].contacts > of[heir[k]].contacts)) heir[k] = f;
+    }
+  }
+  /// The known finger beside which `f` is an island, or none.
+  std::uint32_t beside(const Known& known, std::uint32_t f) const {
+    const std::uint32_t k = of[f].known != none ? of[f].known : of[f].near;
+    if (k == none || heir[k] == none || heir[k] == f) return none;
+    const bool same = of[f].known == k && of[f].samples > 0;
+    return shader::small_beside(of[f].contacts, known.table->fingers[k].fall.contacts, same) ? k : none;
+  }
+};
+
+}  // namespace
+
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
+                        Touch& out) {
+  const Claims claims(sight, known, out);
+  ClaimList stay{};
+  std::array<Island, max_fingers> islands{};
+  std::uint32_t islands_now = 0, kept = 0;
+  for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+    Finger& finger = out.fingers[f];
+    const std::uint32_t claimed = claims.of[f].known;
+    const bool goes_on = known.has(shader::known_few) && claimed != none &&
+                         next_fall(table.fingers[claimed].fall, finger.contact_count).falls == 0;
+    bool stays = finger.contact_count >= shader::least_contacts(parameters.min_points, goes_on);
+    const bool faint = claimed == none && shader::small_alone(finger.contact_count, parameters.min_points);
+    if (stays && known.has(shader::known_islands) && (faint || claims.beside(known, f) != none)) {
+      const glm::vec3& first = out.contacts[finger.contacts.front()].position;
+      Island island{first.x, first.y, first.z, finger.solid, 0, 0, 0, 0};
+      for (std::uint32_t k = 0; k < known.table->islands; ++k) {
+        const Island& before = known.table->island[k];
+        if (before.solid == island.solid && same_island(island, before))
+          island.age_us = std::max(island.age_us, shader::older(before.age_us, known.elapsed_us));
+      }
+      stays = island.age_us >= shader::island_wait_us;
+      if (!stays) islands[islands_now++] = island;
+    }
+    if (!stays) continue;
+    if (kept != f) std::swap(out.fingers[kept], finger);
+    stay[kept] = claims.of[f];
+    if (claimed != none) {
+      stay[kept].parting_us = next_parting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
+      stay[kept].meeting_us = next_meeting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
+      stay[kept].fall = table.fingers[claimed].fall;
+    }
+    ++kept;
+  }
+  out.cluster_count -= out.finger_count - kept;
+  out.finger_count = kept;
+  table.islands = islands_now;
+  std::copy_n(islands.begin(), islands_now, table.island);
+  std::ranges::fill(table.doubts, 0U);
+  return stay;
+}
+
+}  // namespace palpa::touch

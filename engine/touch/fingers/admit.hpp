@@ -1,0 +1,23 @@
+// Which clusters are fingers, by the fingers of the frame before. This is decided after clusters are split and joined.
+// - A cluster of a known finger is a finger with half of min_points contacts; any other needs min_points.
+// - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, or
+//   one that is no known finger and has fewer than twice min_points contacts.
+#pragma once
+
+#include <array>
+
+#include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/sight.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// What each finger that stays has to do with the fingers of the frame before.
+using ClaimList = std::array<shader::Claim, max_fingers>;
+
+/// Removes the clusters of `out` that are no fingers, and writes the frame's
+/// islands to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the table.
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
+                        Touch& out);
+
+}  // namespace palpa::touch

@@ -1,0 +1,22 @@
+// Hidden skin: if no camera sees the underside of a fingertip, the patches of contacts on its two sides are joined to
+// one finger.
+//
+// Euclidean clusters of one solid are joined under three conditions (docs/touch.md gives the reasons):
+// - Together, they are no wider than a finger along the line between their means.
+// - Between the contacts that face each other, the line enters the skin at both ends, as it does between any two places
+//   of a convex body. The skin's outward normals come from the depth pictures.
+// - No camera saw that the space between them is empty, that is, no camera saw something clearly farther away in that
+//   direction.
+// The most certain pair is joined first. Two patches that cannot be one finger are never joined through a third one.
+#pragma once
+
+#include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/sight.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Joins fingers of `out`. The points of their contacts are pixels of the pictures.
+void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
+
+}  // namespace palpa::touch

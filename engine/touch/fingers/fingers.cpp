@@ -1,0 +1,69 @@
+#include "touch/fingers/fingers.hpp"
+
+#include "touch/fingers/admit.hpp"
+#include "touch/fingers/bridge.hpp"
+#include "touch/fingers/bridge_cameras.hpp"
+#include "touch/fingers/depths.hpp"
+#include "touch/fingers/foci.hpp"
+#include "touch/fingers/keep.hpp"
+#include "touch/fingers/sections.hpp"
+#include "touch/fingers/split.hpp"
+#include "touch/pass_watch.hpp"
+
+namespace palpa::touch {
+
+Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> cameras,
+                 const sensing::RayTables& tables, const PreparedSolids& solids)
+    : tables_(tables), solids_(solids), setting_(setting), bridge_cameras_(bridge_cameras(cameras, tables)) {
+  if (setting.follow) tracks_.emplace();
+  if (setting.glides()) homes_.emplace();
+  if (setting.knows(!cameras.empty())) known_ = std::make_unique<shader::KnownTable>();
+}
+
+KnownReach Fingers::next(double time_s) {
+  elapsed_us_ = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
+  has_before_ = known_ && elapsed_us_ <= setting_.memory_us();
+  return {has_before_ ? known_.get() : nullptr, elapsed_us_};
+}
+
+void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
+                   std::vector<gpu::PassTime>& times) {
+  PassWatch watch(times);
+  const bool cameras = !bridge_cameras_.empty();
+  const Sight sight{bridge_cameras_, tables_, images};
+  ClaimList claims{};
+  if (setting_.looks_again(cameras)) {
+    const Known known{{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U},
+                      has_before_ ? known_.get() : nullptr,
+                      static_cast<float>(parameters.finger_width_m)};
+    split_fingers(sight, parameters, known, out);
+    watch.mark("split");
+    bridge_fingers(sight, parameters, known, out);
+    watch.mark("bridge");
+    if (known_) {
+      claims = admit_fingers(sight, parameters, known, *known_, out);
+      watch.mark("admit");
+    }
+  }
+  find_sections(out);
+  watch.mark("sections");
+  if (tracks_) {
+    follow_fingers(*tracks_, elapsed_us_, setting_, out);
+    watch.mark("follow");
+  }
+  if (known_) {
+    keep_fingers(sight, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
+    watch.mark("keep");
+  }
+  find_foci(parameters, solids_.foci_of, out);
+  watch.mark("foci");
+  if (homes_) {
+    glide_foci(*tracks_, *homes_, out);
+    watch.mark("glide");
+  }
+  if (known_) leave_out_beyond(out);
+  find_depths(out);
+  watch.mark("depths");
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,65 @@
+// From clusters of contacts to fingers with foci. Everything about fingers is here: at most max_fingers remain after
+// clustering, so this is plain C++ wherever the points come from. The steps of a frame, in their order:
+//
+//   split      a cluster that is several fingers, or no finger          split/split.hpp      } with cameras and a
+//   bridge     several clusters that are one finger                     bridge/bridge.hpp    } finger width
+//   admit      which clusters are fingers, by the frame before          known/admit.hpp        with hysteresis
+//   sections   centroid and axes, Eq. (2)-(4)                           sections/sections.hpp
+//   follow     ids, steady axes                                         follow/follow.hpp      if fingers are followed
+//   keep       what the next frame must know                            known/keep.hpp         with hysteresis
+//   foci       sectors' centroids, Eq. (5)-(7)                          foci/foci.hpp
+//   glide      foci that do not jump                                    follow/glide.hpp       if foci are smoothed
+//   depths     how deep a finger presses                                depths.hpp
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gpu/timestamps.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/rays.hpp"
+#include "shaders/touch/bridge/bridge.h"
+#include "shaders/touch/known/known.h"
+#include "touch/contacts/prepared_solids.hpp"
+#include "touch/fingers/follow.hpp"
+#include "touch/fingers/glide.hpp"
+#include "touch/points/points.hpp"
+#include "touch/stage_setting.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Remembers the fingers of the frames before. One object for each stream of frames.
+class Fingers {
+ public:
+  /// `tables` and `solids` must outlive it.
+  Fingers(const StageSetting& setting, std::span<const sensing::Camera> cameras, const sensing::RayTables& tables,
+          const PreparedSolids& solids);
+
+  /// The next frame was captured at `time_s`. Returns what its contacts depend on, valid until find().
+  KnownReach next(double time_s);
+  /// Makes fingers with foci of the clusters in `out`. `images`: the frame's, one per camera; none without cameras.
+  /// `parameters`: those of its pixel stride. Adds the time of each step to `times`.
+  void find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
+            std::vector<gpu::PassTime>& times);
+  /// The next frame is followed as if none had come before.
+  void forget() {
+    if (tracks_) tracks_->clock = {};
+  }
+
+ private:
+  const sensing::RayTables& tables_;
+  const PreparedSolids& solids_;
+  StageSetting setting_;
+  std::vector<shader::BridgeCamera> bridge_cameras_;
+  std::optional<Tracks> tracks_;
+  std::optional<Homes> homes_;
+  std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
+  std::uint32_t elapsed_us_ = 0;               // from the frame before to this one
+  bool has_before_ = false;                    // whether `known_` is of the frame before
+};
+
+}  // namespace palpa::touch

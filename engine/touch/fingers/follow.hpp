@@ -1,0 +1,30 @@
+// Fingers keep their identity and their axes from frame to frame. The rules are in docs/touch.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "shaders/touch/follow/follow.h"
+#include "touch/fingers/frame_clock.hpp"
+#include "touch/stage_setting.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// The fingers of earlier frames. One object for each stream of frames.
+struct Tracks {
+  FrameClock clock;
+  std::uint32_t count = 0;
+  std::uint32_t next_id = 0;
+  std::array<shader::Track, shader::follow_most_tracks> tracks{};
+};
+
+/// Gives ids to the first `finger_count` fingers of a frame, whose sections come from
+/// find_sections(). If the setting has steady axes, turns their axes as little as possible from those of the previous
+/// frame. Ids count up from 0 in the order of the fingers and are never reused. In the first frame, the ids are the
+/// fingers' order. After each call, the first tracks are those of the frame's fingers, in their order. Allocates
+/// nothing.
+/// `elapsed_us` comes from the tracks' clock.
+void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch);
+
+}  // namespace palpa::touch

@@ -1,0 +1,21 @@
+// What is kept of a frame's fingers, so that the next frame knows them.
+#pragma once
+
+#include "shaders/touch/known/known.h"
+#include "touch/fingers/admit.hpp"
+#include "touch/fingers/follow.hpp"
+#include "touch/fingers/sight.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// The fingers of `touch` become the known fingers. Sets Finger::holds.
+/// `tracks` are those of this frame, the fingers' first; `claims` come from admit_fingers(). The islands of the table
+/// stay. `rules`: bits of known.h.
+void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
+                  std::uint32_t rules, Touch& touch, shader::KnownTable& table);
+
+/// Removes the contacts that are beyond the shell's edges from the touch and from its fingers.
+void leave_out_beyond(Touch& touch);
+
+}  // namespace palpa::touch

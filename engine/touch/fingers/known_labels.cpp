@@ -1,0 +1,79 @@
+#include "touch/fingers/known_labels.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/split/split_math.h"
+
+namespace palpa::touch {
+namespace {
+
+using shader::Float3;
+
+struct Nearest {
+  std::uint32_t finger = shader::known_none;
+  float square = 0;
+};
+
+/// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
+Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
+  Nearest best{shader::known_none, shader::product(reach, reach)};
+  const float elapsed_s = shader::known_seconds(known.elapsed_us);
+  for (std::uint32_t k = 0; k < known.table->count; ++k) {
+    const shader::KnownFinger& finger = known.table->fingers[k];
+    if (finger.solid != solid) continue;
+    const Float3 before = moved_back(inside, finger.velocity, elapsed_s);
+    for (std::uint32_t s = 0; s < finger.samples; ++s) {
+      const shader::vec4& there = known.table->insides[k * shader::known_samples + s];
+      const float square = square_apart(before, {there.x, there.y, there.z});
+      if (square < best.square) best = {k, square};
+    }
+  }
+  return best;
+}
+
+Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample& sample, float reach) {
+  return nearest_known(known, solid, shader::inside_of(sample.position, sample.normal, known.finger_width), reach);
+}
+
+float label_reach(const Known& known) {
+  return shader::product(PALPA_KNOWN_REACH, known.finger_width);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
+  std::vector<std::uint32_t> labels(samples.size(), shader::known_none);
+  if (known.table == nullptr) return labels;
+  const float reach = label_reach(known);
+  for (std::size_t s = 0; s < samples.size(); ++s)
+    labels[s] = nearest_known(known, solid, samples[s], reach).finger;
+  return labels;
+}
+
+std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place) {
+  return known.table == nullptr ? shader::known_none : nearest_known(known, solid, place, label_reach(known)).finger;
+}
+
+std::uint32_t known_majority(std::span<const std::uint32_t> labels) {
+  std::array<std::uint32_t, shader::known_fingers> count{};
+  for (const std::uint32_t label : labels) {
+    if (label != shader::known_none) ++count[label];
+  }
+  const auto best = std::ranges::max_element(count);
+  return *best > 0 && std::size_t{2} * *best >= labels.size() ? static_cast<std::uint32_t>(best - count.begin())
+                                                              : shader::known_none;
+}
+
+std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
+  Nearest best{shader::known_none, 3.0e38F};
+  if (known.table == nullptr) return best.finger;
+  for (const SkinSample& sample : samples) {
+    const Nearest here = nearest_known(known, solid, sample, known.finger_width);
+    if (here.finger != shader::known_none && here.square < best.square) best = here;
+  }
+  return best.finger;
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,47 @@
+// Which finger of the frame before a place on the skin belongs to. The steps that split and join clusters ask for
+// it, so that a finger stays what it is until the evidence against it is strong.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shaders/touch/known/known_math.h"
+#include "touch/fingers/sight.hpp"
+
+namespace palpa::touch {
+
+/// How a frame uses the fingers of the frame before.
+struct KnownFrame {
+  /// From the frame before to this one; known_restart: there is none before it.
+  std::uint32_t elapsed_us = shader::known_restart;
+  std::uint32_t rules = 0;  ///< bits, see known.h
+};
+
+/// The fingers of the frame before, as the steps of a frame see them.
+struct Known : KnownFrame {
+  shader::KnownTable* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
+  float finger_width = 0;               ///< metres
+
+  bool may_part(std::uint32_t finger) const { return shader::may_part(table->fingers[finger], elapsed_us); }
+  bool may_meet(std::uint32_t finger) const { return shader::may_meet(table->fingers[finger], elapsed_us); }
+  void doubt(std::uint32_t finger, std::uint32_t what) const { table->doubts[finger] |= what; }
+  bool has(std::uint32_t rule) const { return table != nullptr && (rules & rule) != 0; }
+};
+
+/// For each sample of skin in a solid, the known finger whose inside is nearest to the sample's, within
+/// PALPA_KNOWN_REACH finger widths; else known_none. Known fingers move on with their velocities.
+std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
+
+/// The same for a cluster without samples, from the place of its first contact.
+std::uint32_t known_at(const Known& known, std::uint32_t solid, const shader::Float3& place);
+
+/// The known finger that most of the samples belong to, if they are at least half of all; else known_none. If two have
+/// equally many, it is the first.
+std::uint32_t known_majority(std::span<const std::uint32_t> labels);
+
+/// The known finger of the solid whose inside is nearest to one of the samples', within a finger width; else
+/// known_none.
+std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
+
+}  // namespace palpa::touch

@@ -1,0 +1,426 @@
+#include "touch/fingers/split.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/split/split_math.h"
+
+namespace palpa::touch {
+namespace {
+
+using shader::Float3;
+using shader::SplitLink;
+using shader::SplitView;
+
+constexpr std::size_t most = shader::bridge_samples;
+using Set = std::uint64_t;  ///< of samples
+using Sets = std::array<Set, most>;
+
+constexpr Set only(std::size_t s) {
+  return Set{1} << s;
+}
+std::uint32_t size_of(Set set) {
+  return static_cast<std::uint32_t>(std::popcount(set));
+}
+
+bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, const SplitView& b) {
+  const shader::BridgeCamera& camera = sight.cameras[c];
+  shader::SplitWalk walk = walk_between(a, b);
+  if (walk.steps == 0) return false;
+  for (std::uint32_t s = 0; s <= walk.steps && walk.state != shader::split_valley; ++s) {
+    const std::uint32_t raw = raw_at(sight, c, shader::pixel_between(a.u, b.u, s, walk.steps),
+                                     shader::pixel_between(a.v, b.v, s, walk.steps));
+    walk = raw < camera.first_depth ? walked_hole(walk)
+                                    : walked(walk, shader::line_depth(a.at.z, b.at.z, s, walk.steps),
+                                             shader::product(static_cast<float>(raw), camera.depth_unit));
+  }
+  return walk.state == shader::split_valley;
+}
+
+/// Assigns the samples of a wide cluster to fingers.
+class Parts {
+ public:
+  /// `labels`: the samples' known fingers.
+  Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width,
+        std::vector<std::uint32_t> labels, const Known& known)
+      : samples_(samples), labels_(std::move(labels)), fingers_(known), count_(samples.size()), width_(finger_width) {
+    for (std::size_t c = 0; c < sight.cameras.size(); ++c)
+      look(sight, c);
+    known_ = looked_;
+    two_ = valley_;
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = 0; b < count_; ++b) {
+        if (labels_[a] == shader::known_none) continue;
+        if (labels_[b] == labels_[a]) kin_[a] |= only(b);
+        if (labels_[b] != labels_[a] && labels_[b] != shader::known_none) strangers_[a] |= only(b);
+      }
+    }
+    compare();
+    for (std::size_t s = 0; s < count_; ++s)
+      members_[s] = only(s);
+    grow();
+    for (std::uint32_t round = 0; round < shader::split_votes; ++round)
+      vote();
+    settle();
+    hold();
+    return_home();
+  }
+
+  /// The part of a sample: its first sample.
+  std::size_t head(std::size_t s) const {
+    std::size_t h = 0;
+    while ((members_[h] & only(s)) == 0)
+      ++h;
+    return h;
+  }
+  bool is_part(std::size_t head) const { return members_[head] != 0; }
+  /// Whether most of a part's samples with a known finger have the same one.
+  bool is_known(std::size_t head) const { return label_of(head) != shader::known_none; }
+  bool several() const {
+    return std::count_if(members_.begin(), members_.end(), [](Set set) { return set != 0; }) > 1;
+  }
+
+ private:
+  void look(const Sight& sight, std::size_t c) {
+    std::array<SplitView, most> views{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      const shader::Appearance a = appearance(sight.cameras[c], samples_[s].position);
+      views[s] = split_view(sight.cameras[c], a, raw_at(sight, c, a.u, a.v), samples_[s].position);
+    }
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (!views[a].seen || !views[b].seen) continue;
+        looked_[a] |= only(b);
+        looked_[b] |= only(a);
+        if (!is_valley_between(sight, c, views[a], views[b])) continue;
+        valley_[a] |= only(b);
+        valley_[b] |= only(a);
+      }
+    }
+  }
+
+  /// Adds the evidence of the samples' normals to that of the skin seen between them.
+  void compare() {
+    for (std::size_t s = 0; s < count_; ++s)
+      insides_[s] = shader::inside_of(samples_[s].position, samples_[s].normal, width_);
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        const bool same = shader::one_inside(insides_[a], insides_[b], width_);
+        // Samples of two known fingers are evidence for two.
+        if (!same && (strangers_[a] & only(b)) == 0 &&
+            !shader::face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position,
+                                     samples_[b].normal))
+          continue;
+        for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
+          known_[one] |= only(other);
+          two_[one] = same ? two_[one] & ~only(other) : two_[one] | only(other);
+          same_[one] |= same ? only(other) : 0;
+        }
+      }
+    }
+  }
+
+  SplitLink link_between(std::size_t a, std::size_t b, const Sets& known, const Sets& two) const {
+    SplitLink link{0, 0};
+    for (std::size_t s = 0; s < count_; ++s) {
+      if ((members_[a] & only(s)) == 0) continue;
+      link.known += size_of(known[s] & members_[b]);
+      link.two += size_of(two[s] & members_[b]);
+    }
+    return link;
+  }
+
+  /// The known finger of most samples of a group; if two have equally many, that of the first sample.
+  std::uint32_t label_of(std::size_t head) const {
+    std::uint32_t most_kin = 0, label = shader::known_none;
+    for (std::size_t s = 0; s < count_; ++s) {
+      if ((members_[head] & only(s)) == 0) continue;
+      const std::uint32_t kin = size_of(members_[head] & kin_[s]);
+      if (kin <= most_kin) continue;
+      most_kin = kin;
+      label = labels_[s];
+    }
+    return label;
+  }
+  bool were_apart(std::size_t a, std::size_t b) const {
+    const std::uint32_t one = label_of(a), other = label_of(b);
+    return one != shader::known_none && other != shader::known_none && one != other;
+  }
+
+  void join(std::size_t a, std::size_t b) {
+    members_[a] |= members_[b];
+    members_[b] = 0;
+  }
+
+  /// Grows groups of samples, the most certain pair first.
+  void grow() {
+    for (;;) {
+      std::optional<SplitLink> surest;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          const SplitLink link = link_between(a, b, known_, two_);
+          if (!can_grow(link) || (surest && !surer(link, *surest))) continue;
+          surest = link;
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!surest) return;
+      join(keeps, goes);
+    }
+  }
+
+  /// Moves each sample to the group that has most of the samples with the same inside.
+  void vote() {
+    Sets chosen{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      std::size_t best = head(s);
+      std::uint32_t most_same = size_of(same_[s] & members_[best]);
+      for (std::size_t h = 0; h < count_; ++h) {
+        const std::uint32_t size = size_of(same_[s] & members_[h]);
+        if (size <= most_same) continue;
+        most_same = size;
+        best = h;
+      }
+      chosen[best] |= only(s);
+    }
+    name_by_first(chosen);
+  }
+
+  /// Moves each sample of a known finger to the part of most of that finger's samples, if there is only one. So the
+  /// border between two known fingers does not depend on which contacts happen to be samples.
+  void return_home() {
+    std::array<std::uint32_t, shader::known_fingers> parts{};
+    std::array<std::size_t, shader::known_fingers> part{};
+    for (std::size_t h = most; h-- > 0;) {
+      const std::uint32_t label = members_[h] != 0 ? label_of(h) : shader::known_none;
+      if (label == shader::known_none) continue;
+      ++parts[label];
+      part[label] = h;
+    }
+    Sets chosen{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      const std::uint32_t label = labels_[s];
+      chosen[label != shader::known_none && parts[label] == 1 ? part[label] : head(s)] |= only(s);
+    }
+    name_by_first(chosen);
+  }
+
+  /// Names each group by its first sample.
+  void name_by_first(const Sets& groups) {
+    members_ = {};
+    for (const Set set : groups) {
+      if (set != 0) members_[static_cast<std::size_t>(std::countr_zero(set))] = set;
+    }
+  }
+
+  /// The means of the groups' insides.
+  std::array<Float3, most> means_inside() const {
+    std::array<Float3, most> means{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      Float3 sum{0, 0, 0};
+      for (std::size_t s = 0; s < count_; ++s) {
+        if ((members_[h] & only(s)) != 0) sum = plus(sum, minus(insides_[s], insides_[0]));
+      }
+      means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
+    }
+    return means;
+  }
+
+  /// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a
+  /// known finger that may not part are joined.
+  void hold() {
+    const std::array<Float3, most> means = means_inside();
+    std::array<std::uint32_t, most> label{};
+    std::array<std::uint32_t, shader::known_fingers> parts{};
+    std::array<std::size_t, shader::known_fingers> part{};
+    for (std::size_t h = most; h-- > 0;) {
+      label[h] = members_[h] != 0 ? label_of(h) : shader::known_none;
+      if (label[h] == shader::known_none) continue;
+      ++parts[label[h]];
+      part[label[h]] = h;
+    }
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (label[a] == shader::known_none || label[b] == shader::known_none || label[a] == label[b]) continue;
+        if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
+        fingers_.doubt(label[a], shader::doubt_apart);
+        fingers_.doubt(label[b], shader::doubt_apart);
+      }
+    }
+    Sets chosen{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      std::size_t to = h;
+      if (label[h] != shader::known_none && parts[label[h]] > 1) {
+        fingers_.doubt(label[h], shader::doubt_one);
+        if (!fingers_.may_part(label[h])) to = part[label[h]];
+      }
+      chosen[to] |= members_[h];
+    }
+    name_by_first(chosen);
+  }
+
+  /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
+  void settle() {
+    for (;;) {
+      const std::array<Float3, most> means = means_inside();
+      std::optional<float> nearest;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          const float square = square_apart(means[a], means[b]);
+          const bool apart = were_apart(a, b);
+          if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
+          if (apart && !(fingers_.may_meet(label_of(a)) && fingers_.may_meet(label_of(b)))) continue;
+          if (nearest && square >= *nearest) continue;
+          nearest = square;
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!nearest) return;
+      join(keeps, goes);
+    }
+  }
+
+  const std::vector<SkinSample>& samples_;
+  const std::vector<std::uint32_t> labels_;
+  const Known& fingers_;  ///< of the frame before
+  std::size_t count_;
+  float width_;
+  std::array<Float3, most> insides_{};
+  /// Sets of other samples, per sample. looked_: a camera that sees both gives evidence. valley_: a camera sees a
+  /// valley between both. After all evidence, known_: there is any evidence; two_: the evidence says two fingers.
+  /// same_: both have the same inside.
+  Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
+  Sets kin_{}, strangers_{};  ///< of the same known finger, of another known finger
+  Sets members_{};            ///< members of the group that begins with that sample
+};
+
+bool is_firm(const Sight& sight, std::uint32_t point) {
+  const SeenPixel p = pixel_of(sight, point);
+  const shader::BridgeCamera& camera = sight.cameras[p.camera];
+  const auto depth_of = [&](std::uint32_t raw) { return shader::product(static_cast<float>(raw), camera.depth_unit); };
+  const float at = depth_of(raw_at(sight, p.camera, p.u, p.v));
+  constexpr std::uint32_t reach = shader::split_reach;
+  std::uint32_t near = 0;
+  for (std::uint32_t v = p.v; v < p.v + shader::split_window; ++v) {
+    for (std::uint32_t u = p.u; u < p.u + shader::split_window; ++u) {  // both too large by `reach`
+      if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
+      const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
+      if (raw >= camera.first_depth && shader::is_near(at, depth_of(raw))) ++near;
+    }
+  }
+  return near >= PALPA_TUNED(company, shader::split_company);
+}
+
+bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {
+  const std::vector<std::uint32_t> sampled = sample_contacts(finger);
+  const auto firm = std::count_if(sampled.begin(), sampled.end(),
+                                  [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); });
+  return shader::supported(static_cast<std::uint32_t>(sampled.size()), static_cast<std::uint32_t>(firm), known);
+}
+
+/// Whether samples of two known fingers are in it.
+bool holds_several(const std::vector<std::uint32_t>& labels) {
+  std::uint32_t first = shader::known_none;
+  for (const std::uint32_t label : labels) {
+    if (label == shader::known_none) continue;
+    if (first != shader::known_none && label != first) return true;
+    first = label;
+  }
+  return false;
+}
+
+bool is_wide(const std::vector<SkinSample>& samples, float finger_width) {
+  for (const SkinSample& a : samples) {
+    for (const SkinSample& b : samples) {
+      if (square_apart(a.position, b.position) > shader::product(finger_width, finger_width)) return true;
+    }
+  }
+  return false;
+}
+
+/// In metres. 0 if nothing is to be split.
+float splitting_width(const Parameters& parameters) {
+  return parameters.cluster == Cluster::inside ? 0 : static_cast<float>(parameters.finger_width_m);
+}
+
+}  // namespace
+
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out) {
+  const float width = splitting_width(parameters);
+  const std::uint32_t count = out.finger_count;
+  bool changed = false;
+  std::vector<Finger> list;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    Finger& finger = out.fingers[f];
+    const std::vector<SkinSample> samples = sample_skin(sight, out, finger);
+    const std::vector<std::uint32_t> labels = known_labels(known, finger.solid, samples);
+    const bool is_known = known_majority(labels) != shader::known_none;
+    if (!is_supported(sight, out, finger, known.has(shader::known_few) && is_known)) {
+      changed = true;
+      continue;
+    }
+    const bool apart = (known.rules & shader::known_apart) != 0;
+    const float widest = shader::product(apart && is_known ? PALPA_SPLIT_KNOWN_WIDE : 1.0F, width);
+    if (!(width > 0) || !(is_wide(samples, widest) || (apart && holds_several(labels)))) {
+      list.push_back(finger);
+      continue;
+    }
+    const Parts parts(sight, samples, width,
+                      apart ? labels : std::vector<std::uint32_t>(samples.size(), shader::known_none), known);
+    if (!parts.several()) {
+      list.push_back(finger);
+      continue;
+    }
+    changed = true;
+    std::array<std::vector<std::uint32_t>, most> contacts;
+    for (const std::uint32_t i : finger.contacts) {
+      const glm::vec3& position = out.contacts[i].position;
+      Float3 p{position.x, position.y, position.z};
+      const Float3 normal = apart ? normal_at(sight, out.contacts[i].point) : Float3{0, 0, 0};
+      const bool by_inside = dot3(normal, normal) > 0;
+      if (by_inside) p = shader::inside_of(p, normal, width);
+      std::size_t nearest = 0;
+      float nearest_square = 3.0e38F;
+      for (std::size_t s = 0; s < samples.size(); ++s) {
+        const float square = square_apart(
+            p, by_inside ? shader::inside_of(samples[s].position, samples[s].normal, width) : samples[s].position);
+        if (square >= nearest_square) continue;
+        nearest_square = square;
+        nearest = s;
+      }
+      contacts[parts.head(nearest)].push_back(i);
+    }
+    for (std::size_t head = 0; head < most; ++head) {
+      std::vector<std::uint32_t>& of_part = contacts[head];
+      const bool goes_on = known.has(shader::known_few) && parts.is_known(head);
+      if (of_part.empty() || of_part.size() < shader::least_contacts(parameters.min_points, goes_on)) continue;
+      Finger& part = list.emplace_back();
+      part.solid = finger.solid;
+      part.contact_count = static_cast<std::uint32_t>(of_part.size());
+      part.contacts = std::move(of_part);
+    }
+  }
+  if (!changed) return;
+  std::sort(list.begin(), list.end(),
+            [](const Finger& a, const Finger& b) { return a.contacts.front() < b.contacts.front(); });
+  out.cluster_count = out.cluster_count - count + static_cast<std::uint32_t>(list.size());
+  out.finger_count = std::min(static_cast<std::uint32_t>(list.size()), max_fingers);
+  if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);
+  std::move(list.begin(), list.begin() + out.finger_count, out.fingers.begin());
+}
+
+}  // namespace palpa::touch

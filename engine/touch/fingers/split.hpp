@@ -1,0 +1,20 @@
+// Splits clusters that are several fingers side by side, and drops clusters that are no finger. The depth pictures of
+// the cluster's own skin decide. This happens before patches are joined across hidden skin (bridge.hpp).
+//
+// - A cluster is a ghost if the pictures show a surface at less than half of its contacts. Such contacts are flying
+//   pixels.
+// - A cluster that is wider than a finger is several fingers if a valley is seen between them (docs/touch.md explains
+//   how): along the way from contact to contact in a picture, the skin falls off and rises again.
+#pragma once
+
+#include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/sight.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their
+/// smallest contacts. Parts of fewer than min_points contacts are not fingers. With Cluster::inside, nothing is split.
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
+
+}  // namespace palpa::touch

@@ -1,0 +1,42 @@
+// Skin in the shells of solids, in clusters: the part of touching that is parallel over thousands of points.
+// DevicePoints finds them with kernels, HostPoints with the kernels' twins. Everything about fingers comes after it
+// (fingers/fingers.hpp).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/math.hpp"
+#include "gpu/timestamps.hpp"
+#include "sensing/depth_source.hpp"
+#include "sensing/rays.hpp"
+#include "sensing/skin_point.hpp"
+#include "sensing/skin_twin.hpp"
+#include "touch/contacts/contacts_twin.hpp"
+#include "touch/types.hpp"
+
+namespace palpa::touch {
+
+/// One frame of skin, and how to look at it.
+struct Skin {
+  std::span<const sensing::DepthFrame> images{};  ///< with cameras: one image per camera,
+  Box box{};                                      ///< the world in which skin is looked for,
+  std::span<const sensing::Crop> crops{};         ///< what the cameras see of it,
+  std::span<const shader::SkinVolume> volumes{};  ///< and what is no skin there
+  std::span<const sensing::SkinPoint> points{};   ///< without cameras: points with ascending indices
+  Parameters parameters;
+  Parameters clustering;  ///< the same, but smaller clusters may be fingers
+  KnownReach known{};
+};
+
+class Points {
+ public:
+  virtual ~Points() = default;
+  /// Starts a frame. Everything that `skin` refers to stays as it is until finish().
+  virtual void start(const Skin& skin) = 0;
+  /// Fills the contacts, deep points and dropped points of `out`, and solid and contacts of its fingers: the clusters.
+  /// Adds the time of each part to `times`. Throws failure if the frame has more points than there is room for.
+  virtual void finish(Touch& out, std::vector<gpu::PassTime>& times) = 0;
+};
+
+}  // namespace palpa::touch
