@@ -5,11 +5,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "shaders/touch/follow/follow_math.h"
 #include "shaders/touch/known/known_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/fingers/foci.hpp"
+#include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/sections.hpp"
 
 namespace palpa::session {
@@ -33,11 +33,11 @@ double square_apart(const Box& box, const glm::vec3& p) {
 
 /// The cross-section of a finger's contacts in the axes of another one of the same finger.
 void take_axes(const touch::CrossSection& from, touch::CrossSection& section) {
-  const shader::Axes own{float3(section.axes[0]), float3(section.axes[1]), float3(section.axes[2]),
-                         section.eigenvalues[0],  section.eigenvalues[1],  section.eigenvalues[2]};
-  const shader::Sym3 covariance = covariance_of(own);
+  const touch::PrincipalAxes own{float3(section.axes[0]), float3(section.axes[1]), float3(section.axes[2]),
+                                 section.eigenvalues[0],  section.eigenvalues[1],  section.eigenvalues[2]};
+  const touch::Sym3 covariance = covariance_of(own);
   const shader::Float3 w1 = float3(from.axes[0]), w2 = float3(from.axes[1]), w3 = float3(from.axes[2]);
-  const shader::Principal2 plane = principal_in_plane(covariance, w1, w2);
+  const touch::Principal2 plane = principal_in_plane(covariance, w1, w2);
   section.axes = from.axes;
   section.turn = {plane.cosine, plane.sine};
   section.eigenvalues = {plane.l1, plane.l2, std::max(0.0F, dot3(w3, times(covariance, w3)))};

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "shaders/touch/known/known_math.h"
-#include "shaders/touch/split/split_math.h"
+#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {

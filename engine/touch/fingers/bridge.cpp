@@ -4,14 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "shaders/touch/bridge/bridge_math.h"
+#include "touch/fingers/bridge_math.hpp"
 
 namespace palpa::touch {
 namespace {
-
-using shader::BridgePair;
-using shader::BridgePatch;
-using shader::Float3;
 
 struct Patch {
   std::vector<SkinSample> samples;  ///< in the order of the hash
@@ -32,13 +28,13 @@ Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
   }
   const auto count = static_cast<std::uint32_t>(patch.samples.size());
   const Float3 mean = plus(first, scaled(sum, 1.0F / static_cast<float>(count)));
-  patch.record = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}, {mean.x, mean.y, mean.z, 0}, count, 0, 0, 0};
+  patch.record = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}, {mean.x, mean.y, mean.z, 0}, count};
   return patch;
 }
 
 bool is_seen_empty(const Sight& sight, const Float3& place) {
   for (std::size_t c = 0; c < sight.cameras.size(); ++c) {
-    const shader::Appearance seen = appearance(sight.cameras[c], place);
+    const Appearance seen = appearance(sight.cameras[c], place);
     if (seen.depth > 0 && sees_through(sight.cameras[c], raw_at(sight, c, seen.u, seen.v), seen.depth)) return true;
   }
   return false;
@@ -72,12 +68,12 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
       high = std::max(high, along);
     }
   }
-  return shader::too_wide(low, high, dot3(line, line), finger_width);
+  return too_wide(low, high, dot3(line, line), finger_width);
 }
 
 /// Whether the lines between contacts that face each other go through a finger.
 BridgePair face(const Patch& a, const Patch& b, bool were_one) {
-  shader::Evidence e = shader::no_evidence();
+  Evidence e = no_evidence();
   std::vector<Way> from_a, from_b;
   for (const SkinSample& sample : a.samples) {
     from_a.push_back(way_across(sample, b));
@@ -98,23 +94,23 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
   std::uint32_t looked = 0, empty = 0;
   for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
     const Float3& from = a.samples[s].position;
-    const Float3& to = b.samples[shader::chord_end(s, b.record.samples)].position;
-    for (std::uint32_t k = shader::bridge_first_step; k <= shader::bridge_last_step; ++k) {
+    const Float3& to = b.samples[chord_end(s, b.record.samples)].position;
+    for (std::uint32_t k = bridge_first_step; k <= bridge_last_step; ++k) {
       ++looked;
-      empty += is_seen_empty(sight, between(from, to, shader::chord_share(k))) ? 1 : 0;
+      empty += is_seen_empty(sight, between(from, to, chord_share(k))) ? 1 : 0;
     }
   }
-  return shader::too_empty(empty, looked, were_one);
+  return too_empty(empty, looked, were_one);
 }
 
 BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
-  constexpr BridgePair two{shader::bridge_two, 0};
-  if (were_one) finger_width = shader::product(PALPA_BRIDGE_STILL_ONE, finger_width);
+  constexpr BridgePair two{bridge_two, 0};
+  if (were_one) finger_width = product(PALPA_BRIDGE_STILL_ONE, finger_width);
   if (!near_enough(a.record, b.record, finger_width)) return two;
   const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
   if (is_too_wide(a, b, minus(mean(b), mean(a)), finger_width)) return two;
   const BridgePair pair = face(a, b, were_one);
-  return pair.kind != shader::bridge_two && is_empty_between(sight, a, b, were_one) ? two : pair;
+  return pair.kind != bridge_two && is_empty_between(sight, a, b, were_one) ? two : pair;
 }
 
 /// Which patches belong to one finger.
@@ -140,7 +136,7 @@ class Joining {
     for (std::uint32_t a = 0; a < count_; ++a) {
       for (std::uint32_t b = a + 1; b < count_; ++b) {
         const BridgePair& candidate = pair(a, b);
-        if (candidate.kind != shader::bridge_one || head_[a] == head_[b] || strangers(head_[a], head_[b])) continue;
+        if (candidate.kind != bridge_one || head_[a] == head_[b] || strangers(head_[a], head_[b])) continue;
         if (surest && candidate.facing >= surest->facing) continue;
         surest = &candidate;
         keeps = std::min(head_[a], head_[b]);
@@ -154,7 +150,7 @@ class Joining {
   bool strangers(std::uint32_t one, std::uint32_t other) {
     for (std::uint32_t a = 0; a < count_; ++a) {
       for (std::uint32_t b = 0; b < count_; ++b) {
-        if (head_[a] == one && head_[b] == other && pair(std::min(a, b), std::max(a, b)).kind == shader::bridge_two)
+        if (head_[a] == one && head_[b] == other && pair(std::min(a, b), std::max(a, b)).kind == bridge_two)
           return true;
       }
     }
@@ -187,11 +183,11 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
       const bool were_one = same && !known.may_part(patches[a].known);
       BridgePair& pair = joining.pair(a, b);
       pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
-                                                          : BridgePair{shader::bridge_two, 0};
-      if (!same || pair.kind == shader::bridge_one) continue;
+                                                          : BridgePair{bridge_two, 0};
+      if (!same || pair.kind == bridge_one) continue;
       known.doubt(patches[a].known, shader::doubt_one);
       if (were_one && !patches[a].samples.empty() && !patches[b].samples.empty())
-        pair = {shader::bridge_one, PALPA_BRIDGE_HELD};
+        pair = {bridge_one, PALPA_BRIDGE_HELD};
     }
   }
   joining.join();

@@ -12,9 +12,8 @@ shader::vec4 row_of(const Transform& T, int row) {
 
 }  // namespace
 
-std::vector<shader::BridgeCamera> bridge_cameras(std::span<const sensing::Camera> cameras,
-                                                 const sensing::RayTables& tables) {
-  std::vector<shader::BridgeCamera> out;
+std::vector<BridgeCamera> bridge_cameras(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables) {
+  std::vector<BridgeCamera> out;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const sensing::Camera& camera = cameras[i];
     const sensing::CameraTable& table = tables.cameras[i];
@@ -38,10 +37,7 @@ std::vector<shader::BridgeCamera> bridge_cameras(std::span<const sensing::Camera
                    .height = table.height,
                    .pitch = table.pitch,
                    .first_pixel = static_cast<std::uint32_t>(table.first_pixel),
-                   .first_index = static_cast<std::uint32_t>(table.first_index),
-                   .unused0 = 0,
-                   .unused1 = 0,
-                   .unused2 = 0});
+                   .first_index = static_cast<std::uint32_t>(table.first_index)});
   }
   return out;
 }

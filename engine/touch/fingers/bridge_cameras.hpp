@@ -6,11 +6,10 @@
 
 #include "sensing/camera.hpp"
 #include "sensing/rays.hpp"
-#include "shaders/touch/bridge/bridge.h"
+#include "touch/fingers/bridge_math.hpp"
 
 namespace palpa::touch {
 
-std::vector<shader::BridgeCamera> bridge_cameras(std::span<const sensing::Camera> cameras,
-                                                 const sensing::RayTables& tables);
+std::vector<BridgeCamera> bridge_cameras(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables);
 
 }  // namespace palpa::touch

@@ -21,9 +21,9 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "shaders/touch/bridge/bridge.h"
 #include "shaders/touch/known/known.h"
 #include "touch/contacts/prepared_solids.hpp"
+#include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/glide.hpp"
 #include "touch/points/points.hpp"
@@ -54,7 +54,7 @@ class Fingers {
   const sensing::RayTables& tables_;
   const PreparedSolids& solids_;
   StageSetting setting_;
-  std::vector<shader::BridgeCamera> bridge_cameras_;
+  std::vector<BridgeCamera> bridge_cameras_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
   std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide

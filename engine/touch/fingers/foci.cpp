@@ -1,19 +1,15 @@
 #include "touch/fingers/foci.hpp"
 
-#include "shaders/touch/foci/foci_math.h"
+#include "touch/fingers/foci_math.hpp"
 #include "touch/fingers/sections.hpp"
 #include "touch/fingers/sector_borders.hpp"
 
 namespace palpa::touch {
 namespace {
 
-static_assert(shader::outline_bins <= shader::foci_most && shader::foci_most <= shader::foci_group);
+static_assert(outline_bins <= foci_most);
 
-using shader::Border;
-using shader::Float2;
-using shader::Float3;
-
-constexpr std::uint32_t bins = shader::outline_bins;
+constexpr std::uint32_t bins = outline_bins;
 
 /// The last of the ascending borders that p has passed.
 std::uint32_t sector_of(const Float2& p, std::span<const Border> borders) {
@@ -32,15 +28,15 @@ struct Plane {
   const Finger& finger;
   const std::vector<Contact>& contacts;
   LocalOrigin local = local_origin(finger, contacts);
-  shader::Axes axes{};
-  shader::Scaling scaling{};
+  PrincipalAxes axes{};
+  Scaling scaling{};
 
   Plane(const Finger& of, const std::vector<Contact>& all) : finger(of), contacts(all) {
     const CrossSection& s = finger.section;
     const auto float3 = [](const glm::vec3& v) { return Float3{v.x, v.y, v.z}; };
     axes = {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
             s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
-    scaling = shader::scaling_of(axes.l1, axes.l2, s.turn.x, s.turn.y);
+    scaling = scaling_of(axes.l1, axes.l2, s.turn.x, s.turn.y);
   }
   std::uint32_t members() const { return static_cast<std::uint32_t>(finger.contacts.size()); }
   Float3 from_centroid(std::uint32_t contact) const { return local.from_centroid(contacts[contact].position); }
@@ -51,11 +47,11 @@ struct Plane {
 std::array<float, bins> radii(const Plane& plane, std::span<const Border> directions) {
   std::array<std::int32_t, bins> sums{};
   std::array<std::uint32_t, bins> counts{};
-  const float steps = shader::radius_steps(plane.members());
+  const float steps = radius_steps(plane.members());
   for (const std::uint32_t i : plane.finger.contacts) {
     const Float2 p = plane.projected(plane.from_centroid(i));
     const std::uint32_t bin = sector_of(p, directions);
-    sums[bin] += shader::in_steps(shader::radius_of(p), steps);
+    sums[bin] += in_steps(radius_of(p), steps);
     ++counts[bin];
   }
   std::array<float, bins> radius{};
@@ -66,9 +62,9 @@ std::array<float, bins> radii(const Plane& plane, std::span<const Border> direct
     while (counts[(m + on) % bins] == 0)
       ++on;
     const std::uint32_t before = (m + bins - back) % bins, after = (m + on) % bins;
-    const float mean_before = shader::mean_radius(sums[before], counts[before], steps);
-    const float mean_after = shader::mean_radius(sums[after], counts[after], steps);
-    radius[m] = back == 0 ? mean_before : shader::radius_between(mean_before, mean_after, back, on);
+    const float mean_before = mean_radius(sums[before], counts[before], steps);
+    const float mean_after = mean_radius(sums[after], counts[after], steps);
+    radius[m] = back == 0 ? mean_before : radius_between(mean_before, mean_after, back, on);
   }
   return radius;
 }
@@ -78,45 +74,45 @@ std::array<Border, max_foci> equal_arcs(const Plane& plane, std::span<const Bord
   const std::array<float, bins> radius = radii(plane, directions);
   std::array<Float2, bins + 1> corners{};
   for (std::uint32_t m = 0; m < bins; ++m) {
-    corners[m] = shader::corner_of(radius[(m + bins - 2) % bins], radius[(m + bins - 1) % bins], radius[m],
-                                   radius[(m + 1) % bins], {directions[m].x, directions[m].y});
+    corners[m] = corner_of(radius[(m + bins - 2) % bins], radius[(m + bins - 1) % bins], radius[m],
+                           radius[(m + 1) % bins], {directions[m].x, directions[m].y});
   }
   corners[bins] = corners[0];
   std::array<float, bins + 1> way{};  // length along the outline to each corner, and of the complete outline
   for (std::uint32_t m = 0; m < bins; ++m)
-    way[m + 1] = shader::plus(way[m], metres_between(corners[m], corners[m + 1], plane.scaling));
+    way[m + 1] = plus(way[m], metres_between(corners[m], corners[m + 1], plane.scaling));
   std::array<Border, max_foci> borders{};
   for (std::uint32_t n = 0; n < foci; ++n) {
-    const float cut = shader::cut_at(way[bins], n, foci);
+    const float cut = cut_at(way[bins], n, foci);
     std::uint32_t side = 0;
     while (side + 1 < bins && way[side + 1] <= cut)
       ++side;
-    const Float2 at = along_side(corners[side], corners[side + 1], shader::less(cut, way[side]),
-                                 shader::less(way[side + 1], way[side]));
+    const Float2 at =
+        along_side(corners[side], corners[side + 1], less(cut, way[side]), less(way[side + 1], way[side]));
     borders[n] = {at.x, at.y};
   }
   return borders;
 }
 
 void sum_sectors(Finger& finger, const Plane& plane, std::span<const Border> borders) {
-  const float steps = shader::steps_per_metre(plane.members(), plane.axes.l1, plane.axes.l2, plane.axes.l3);
+  const float steps = steps_per_metre(plane.members(), plane.axes.l1, plane.axes.l2, plane.axes.l3);
   std::array<std::array<std::int32_t, 3>, max_foci> sums{};
   finger.foci.assign(borders.size(), {});
   for (const std::uint32_t i : finger.contacts) {
     const Float3 d = plane.from_centroid(i);
     const std::uint32_t sector = sector_of(plane.projected(d), borders);
-    sums[sector][0] += shader::in_steps(d.x, steps);
-    sums[sector][1] += shader::in_steps(d.y, steps);
-    sums[sector][2] += shader::in_steps(d.z, steps);
+    sums[sector][0] += in_steps(d.x, steps);
+    sums[sector][1] += in_steps(d.y, steps);
+    sums[sector][2] += in_steps(d.z, steps);
     ++finger.foci[sector].points;
   }
   const auto& [origin, mean] = plane.local;
   for (std::size_t n = 0; n < borders.size(); ++n) {
     Focus& focus = finger.foci[n];
     if (focus.points == 0) continue;
-    focus.position = {shader::focus_coordinate(origin.x, mean.x, sums[n][0], focus.points, steps),
-                      shader::focus_coordinate(origin.y, mean.y, sums[n][1], focus.points, steps),
-                      shader::focus_coordinate(origin.z, mean.z, sums[n][2], focus.points, steps)};
+    focus.position = {focus_coordinate(origin.x, mean.x, sums[n][0], focus.points, steps),
+                      focus_coordinate(origin.y, mean.y, sums[n][1], focus.points, steps),
+                      focus_coordinate(origin.z, mean.z, sums[n][2], focus.points, steps)};
   }
 }
 

@@ -4,17 +4,13 @@
 #include <cmath>
 #include <span>
 
-#include "shaders/touch/follow/follow_math.h"
+#include "touch/fingers/follow_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
-using shader::Float3;
-using shader::Sym3;
-using shader::Track;
-
-constexpr std::uint32_t most = shader::follow_most_tracks;
-constexpr std::uint32_t none = shader::follow_none;
+constexpr std::uint32_t most = follow_most_tracks;
+constexpr std::uint32_t none = follow_none;
 
 Float3 float3(const glm::vec3& v) {
   return {v.x, v.y, v.z};
@@ -29,7 +25,7 @@ shader::vec4 vec4(const Float3& v, float w = 0) {
   return {v.x, v.y, v.z, w};
 }
 
-shader::Axes axes_of(const Finger& finger) {
+PrincipalAxes axes_of(const Finger& finger) {
   const CrossSection& s = finger.section;
   return {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
           s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
@@ -57,8 +53,8 @@ struct Follow {
   std::uint32_t elapsed_us;
   std::uint32_t memory_us;
   bool steady;
-  float frame_s = shader::in_seconds(elapsed_us);
-  float scale = shader::reach_of(frame_s, 0, 0);
+  float frame_s = in_seconds(elapsed_us);
+  float scale = reach_of(frame_s, 0, 0);
   std::uint32_t known = 0;
   std::array<Candidate, most> candidates{};
   std::array<float, max_fingers> birth_cost{};
@@ -82,33 +78,32 @@ void Follow::move_on(const Tracks& before) {
   for (std::uint32_t t = 0; t < known; ++t) {
     Candidate& c = candidates[t];
     c.old = before.tracks[t];
-    c.unseen_us = shader::later(c.old.unseen_us, elapsed_us);
+    c.unseen_us = later(c.old.unseen_us, elapsed_us);
     const bool carried = c.old.carrier != none;
-    c.alive = c.unseen_us <= shader::memory_of(carried, memory_us);
-    const std::uint32_t coasts_us =
-        std::min(c.unseen_us, shader::coasting_us) - std::min(c.old.unseen_us, shader::coasting_us);
+    c.alive = c.unseen_us <= memory_of(carried, memory_us);
+    const std::uint32_t coasts_us = std::min(c.unseen_us, coasting_us) - std::min(c.old.unseen_us, coasting_us);
     c.velocity = float3(c.old.velocity);
-    c.place = moved(float3(c.old.place), c.velocity, carried ? frame_s : shader::in_seconds(coasts_us));
-    c.reach = shader::reach_of(frame_s, shader::in_seconds(c.old.unseen_us), c.old.place.w);
-    c.penalty = c.old.unseen_us == 0 && !carried ? 0 : shader::second_class;
+    c.place = moved(float3(c.old.place), c.velocity, carried ? frame_s : in_seconds(coasts_us));
+    c.reach = reach_of(frame_s, in_seconds(c.old.unseen_us), c.old.place.w);
+    c.penalty = c.old.unseen_us == 0 && !carried ? 0 : second_class;
   }
 }
 
 float Follow::cost_of(std::uint32_t finger, std::uint32_t column) const {
-  if (column >= most) return column - most == finger ? birth_cost[finger] : shader::out_of_reach;
+  if (column >= most) return column - most == finger ? birth_cost[finger] : out_of_reach;
   const Candidate& c = candidates[column];
-  if (!c.alive || c.old.solid != fingers[finger].solid) return shader::out_of_reach;
+  if (!c.alive || c.old.solid != fingers[finger].solid) return out_of_reach;
   return follow_cost(float3(fingers[finger].section.centroid), c.place, c.reach, scale, c.penalty);
 }
 
 /// If a remembered finger fits, a birth costs more than that finger.
 void Follow::find_birth_costs() {
   for (std::uint32_t f = 0; f < fingers.size(); ++f) {
-    birth_cost[f] = shader::new_finger;
+    birth_cost[f] = new_finger;
     for (std::uint32_t t = 0; t < known; ++t) {
       if (candidates[t].penalty == 0 && candidates[t].reach <= scale) continue;
       const float cost = cost_of(f, t);
-      if (cost < shader::out_of_reach) birth_cost[f] = std::max(birth_cost[f], shader::plus(cost, 1));
+      if (cost < out_of_reach) birth_cost[f] = std::max(birth_cost[f], plus(cost, 1));
     }
   }
 }
@@ -129,15 +124,15 @@ void Follow::assign() {
   }
   for (std::uint32_t finger = 0; finger < count; ++finger) {
     std::array<float, columns> least{};
-    least.fill(shader::no_cost_yet);
+    least.fill(no_cost_yet);
     std::array<bool, columns> visited{};
     std::uint32_t current = none, row = finger;
     while (row != none) {
-      float best = shader::no_cost_yet;
+      float best = no_cost_yet;
       std::uint32_t best_column = none;
       for (const std::uint32_t column : std::span(order).first(width)) {
         if (visited[column]) continue;
-        const float reduced = shader::less(shader::less(cost_of(row, column), row_price[row]), price[column]);
+        const float reduced = less(less(cost_of(row, column), row_price[row]), price[column]);
         if (reduced < least[column]) {
           least[column] = reduced;
           way[column] = current;
@@ -149,13 +144,13 @@ void Follow::assign() {
       }
       for (const std::uint32_t column : std::span(order).first(width)) {
         if (visited[column]) {
-          row_price[row_of[column]] = shader::plus(row_price[row_of[column]], best);
-          price[column] = shader::less(price[column], best);
+          row_price[row_of[column]] = plus(row_price[row_of[column]], best);
+          price[column] = less(price[column], best);
         } else {
-          least[column] = shader::less(least[column], best);
+          least[column] = less(least[column], best);
         }
       }
-      row_price[finger] = shader::plus(row_price[finger], best);
+      row_price[finger] = plus(row_price[finger], best);
       current = best_column;
       visited[current] = true;
       row = row_of[current];
@@ -177,7 +172,7 @@ void Follow::assign() {
 void Follow::merge() {
   for (Candidate& c : tracks()) {
     if (c.row != none || !c.alive) continue;
-    if (c.old.carrier == none && c.old.unseen_us > shader::coasting_us) continue;
+    if (c.old.carrier == none && c.old.unseen_us > coasting_us) continue;
     if (c.old.carrier < known) c.owner = candidates[c.old.carrier].row;
     float best = 1;
     for (std::uint32_t f = 0; f < fingers.size(); ++f) {
@@ -202,17 +197,17 @@ void Follow::choose_who_stays() {
 }
 
 void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers) {
-  const shader::Axes axes = axes_of(fingers[finger]);
+  const PrincipalAxes axes = axes_of(fingers[finger]);
   const Float3 found = float3(fingers[finger].section.centroid);
   const Sym3 cluster = covariance_of(axes);
-  const float gain = shader::velocity_gain(frame_s);
+  const float gain = velocity_gain(frame_s);
   const auto weight = [](const Candidate& c) { return static_cast<float>(c.old.contacts); };
   const auto is_member = [&](const Candidate& c) { return &c == &track || (c.merged && c.owner == finger); };
   float total = weight(track);
   Candidate* other = &track;
   for (Candidate& c : tracks()) {
     if (!c.merged || c.owner != finger) continue;
-    total = shader::plus(total, weight(c));
+    total = plus(total, weight(c));
     other = &c;
   }
   Float3 mean{0, 0, 0};
@@ -227,14 +222,14 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
   }
   if (passengers == 1) {
     const float share = weight(track) / total, other_share = weight(*other) / total;
-    const shader::Parting parting = parting_of(cluster, spread_of(track.old), spread_of(other->old), share, other_share,
-                                               minus(other->place, track.place));
-    const float part = shader::product(0.5F, parting.trust);
-    const float back = shader::product(other_share, part), on = shader::product(share, part);
+    const Parting parting = parting_of(cluster, spread_of(track.old), spread_of(other->old), share, other_share,
+                                       minus(other->place, track.place));
+    const float part = product(0.5F, parting.trust);
+    const float back = product(other_share, part), on = product(share, part);
     track.place = moved(track.place, parting.correction, -back);
     other->place = moved(other->place, parting.correction, on);
-    track.velocity = moved(track.velocity, parting.correction, -shader::product(back, gain));
-    other->velocity = moved(other->velocity, parting.correction, shader::product(on, gain));
+    track.velocity = moved(track.velocity, parting.correction, -product(back, gain));
+    other->velocity = moved(other->velocity, parting.correction, product(on, gain));
   }
   const bool looks = looks_merged(cluster, spread_of(track.old));
   for (Candidate& c : tracks()) {
@@ -249,35 +244,34 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
 Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home) {
   Finger& finger = fingers[f];
   CrossSection& section = finger.section;
-  const shader::Axes axes = axes_of(finger);
+  const PrincipalAxes axes = axes_of(finger);
   const Sym3 spread = covariance_of(axes);
   const Float3 lean = float3(section.lean);
   Track t{};
   t.id = new_id;
   t.home = new_home;
-  t.since_us = shader::follow_restart;
+  t.since_us = follow_restart;
   t.solid = finger.solid;
   t.carrier = none;
   t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
-  t.flags = finger.point_like ? 0 : shader::track_has_axes;
+  t.flags = finger.point_like ? 0 : track_has_axes;
   t.place = vec4(float3(section.centroid));
   t.axis1 = vec4(axes.w1, axes.l1);
   t.axis3 = vec4(axes.w3, axes.l3);
   t.spread_a = {spread.xx, spread.xy, spread.xz, spread.yy};
   t.spread_b = {spread.yz, spread.zz, 0, 0};
-  shader::Steady turned{axes, 1, 0};
+  Steady turned{axes, 1, 0};
   bool has_frame = false;
   if (track_of[f] != none) {
     Candidate& track = candidates[track_of[f]];
     t.home = track.old.home;
-    if (shader::glides_on(track.old.flags, track.old.unseen_us, track.unseen_us)) t.since_us = track.unseen_us;
-    const float since_s = shader::in_seconds(track.unseen_us);
+    if (glides_on(track.old.flags, track.old.unseen_us, track.unseen_us)) t.since_us = track.unseen_us;
+    const float since_s = in_seconds(track.unseen_us);
     const auto passengers = static_cast<std::uint32_t>(
         std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
     t.id = track.old.id;
     if (passengers == 0) {
-      track.velocity =
-          moved(track.velocity, minus(float3(section.centroid), track.place), shader::velocity_gain(since_s));
+      track.velocity = moved(track.velocity, minus(float3(section.centroid), track.place), velocity_gain(since_s));
     } else {
       move_cluster(f, track, passengers);
       t.contacts = track.old.contacts;
@@ -286,9 +280,9 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
       t.place = vec4(track.place, track.stray);
     }
     t.velocity = vec4(track.velocity);
-    const bool had_axes = (track.old.flags & shader::track_has_axes) != 0;
+    const bool had_axes = (track.old.flags & track_has_axes) != 0;
     if (had_axes && finger.point_like) {
-      t.flags = shader::track_has_axes;
+      t.flags = track_has_axes;
       t.axis1 = track.old.axis1;
       t.axis3 = track.old.axis3;
     } else if (had_axes) {
@@ -298,7 +292,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   }
   if (steady && !finger.point_like) {
     if (!has_frame) turned = first_axes(axes, lean);
-    const shader::Axes& a = turned.axes;
+    const PrincipalAxes& a = turned.axes;
     t.axis1 = vec4(a.w1, a.l1);
     t.axis3 = vec4(a.w3, a.l3);
     section.axes = {to_vec(a.w1), to_vec(a.w2), to_vec(a.w3)};
@@ -312,10 +306,9 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
 }  // namespace
 
 void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch) {
-  Follow follow{std::span(touch.fingers).first(touch.finger_count),
-                elapsed_us == shader::follow_restart ? 0 : elapsed_us, setting.memory_us(),
-                setting.axes == Axes::steady};
-  if (elapsed_us == shader::follow_restart) {
+  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == follow_restart ? 0 : elapsed_us,
+                setting.memory_us(), setting.axes == Axes::steady};
+  if (elapsed_us == follow_restart) {
     tracks.count = 0;
     tracks.next_id = 0;
   }
@@ -339,7 +332,7 @@ void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting
     if (!c.stays) continue;
     Track& t = tracks.tracks[tracks.count++] = c.old;
     t.carrier = c.merged ? c.owner : none;
-    if (c.merged) t.flags |= shader::track_left_home;
+    if (c.merged) t.flags |= track_left_home;
     t.unseen_us = c.seen ? 0 : c.unseen_us;
     t.place = vec4(c.place, c.stray);
     t.velocity = vec4(c.velocity);

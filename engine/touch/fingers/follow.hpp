@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "shaders/touch/follow/follow.h"
+#include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/frame_clock.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -16,7 +16,7 @@ struct Tracks {
   FrameClock clock;
   std::uint32_t count = 0;
   std::uint32_t next_id = 0;
-  std::array<shader::Track, shader::follow_most_tracks> tracks{};
+  std::array<Track, follow_most_tracks> tracks{};
 };
 
 /// Gives ids to the first `finger_count` fingers of a frame, whose sections come from

@@ -8,7 +8,7 @@ namespace palpa::touch {
 
 class FrameClock {
  public:
-  /// Microseconds from the capture time of the previous call's frame to `time_s`; shader::follow_restart for the first
+  /// Microseconds from the capture time of the previous call's frame to `time_s`; follow_restart for the first
   /// call. If the time goes backwards, following restarts: the result is then longer than any finger is remembered.
   std::uint32_t elapsed_us(double time_s);
 

@@ -4,15 +4,11 @@
 #include <array>
 #include <span>
 
-#include "shaders/touch/follow/glide_math.h"
+#include "touch/fingers/glide_math.hpp"
 #include "touch/fingers/nearest_filled.hpp"
 
 namespace palpa::touch {
 namespace {
-
-using shader::Float3;
-using shader::Gliding;
-using shader::GlidingFocus;
 
 Float3 float3(const glm::vec3& v) {
   return {v.x, v.y, v.z};
@@ -24,17 +20,17 @@ shader::vec4 vec4(const glm::vec3& v) {
   return {v.x, v.y, v.z, 0};
 }
 
-shader::Axes frame_of(const Float3& w1, const Float3& w3) {
+PrincipalAxes frame_of(const Float3& w1, const Float3& w3) {
   return {w1, cross3(w3, w1), w3, 0, 0, 0};
 }
 
-void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger) {
+void glide_finger(const Track& track, Home& home, Finger& finger) {
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
-  const bool restart = track.since_us == shader::follow_restart || home.foci != count;
-  const float frame_s = shader::in_seconds(track.since_us);
+  const bool restart = track.since_us == follow_restart || home.foci != count;
+  const float frame_s = in_seconds(track.since_us);
   const Float3 centre = float3(finger.section.centroid), old_centre = float3(home.centre);
-  const shader::Axes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));
-  const shader::Axes old_axes = frame_of(float3(home.axis1), float3(home.axis3));
+  const PrincipalAxes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));
+  const PrincipalAxes old_axes = frame_of(float3(home.axis1), float3(home.axis3));
   const Float3 motion = motion_of(old_centre, centre, float3(home.velocity), frame_s);
 
   std::array<Focus, max_foci> copy;
@@ -47,17 +43,17 @@ void glide_finger(const shader::Track& track, shader::Home& home, Finger& finger
     Float3 target = float3(sectors[near < count ? near : n].position);
     Gliding now{target, {0, 0, 0}};
     if (restart) {
-      focus.empty_us = empty ? shader::hold_us + 1 : 0;
+      focus.empty_us = empty ? hold_us + 1 : 0;
     } else {
       const Float3 offset = minus({focus.x, focus.y, focus.z}, old_centre);
       const Float3 carried = moved(moved(old_centre, motion, 1), turned_along(offset, old_axes, axes), 1);
-      focus.empty_us = empty ? shader::later(focus.empty_us, track.since_us) : 0;
-      if (empty && focus.empty_us <= shader::hold_us) target = carried;
+      focus.empty_us = empty ? later(focus.empty_us, track.since_us) : 0;
+      if (empty && focus.empty_us <= hold_us) target = carried;
       now = glide(carried, {focus.speed_x, focus.speed_y, focus.speed_z}, target, frame_s);
     }
-    focus = {now.place.x, now.place.y, now.place.z, focus.empty_us, now.speed.x, now.speed.y, now.speed.z, 0};
+    focus = {now.place.x, now.place.y, now.place.z, focus.empty_us, now.speed.x, now.speed.y, now.speed.z};
     finger.foci[n].position = {now.place.x, now.place.y, now.place.z};
-    finger.foci[n].held = empty && focus.empty_us <= shader::hold_us;
+    finger.foci[n].held = empty && focus.empty_us <= hold_us;
   }
   finger.placed = true;
   home.centre = vec4(finger.section.centroid);

@@ -3,15 +3,15 @@
 
 #include <vector>
 
-#include "shaders/touch/follow/glide.h"
 #include "touch/fingers/follow.hpp"
+#include "touch/fingers/glide_math.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
 /// The data kept of fingers' foci, each at its track's home. One object for each stream of frames.
 struct Homes {
-  std::vector<shader::Home> homes{shader::follow_most_tracks};
+  std::vector<Home> homes{follow_most_tracks};
 };
 
 /// `tracks` are the result of follow_fingers() for this frame, and the foci are the result of

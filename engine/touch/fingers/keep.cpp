@@ -4,12 +4,10 @@
 #include <cstddef>
 
 #include "shaders/touch/known/known_math.h"
-#include "shaders/touch/split/split_math.h"
+#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
-
-using shader::Float3;
 
 /// Where skin may reach beyond the shell's edges, for a finger that is about to end.
 void set_reach(const std::vector<SkinSample>& samples, shader::KnownFinger& finger) {
@@ -25,7 +23,7 @@ void set_reach(const std::vector<SkinSample>& samples, shader::KnownFinger& fing
     farthest = std::max(farthest, square_apart(sample.position, centre));
   if (!(dot3(normal, normal) > 0)) return;
   const Float3 inward = unit(normal);
-  finger.centre = {centre.x, centre.y, centre.z, shader::squared_reach(shader::root_of(farthest, 1.0F))};
+  finger.centre = {centre.x, centre.y, centre.z, shader::squared_reach(root_of(farthest, 1.0F))};
   finger.inward = {inward.x, inward.y, inward.z, 0};
 }
 
@@ -62,7 +60,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
       table.insides[std::size_t{f} * shader::known_samples] = {first.x, first.y, first.z, 0};
     }
     for (std::size_t s = 0; s < samples.size(); ++s) {
-      const Float3 inside = shader::inside_of(samples[s].position, samples[s].normal, width);
+      const Float3 inside = inside_of(samples[s].position, samples[s].normal, width);
       table.insides[std::size_t{f} * shader::known_samples + s] = {inside.x, inside.y, inside.z, 0};
     }
   }

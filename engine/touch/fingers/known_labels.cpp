@@ -4,12 +4,10 @@
 #include <array>
 
 #include "shaders/touch/known/known_math.h"
-#include "shaders/touch/split/split_math.h"
+#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
-
-using shader::Float3;
 
 struct Nearest {
   std::uint32_t finger = shader::known_none;
@@ -18,7 +16,7 @@ struct Nearest {
 
 /// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
 Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
-  Nearest best{shader::known_none, shader::product(reach, reach)};
+  Nearest best{shader::known_none, product(reach, reach)};
   const float elapsed_s = shader::known_seconds(known.elapsed_us);
   for (std::uint32_t k = 0; k < known.table->count; ++k) {
     const shader::KnownFinger& finger = known.table->fingers[k];
@@ -34,11 +32,11 @@ Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& ins
 }
 
 Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample& sample, float reach) {
-  return nearest_known(known, solid, shader::inside_of(sample.position, sample.normal, known.finger_width), reach);
+  return nearest_known(known, solid, inside_of(sample.position, sample.normal, known.finger_width), reach);
 }
 
 float label_reach(const Known& known) {
-  return shader::product(PALPA_KNOWN_REACH, known.finger_width);
+  return product(PALPA_KNOWN_REACH, known.finger_width);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ struct Known : KnownFrame {
 std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
 
 /// The same for a cluster without samples, from the place of its first contact.
-std::uint32_t known_at(const Known& known, std::uint32_t solid, const shader::Float3& place);
+std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place);
 
 /// The known finger that most of the samples belong to, if they are at least half of all; else known_none. If two have
 /// equally many, it is the first.

@@ -2,15 +2,12 @@
 
 #include <span>
 
-#include "shaders/touch/sections/sections.h"
+#include "touch/fingers/sections_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
-using shader::Float3;
-using shader::Sum;
-
-constexpr std::uint32_t lanes = shader::sections_group;
+constexpr std::uint32_t lanes = sections_group;
 
 glm::vec3 to_vec(const Float3& v) {
   return {v.x, v.y, v.z};
@@ -30,7 +27,7 @@ float share_of(const Finger& finger) {
 
 /// Covariance of the contacts' places, and of their depth with their places.
 struct Moments {
-  shader::Sym3 covariance;
+  Sym3 covariance;
   Float3 lean;
 };
 
@@ -39,15 +36,15 @@ Moments moments_of(const Finger& finger, const std::vector<Contact>& contacts, c
   for (std::size_t member = 0; member < finger.contacts.size(); ++member) {
     const Contact& contact = contacts[finger.contacts[member]];
     const Float3 d = local.from_centroid(contact.position);
-    const std::array<float, 9> products{shader::product(d.x, d.x),
-                                        shader::product(d.x, d.y),
-                                        shader::product(d.x, d.z),
-                                        shader::product(d.y, d.y),
-                                        shader::product(d.y, d.z),
-                                        shader::product(d.z, d.z),
-                                        shader::product(d.x, contact.depth_m),
-                                        shader::product(d.y, contact.depth_m),
-                                        shader::product(d.z, contact.depth_m)};
+    const std::array<float, 9> products{product(d.x, d.x),
+                                        product(d.x, d.y),
+                                        product(d.x, d.z),
+                                        product(d.y, d.y),
+                                        product(d.y, d.z),
+                                        product(d.z, d.z),
+                                        product(d.x, contact.depth_m),
+                                        product(d.y, contact.depth_m),
+                                        product(d.z, contact.depth_m)};
     for (std::size_t k = 0; k < products.size(); ++k)
       sums[k][member % lanes] = add(sums[k][member % lanes], products[k]);
   }
@@ -79,7 +76,7 @@ void find_sections(Touch& out) {
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
     const LocalOrigin local = local_origin(finger, out.contacts);
     const Moments moments = moments_of(finger, out.contacts, local);
-    const shader::Axes axes = principal_axes(moments.covariance);
+    const PrincipalAxes axes = principal_axes(moments.covariance);
     finger.id = id++;
     finger.holds = false;
     finger.section.centroid = to_vec(local.origin) + to_vec(local.mean);
@@ -87,7 +84,7 @@ void find_sections(Touch& out) {
     finger.section.eigenvalues = {axes.l1, axes.l2, axes.l3};
     finger.section.turn = {1, 0};
     finger.section.lean = to_vec(moments.lean);
-    finger.point_like = shader::is_point_like(static_cast<std::uint32_t>(finger.contacts.size()), axes.l1, axes.l2);
+    finger.point_like = is_point_like(static_cast<std::uint32_t>(finger.contacts.size()), axes.l1, axes.l2);
   }
 }
 

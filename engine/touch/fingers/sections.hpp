@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "shaders/touch/sections/sections_math.h"
+#include "touch/fingers/sections_math.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -11,8 +11,8 @@ namespace palpa::touch {
 /// The origin of a finger's contacts, which is its first contact. With relative positions, the digits of single
 /// precision resolve the finger's own size.
 struct LocalOrigin {
-  shader::Float3 origin{}, mean{};
-  shader::Float3 from_centroid(const glm::vec3& position) const {
+  Float3 origin{}, mean{};
+  Float3 from_centroid(const glm::vec3& position) const {
     return minus(minus({position.x, position.y, position.z}, origin), mean);
   }
 };

@@ -8,8 +8,6 @@
 namespace palpa::touch {
 namespace {
 
-using shader::Border;
-
 /// The direction of angle 2 pi n / N, exact if it lies on an axis.
 Border border(std::uint32_t n, std::uint32_t foci) {
   const double angle = 2 * std::numbers::pi * n / foci;

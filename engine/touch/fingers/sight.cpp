@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "shaders/touch/bridge/bridge_math.h"
+#include "touch/fingers/bridge_math.hpp"
 
 namespace palpa::touch {
 namespace {
-
-using shader::BridgeCamera;
-using shader::Float3;
 
 Float3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_t v) {
   const BridgeCamera& camera = sight.cameras[c];
@@ -35,7 +32,7 @@ SeenPixel pixel_of(const Sight& sight, std::uint32_t point) {
 Float3 normal_at(const Sight& sight, std::uint32_t point) {
   const auto [c, u, v] = pixel_of(sight, point);
   const BridgeCamera& camera = sight.cameras[c];
-  constexpr std::uint32_t far = shader::bridge_normal_pixels;
+  constexpr std::uint32_t far = bridge_normal_pixels;
   const Float3 nothing{0, 0, 0};
   return skin_normal(camera, point_of(sight, c, u, v), u >= far ? point_of(sight, c, u - far, v) : nothing,
                      u + far < camera.width ? point_of(sight, c, u + far, v) : nothing,
@@ -45,16 +42,16 @@ Float3 normal_at(const Sight& sight, std::uint32_t point) {
 
 std::vector<std::uint32_t> sample_contacts(const Finger& finger) {
   constexpr std::uint32_t none = 0xffffffffU;
-  std::array<std::uint32_t, shader::bridge_samples> least{};
+  std::array<std::uint32_t, bridge_samples> least{};
   least.fill(none);
   for (const std::uint32_t i : finger.contacts) {
-    const std::uint32_t hash = i * shader::bridge_hash;
-    std::uint32_t& slot = least[hash >> shader::bridge_sample_shift];
+    const std::uint32_t hash = i * bridge_hash;
+    std::uint32_t& slot = least[hash >> bridge_sample_shift];
     slot = std::min(slot, hash);
   }
   std::vector<std::uint32_t> contacts;
   for (const std::uint32_t hash : least) {
-    if (hash != none) contacts.push_back(hash * shader::bridge_unhash);
+    if (hash != none) contacts.push_back(hash * bridge_unhash);
   }
   return contacts;
 }

@@ -7,15 +7,14 @@
 
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "shaders/shared/exact_math.h"
-#include "shaders/touch/bridge/bridge.h"
+#include "touch/fingers/bridge_math.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
 /// One picture per camera.
 struct Sight {
-  std::span<const shader::BridgeCamera> cameras;  ///< bridge_cameras()
+  std::span<const BridgeCamera> cameras;  ///< bridge_cameras()
   const sensing::RayTables& tables;
   std::span<const sensing::DepthFrame> images;
 };
@@ -30,11 +29,11 @@ struct SeenPixel {
 SeenPixel pixel_of(const Sight& sight, std::uint32_t point);
 
 /// The skin's outward normal at a contact's pixel; zero if its neighbours do not determine one.
-shader::Float3 normal_at(const Sight& sight, std::uint32_t point);
+Float3 normal_at(const Sight& sight, std::uint32_t point);
 
 /// A contact that represents others, and the skin's outward normal at that contact.
 struct SkinSample {
-  shader::Float3 position, normal;
+  Float3 position, normal;
 };
 
 /// At most bridge_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore

@@ -9,16 +9,12 @@
 #include <vector>
 
 #include "shaders/touch/known/known_math.h"
-#include "shaders/touch/split/split_math.h"
+#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
-using shader::Float3;
-using shader::SplitLink;
-using shader::SplitView;
-
-constexpr std::size_t most = shader::bridge_samples;
+constexpr std::size_t most = bridge_samples;
 using Set = std::uint64_t;  ///< of samples
 using Sets = std::array<Set, most>;
 
@@ -30,17 +26,17 @@ std::uint32_t size_of(Set set) {
 }
 
 bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, const SplitView& b) {
-  const shader::BridgeCamera& camera = sight.cameras[c];
-  shader::SplitWalk walk = walk_between(a, b);
+  const BridgeCamera& camera = sight.cameras[c];
+  SplitWalk walk = walk_between(a, b);
   if (walk.steps == 0) return false;
-  for (std::uint32_t s = 0; s <= walk.steps && walk.state != shader::split_valley; ++s) {
-    const std::uint32_t raw = raw_at(sight, c, shader::pixel_between(a.u, b.u, s, walk.steps),
-                                     shader::pixel_between(a.v, b.v, s, walk.steps));
+  for (std::uint32_t s = 0; s <= walk.steps && walk.state != split_valley; ++s) {
+    const std::uint32_t raw =
+        raw_at(sight, c, pixel_between(a.u, b.u, s, walk.steps), pixel_between(a.v, b.v, s, walk.steps));
     walk = raw < camera.first_depth ? walked_hole(walk)
-                                    : walked(walk, shader::line_depth(a.at.z, b.at.z, s, walk.steps),
-                                             shader::product(static_cast<float>(raw), camera.depth_unit));
+                                    : walked(walk, line_depth(a.at.z, b.at.z, s, walk.steps),
+                                             product(static_cast<float>(raw), camera.depth_unit));
   }
-  return walk.state == shader::split_valley;
+  return walk.state == split_valley;
 }
 
 /// Assigns the samples of a wide cluster to fingers.
@@ -65,7 +61,7 @@ class Parts {
     for (std::size_t s = 0; s < count_; ++s)
       members_[s] = only(s);
     grow();
-    for (std::uint32_t round = 0; round < shader::split_votes; ++round)
+    for (std::uint32_t round = 0; round < split_votes; ++round)
       vote();
     settle();
     hold();
@@ -90,7 +86,7 @@ class Parts {
   void look(const Sight& sight, std::size_t c) {
     std::array<SplitView, most> views{};
     for (std::size_t s = 0; s < count_; ++s) {
-      const shader::Appearance a = appearance(sight.cameras[c], samples_[s].position);
+      const Appearance a = appearance(sight.cameras[c], samples_[s].position);
       views[s] = split_view(sight.cameras[c], a, raw_at(sight, c, a.u, a.v), samples_[s].position);
     }
     for (std::size_t a = 0; a < count_; ++a) {
@@ -108,14 +104,13 @@ class Parts {
   /// Adds the evidence of the samples' normals to that of the skin seen between them.
   void compare() {
     for (std::size_t s = 0; s < count_; ++s)
-      insides_[s] = shader::inside_of(samples_[s].position, samples_[s].normal, width_);
+      insides_[s] = inside_of(samples_[s].position, samples_[s].normal, width_);
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
-        const bool same = shader::one_inside(insides_[a], insides_[b], width_);
+        const bool same = one_inside(insides_[a], insides_[b], width_);
         // Samples of two known fingers are evidence for two.
         if (!same && (strangers_[a] & only(b)) == 0 &&
-            !shader::face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position,
-                                     samples_[b].normal))
+            !face_each_other(samples_[a].position, samples_[a].normal, samples_[b].position, samples_[b].normal))
           continue;
         for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
           known_[one] |= only(other);
@@ -310,26 +305,26 @@ class Parts {
 
 bool is_firm(const Sight& sight, std::uint32_t point) {
   const SeenPixel p = pixel_of(sight, point);
-  const shader::BridgeCamera& camera = sight.cameras[p.camera];
-  const auto depth_of = [&](std::uint32_t raw) { return shader::product(static_cast<float>(raw), camera.depth_unit); };
+  const BridgeCamera& camera = sight.cameras[p.camera];
+  const auto depth_of = [&](std::uint32_t raw) { return product(static_cast<float>(raw), camera.depth_unit); };
   const float at = depth_of(raw_at(sight, p.camera, p.u, p.v));
-  constexpr std::uint32_t reach = shader::split_reach;
+  constexpr std::uint32_t reach = split_reach;
   std::uint32_t near = 0;
-  for (std::uint32_t v = p.v; v < p.v + shader::split_window; ++v) {
-    for (std::uint32_t u = p.u; u < p.u + shader::split_window; ++u) {  // both too large by `reach`
+  for (std::uint32_t v = p.v; v < p.v + split_window; ++v) {
+    for (std::uint32_t u = p.u; u < p.u + split_window; ++u) {  // both too large by `reach`
       if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
       const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
-      if (raw >= camera.first_depth && shader::is_near(at, depth_of(raw))) ++near;
+      if (raw >= camera.first_depth && is_near(at, depth_of(raw))) ++near;
     }
   }
-  return near >= PALPA_TUNED(company, shader::split_company);
+  return near >= PALPA_TUNED(company, split_company);
 }
 
 bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {
   const std::vector<std::uint32_t> sampled = sample_contacts(finger);
   const auto firm = std::count_if(sampled.begin(), sampled.end(),
                                   [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); });
-  return shader::supported(static_cast<std::uint32_t>(sampled.size()), static_cast<std::uint32_t>(firm), known);
+  return supported(static_cast<std::uint32_t>(sampled.size()), static_cast<std::uint32_t>(firm), known);
 }
 
 /// Whether samples of two known fingers are in it.
@@ -346,7 +341,7 @@ bool holds_several(const std::vector<std::uint32_t>& labels) {
 bool is_wide(const std::vector<SkinSample>& samples, float finger_width) {
   for (const SkinSample& a : samples) {
     for (const SkinSample& b : samples) {
-      if (square_apart(a.position, b.position) > shader::product(finger_width, finger_width)) return true;
+      if (square_apart(a.position, b.position) > product(finger_width, finger_width)) return true;
     }
   }
   return false;
@@ -374,7 +369,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
       continue;
     }
     const bool apart = (known.rules & shader::known_apart) != 0;
-    const float widest = shader::product(apart && is_known ? PALPA_SPLIT_KNOWN_WIDE : 1.0F, width);
+    const float widest = product(apart && is_known ? PALPA_SPLIT_KNOWN_WIDE : 1.0F, width);
     if (!(width > 0) || !(is_wide(samples, widest) || (apart && holds_several(labels)))) {
       list.push_back(finger);
       continue;
@@ -392,12 +387,12 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
       Float3 p{position.x, position.y, position.z};
       const Float3 normal = apart ? normal_at(sight, out.contacts[i].point) : Float3{0, 0, 0};
       const bool by_inside = dot3(normal, normal) > 0;
-      if (by_inside) p = shader::inside_of(p, normal, width);
+      if (by_inside) p = inside_of(p, normal, width);
       std::size_t nearest = 0;
       float nearest_square = 3.0e38F;
       for (std::size_t s = 0; s < samples.size(); ++s) {
-        const float square = square_apart(
-            p, by_inside ? shader::inside_of(samples[s].position, samples[s].normal, width) : samples[s].position);
+        const float square =
+            square_apart(p, by_inside ? inside_of(samples[s].position, samples[s].normal, width) : samples[s].position);
         if (square >= nearest_square) continue;
         nearest_square = square;
         nearest = s;

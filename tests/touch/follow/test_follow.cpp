@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-#include "shaders/touch/follow/follow_math.h"
+#include "touch/fingers/follow_math.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
