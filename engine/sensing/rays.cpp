@@ -234,18 +234,25 @@ void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const 
   }
 }
 
-void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed) {
+void check_frames(const RayTables& tables, std::span<const DepthFrame> frames) {
   if (frames.size() != tables.cameras.size()) {
     throw bad_usage(
         fmt::format("{} for {}", counted(frames.size(), "depth frame"), counted(tables.cameras.size(), "camera")));
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const CameraTable& table = tables.cameras[i];
-    const std::vector<std::uint16_t>& depth = frames[i].depth;
-    if (depth.size() != std::size_t{table.width} * table.height) {
-      throw bad_usage(fmt::format("depth frame {} has {} pixels, but its camera has {}x{}", i, depth.size(),
+    if (frames[i].depth.size() != std::size_t{table.width} * table.height) {
+      throw bad_usage(fmt::format("depth frame {} has {} pixels, but its camera has {}x{}", i, frames[i].depth.size(),
                                   table.width, table.height));
     }
+  }
+}
+
+void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed) {
+  check_frames(tables, frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const CameraTable& table = tables.cameras[i];
+    const std::vector<std::uint16_t>& depth = frames[i].depth;
     std::uint16_t* out = packed.data() + table.first_pixel;
     if (table.pitch == table.width) {
       std::memcpy(out, depth.data(), depth.size() * sizeof(std::uint16_t));

@@ -84,6 +84,9 @@ struct Crop {
 /// every camera.
 void plan_crops(std::span<const Camera> cameras, const RayTables& tables, const Box& box, std::vector<Crop>& crops);
 
+/// Throws bad_usage unless there is one image per camera, of its size.
+void check_frames(const RayTables& tables, std::span<const DepthFrame> frames);
+
 /// Copies the frames' depths into the shared arrangement (2 bytes per padded pixel), padding 0. Throws bad_usage unless
 /// there is one frame of the right size per camera.
 void pack_depth(const RayTables& tables, std::span<const DepthFrame> frames, std::span<std::uint16_t> packed);

@@ -76,12 +76,7 @@ void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, cons
   out.points.clear();
   out.leavings.clear();
   out.dropped = {};
-  for (std::size_t i = 0; i < tables.cameras.size(); ++i) {
-    const CameraTable& table = tables.cameras[i];
-    if (frames.size() != tables.cameras.size() || frames[i].depth.size() != std::size_t{table.width} * table.height) {
-      throw bad_usage(fmt::format("the depth frames do not fit the {} cameras", tables.cameras.size()));
-    }
-  }
+  check_frames(tables, frames);
   const glm::vec3 low(box.low), high(box.high);
   for (const Crop& crop : crops) {
     const CameraTable& table = tables.cameras[crop.camera];

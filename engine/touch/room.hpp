@@ -5,7 +5,8 @@
 
 namespace palpa::touch {
 
-/// Anything beyond this capacity is left out; the passes' totals report it. StageMemory sets the capacity (stage.hpp).
+/// Anything beyond this capacity is left out; the passes' totals report it. DevicePoints sets the capacity
+/// (points/device_points.hpp).
 struct Room {
   std::uint32_t points = 0;    ///< skin points, at most shader::contacts_most_points
   std::uint32_t contacts = 0;  ///< at most `points`

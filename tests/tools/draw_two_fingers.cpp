@@ -38,7 +38,7 @@ void draw(Ink& ink, double left, const touch::test::Walk& walk, std::string_view
     }
   }
   constexpr std::array<Colour, 4> colours{rgb(0xd55e00), rgb(0x0072b2), rgb(0x009e73), rgb(0xcc79a7)};
-  for (const auto& seen : touch::test::follow(walk, frames, 3, touch::test::Backend::cpu))
+  for (const auto& seen : touch::test::follow(walk, frames, 3))
     ink.disc(place(seen.centroid.x, seen.time_s), seen.both() ? 5 : 3, colours[seen.id % colours.size()]);
 }
 

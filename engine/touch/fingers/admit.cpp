@@ -24,7 +24,7 @@ struct Claims {
     heir.fill(none);
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
-      const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
+      const SkinSamples samples = sample_skin(sight, touch, finger);
       const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
       const std::uint32_t known_as = samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z})
                                                      : known_majority(known_labels(known, finger.solid, samples));

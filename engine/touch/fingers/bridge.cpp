@@ -10,7 +10,7 @@ namespace palpa::touch {
 namespace {
 
 struct Patch {
-  std::vector<SkinSample> samples;  ///< in the order of the hash
+  SkinSamples samples;  ///< in the order of the hash
   BridgePatch record{};
   std::uint32_t known = shader::known_none;  ///< most of its samples belong to this known finger
 };
@@ -74,7 +74,7 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
 /// Whether the lines between contacts that face each other go through a finger.
 BridgePair face(const Patch& a, const Patch& b, bool were_one) {
   Evidence e = no_evidence();
-  std::vector<Way> from_a, from_b;
+  InplaceVector<Way, bridge_samples> from_a, from_b;
   for (const SkinSample& sample : a.samples) {
     from_a.push_back(way_across(sample, b));
     e = with_length(e, from_a.back().apart);
@@ -116,11 +116,11 @@ BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float fin
 /// Which patches belong to one finger.
 class Joining {
  public:
-  explicit Joining(std::uint32_t count) : count_(count), pairs_(std::size_t{count} * count), head_(count) {
+  explicit Joining(std::uint32_t count) : count_(count), head_(count, 0) {
     for (std::uint32_t p = 0; p < count; ++p)
       head_[p] = p;
   }
-  BridgePair& pair(std::uint32_t a, std::uint32_t b) { return pairs_[std::size_t{a} * count_ + b]; }
+  BridgePair& pair(std::uint32_t a, std::uint32_t b) { return pairs_[a][b]; }
   /// The finger's first patch.
   std::uint32_t head(std::uint32_t p) const { return head_[p]; }
 
@@ -158,8 +158,8 @@ class Joining {
   }
 
   std::uint32_t count_;
-  std::vector<BridgePair> pairs_;
-  std::vector<std::uint32_t> head_;
+  std::array<std::array<BridgePair, max_fingers>, max_fingers> pairs_{};
+  InplaceVector<std::uint32_t, max_fingers> head_;
 };
 
 }  // namespace
@@ -167,7 +167,7 @@ class Joining {
 void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out) {
   const std::uint32_t count = out.finger_count;
   if (count < 2) return;
-  std::vector<Patch> patches;
+  InplaceVector<Patch, max_fingers> patches;
   for (std::uint32_t f = 0; f < count; ++f)
     patches.push_back(make_patch(sight, out, out.fingers[f]));
   if (known.has(shader::known_together)) {
@@ -193,7 +193,7 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
   joining.join();
 
   std::uint32_t kept = 0;
-  std::vector<std::uint32_t> place(count);
+  std::array<std::uint32_t, max_fingers> place{};
   for (std::uint32_t f = 0; f < count; ++f) {
     Finger& finger = out.fingers[f];
     if (joining.head(f) == f) {

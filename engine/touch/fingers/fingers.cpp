@@ -36,7 +36,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
     const Known known{{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U},
                       has_before_ ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
-    split_fingers(sight, parameters, known, out);
+    split_fingers(sight, parameters, known, out, split_work_);
     watch.mark("split");
     bridge_fingers(sight, parameters, known, out);
     watch.mark("bridge");
@@ -61,7 +61,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
     glide_foci(*tracks_, *homes_, out);
     watch.mark("glide");
   }
-  if (known_) leave_out_beyond(out);
+  if (known_) leave_out_beyond(out, places_);
   find_depths(out);
   watch.mark("depths");
 }

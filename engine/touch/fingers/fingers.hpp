@@ -26,6 +26,7 @@
 #include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/glide.hpp"
+#include "touch/fingers/split.hpp"
 #include "touch/points/points.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -60,6 +61,8 @@ class Fingers {
   std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
   std::uint32_t elapsed_us_ = 0;               // from the frame before to this one
   bool has_before_ = false;                    // whether `known_` is of the frame before
+  SplitWork split_work_;
+  std::vector<std::uint32_t> places_;  // scratch
 };
 
 }  // namespace palpa::touch

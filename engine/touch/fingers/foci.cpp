@@ -119,7 +119,7 @@ void sum_sectors(Finger& finger, const Plane& plane, std::span<const Border> bor
 }  // namespace
 
 void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
-  const std::vector<Border> every = sector_borders();
+  static const std::vector<Border> every = sector_borders();
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
     finger.placed = false;
     if (finger.point_like) {

@@ -10,7 +10,7 @@ namespace palpa::touch {
 namespace {
 
 /// Where skin may reach beyond the shell's edges, for a finger that is about to end.
-void set_reach(const std::vector<SkinSample>& samples, shader::KnownFinger& finger) {
+void set_reach(const SkinSamples& samples, shader::KnownFinger& finger) {
   const Float3 first = samples.front().position;
   Float3 place{0, 0, 0}, normal{0, 0, 0};
   for (const SkinSample& sample : samples) {
@@ -36,7 +36,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
   table.reaching = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
-    const std::vector<SkinSample> samples = sample_skin(sight, touch, finger);
+    const SkinSamples samples = sample_skin(sight, touch, finger);
     const auto in_shell = static_cast<std::uint32_t>(
         std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
     shader::KnownFinger& kept = table.fingers[f];
@@ -66,16 +66,16 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
   }
 }
 
-void leave_out_beyond(Touch& touch) {
+void leave_out_beyond(Touch& touch, std::vector<std::uint32_t>& place) {
   constexpr std::uint32_t none = shader::known_none;
-  std::vector<std::uint32_t> place(touch.contacts.size(), none);
+  if (std::ranges::none_of(touch.contacts, [](const Contact& contact) { return contact.beyond != 0; })) return;
+  place.assign(touch.contacts.size(), none);
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
     if (touch.contacts[i].beyond != 0) continue;
     place[i] = kept;
     touch.contacts[kept++] = touch.contacts[i];
   }
-  if (kept == touch.contacts.size()) return;
   touch.contacts.resize(kept);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];

@@ -1,6 +1,9 @@
 // What is kept of a frame's fingers, so that the next frame knows them.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "shaders/touch/known/known.h"
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/follow.hpp"
@@ -15,7 +18,8 @@ namespace palpa::touch {
 void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
                   std::uint32_t rules, Touch& touch, shader::KnownTable& table);
 
-/// Removes the contacts that are beyond the shell's edges from the touch and from its fingers.
-void leave_out_beyond(Touch& touch);
+/// Removes the contacts that are beyond the shell's edges from the touch and from its fingers. `scratch` keeps its
+/// storage.
+void leave_out_beyond(Touch& touch, std::vector<std::uint32_t>& scratch);
 
 }  // namespace palpa::touch

@@ -41,8 +41,8 @@ float label_reach(const Known& known) {
 
 }  // namespace
 
-std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
-  std::vector<std::uint32_t> labels(samples.size(), shader::known_none);
+KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples) {
+  KnownLabels labels(samples.size(), shader::known_none);
   if (known.table == nullptr) return labels;
   const float reach = label_reach(known);
   for (std::size_t s = 0; s < samples.size(); ++s)

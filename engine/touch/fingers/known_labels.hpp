@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "shaders/touch/known/known_math.h"
 #include "touch/fingers/sight.hpp"
@@ -31,7 +30,8 @@ struct Known : KnownFrame {
 
 /// For each sample of skin in a solid, the known finger whose inside is nearest to the sample's, within
 /// PALPA_KNOWN_REACH finger widths; else known_none. Known fingers move on with their velocities.
-std::vector<std::uint32_t> known_labels(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
+using KnownLabels = InplaceVector<std::uint32_t, bridge_samples>;
+KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples);
 
 /// The same for a cluster without samples, from the place of its first contact.
 std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place);

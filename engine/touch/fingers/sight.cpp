@@ -40,7 +40,7 @@ Float3 normal_at(const Sight& sight, std::uint32_t point) {
                      v + far < camera.height ? point_of(sight, c, u, v + far) : nothing);
 }
 
-std::vector<std::uint32_t> sample_contacts(const Finger& finger) {
+SampledContacts sample_contacts(const Finger& finger) {
   constexpr std::uint32_t none = 0xffffffffU;
   std::array<std::uint32_t, bridge_samples> least{};
   least.fill(none);
@@ -49,15 +49,15 @@ std::vector<std::uint32_t> sample_contacts(const Finger& finger) {
     std::uint32_t& slot = least[hash >> bridge_sample_shift];
     slot = std::min(slot, hash);
   }
-  std::vector<std::uint32_t> contacts;
+  SampledContacts contacts;
   for (const std::uint32_t hash : least) {
     if (hash != none) contacts.push_back(hash * bridge_unhash);
   }
   return contacts;
 }
 
-std::vector<SkinSample> sample_skin(const Sight& sight, const Touch& touch, const Finger& finger) {
-  std::vector<SkinSample> samples;
+SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger) {
+  SkinSamples samples;
   for (const std::uint32_t place : sample_contacts(finger)) {
     const Contact& contact = touch.contacts[place];
     const glm::vec3& p = contact.position;

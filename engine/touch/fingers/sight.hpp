@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "base/inplace_vector.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "touch/fingers/bridge_math.hpp"
@@ -38,8 +38,10 @@ struct SkinSample {
 
 /// At most bridge_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
 /// give the same samples.
-std::vector<std::uint32_t> sample_contacts(const Finger& finger);
+using SampledContacts = InplaceVector<std::uint32_t, bridge_samples>;
+SampledContacts sample_contacts(const Finger& finger);
 /// The same samples with their normals; contacts without a normal are left out.
-std::vector<SkinSample> sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
+using SkinSamples = InplaceVector<SkinSample, bridge_samples>;
+SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
 
 }  // namespace palpa::touch

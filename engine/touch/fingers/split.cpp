@@ -43,9 +43,9 @@ bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, co
 class Parts {
  public:
   /// `labels`: the samples' known fingers.
-  Parts(const Sight& sight, const std::vector<SkinSample>& samples, float finger_width,
-        std::vector<std::uint32_t> labels, const Known& known)
-      : samples_(samples), labels_(std::move(labels)), fingers_(known), count_(samples.size()), width_(finger_width) {
+  Parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
+        const Known& known)
+      : samples_(samples), labels_(labels), fingers_(known), count_(samples.size()), width_(finger_width) {
     for (std::size_t c = 0; c < sight.cameras.size(); ++c)
       look(sight, c);
     known_ = looked_;
@@ -75,7 +75,7 @@ class Parts {
       ++h;
     return h;
   }
-  bool is_part(std::size_t head) const { return members_[head] != 0; }
+  const Float3& inside(std::size_t s) const { return insides_[s]; }
   /// Whether most of a part's samples with a known finger have the same one.
   bool is_known(std::size_t head) const { return label_of(head) != shader::known_none; }
   bool several() const {
@@ -289,8 +289,8 @@ class Parts {
     }
   }
 
-  const std::vector<SkinSample>& samples_;
-  const std::vector<std::uint32_t> labels_;
+  const SkinSamples& samples_;
+  const KnownLabels labels_;
   const Known& fingers_;  ///< of the frame before
   std::size_t count_;
   float width_;
@@ -321,14 +321,14 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
 }
 
 bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {
-  const std::vector<std::uint32_t> sampled = sample_contacts(finger);
+  const SampledContacts sampled = sample_contacts(finger);
   const auto firm = std::count_if(sampled.begin(), sampled.end(),
                                   [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); });
   return supported(static_cast<std::uint32_t>(sampled.size()), static_cast<std::uint32_t>(firm), known);
 }
 
 /// Whether samples of two known fingers are in it.
-bool holds_several(const std::vector<std::uint32_t>& labels) {
+bool holds_several(const KnownLabels& labels) {
   std::uint32_t first = shader::known_none;
   for (const std::uint32_t label : labels) {
     if (label == shader::known_none) continue;
@@ -338,7 +338,7 @@ bool holds_several(const std::vector<std::uint32_t>& labels) {
   return false;
 }
 
-bool is_wide(const std::vector<SkinSample>& samples, float finger_width) {
+bool is_wide(const SkinSamples& samples, float finger_width) {
   for (const SkinSample& a : samples) {
     for (const SkinSample& b : samples) {
       if (square_apart(a.position, b.position) > product(finger_width, finger_width)) return true;
@@ -352,70 +352,117 @@ float splitting_width(const Parameters& parameters) {
   return parameters.cluster == Cluster::inside ? 0 : static_cast<float>(parameters.finger_width_m);
 }
 
+/// The part of each contact of a finger: that of its nearest sample. Returns how many contacts each part has.
+std::array<std::uint32_t, most> find_heads(const Sight& sight, const Touch& touch, const Finger& finger,
+                                           const SkinSamples& samples, const Parts& parts, bool by_insides, float width,
+                                           std::vector<std::uint8_t>& heads) {
+  std::array<std::size_t, most> head_of{};
+  for (std::size_t s = 0; s < samples.size(); ++s)
+    head_of[s] = parts.head(s);
+  std::array<std::uint32_t, most> counts{};
+  heads.clear();
+  for (const std::uint32_t i : finger.contacts) {
+    const glm::vec3& position = touch.contacts[i].position;
+    Float3 p{position.x, position.y, position.z};
+    const Float3 normal = by_insides ? normal_at(sight, touch.contacts[i].point) : Float3{0, 0, 0};
+    const bool has_inside = dot3(normal, normal) > 0;
+    if (has_inside) p = inside_of(p, normal, width);
+    std::size_t nearest = 0;
+    float nearest_square = 3.0e38F;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const float square = square_apart(p, has_inside ? parts.inside(s) : samples[s].position);
+      if (square >= nearest_square) continue;
+      nearest_square = square;
+      nearest = s;
+    }
+    heads.push_back(static_cast<std::uint8_t>(head_of[nearest]));
+    ++counts[head_of[nearest]];
+  }
+  return counts;
+}
+
+/// Sorts the contacts of a finger by their parts, to the end of `sorted`. Returns where each part begins.
+std::array<std::uint32_t, most> sort_by_parts(const Finger& finger, const std::array<std::uint32_t, most>& counts,
+                                              const std::vector<std::uint8_t>& heads,
+                                              std::vector<std::uint32_t>& sorted) {
+  std::array<std::uint32_t, most> begins{};
+  auto next = static_cast<std::uint32_t>(sorted.size());
+  for (std::size_t head = 0; head < most; ++head) {
+    begins[head] = next;
+    next += counts[head];
+  }
+  sorted.resize(next);
+  std::array<std::uint32_t, most> places = begins;
+  for (std::size_t k = 0; k < heads.size(); ++k)
+    sorted[places[heads[k]]++] = finger.contacts[k];
+  return begins;
+}
+
 }  // namespace
 
-void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out) {
+SplitWork::SplitWork() {
+  clusters.reserve(std::size_t{max_fingers} * most);
+}
+
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, SplitWork& work) {
   const float width = splitting_width(parameters);
   const std::uint32_t count = out.finger_count;
+  const bool apart = (known.rules & shader::known_apart) != 0;
   bool changed = false;
-  std::vector<Finger> list;
+  work.clusters.clear();
+  work.contacts.clear();
   for (std::uint32_t f = 0; f < count; ++f) {
-    Finger& finger = out.fingers[f];
-    const std::vector<SkinSample> samples = sample_skin(sight, out, finger);
-    const std::vector<std::uint32_t> labels = known_labels(known, finger.solid, samples);
+    const Finger& finger = out.fingers[f];
+    const SkinSamples samples = sample_skin(sight, out, finger);
+    const KnownLabels labels = known_labels(known, finger.solid, samples);
     const bool is_known = known_majority(labels) != shader::known_none;
     if (!is_supported(sight, out, finger, known.has(shader::known_few) && is_known)) {
       changed = true;
       continue;
     }
-    const bool apart = (known.rules & shader::known_apart) != 0;
+    const auto stays = [&] {
+      work.clusters.push_back({finger.contacts.front(), finger.solid, f, 0, finger.contact_count});
+    };
     const float widest = product(apart && is_known ? PALPA_SPLIT_KNOWN_WIDE : 1.0F, width);
     if (!(width > 0) || !(is_wide(samples, widest) || (apart && holds_several(labels)))) {
-      list.push_back(finger);
+      stays();
       continue;
     }
-    const Parts parts(sight, samples, width,
-                      apart ? labels : std::vector<std::uint32_t>(samples.size(), shader::known_none), known);
+    const Parts parts(sight, samples, width, apart ? labels : KnownLabels(samples.size(), shader::known_none), known);
     if (!parts.several()) {
-      list.push_back(finger);
+      stays();
       continue;
     }
     changed = true;
-    std::array<std::vector<std::uint32_t>, most> contacts;
-    for (const std::uint32_t i : finger.contacts) {
-      const glm::vec3& position = out.contacts[i].position;
-      Float3 p{position.x, position.y, position.z};
-      const Float3 normal = apart ? normal_at(sight, out.contacts[i].point) : Float3{0, 0, 0};
-      const bool by_inside = dot3(normal, normal) > 0;
-      if (by_inside) p = inside_of(p, normal, width);
-      std::size_t nearest = 0;
-      float nearest_square = 3.0e38F;
-      for (std::size_t s = 0; s < samples.size(); ++s) {
-        const float square =
-            square_apart(p, by_inside ? inside_of(samples[s].position, samples[s].normal, width) : samples[s].position);
-        if (square >= nearest_square) continue;
-        nearest_square = square;
-        nearest = s;
-      }
-      contacts[parts.head(nearest)].push_back(i);
-    }
+    const auto counts = find_heads(sight, out, finger, samples, parts, apart, width, work.heads);
+    const auto begins = sort_by_parts(finger, counts, work.heads, work.contacts);
     for (std::size_t head = 0; head < most; ++head) {
-      std::vector<std::uint32_t>& of_part = contacts[head];
+      if (counts[head] == 0) continue;
       const bool goes_on = known.has(shader::known_few) && parts.is_known(head);
-      if (of_part.empty() || of_part.size() < shader::least_contacts(parameters.min_points, goes_on)) continue;
-      Finger& part = list.emplace_back();
-      part.solid = finger.solid;
-      part.contact_count = static_cast<std::uint32_t>(of_part.size());
-      part.contacts = std::move(of_part);
+      if (counts[head] < shader::least_contacts(parameters.min_points, goes_on)) continue;
+      work.clusters.push_back(
+          {work.contacts[begins[head]], finger.solid, SplitWork::is_part, begins[head], counts[head]});
     }
   }
   if (!changed) return;
-  std::sort(list.begin(), list.end(),
-            [](const Finger& a, const Finger& b) { return a.contacts.front() < b.contacts.front(); });
-  out.cluster_count = out.cluster_count - count + static_cast<std::uint32_t>(list.size());
-  out.finger_count = std::min(static_cast<std::uint32_t>(list.size()), max_fingers);
+  for (SplitWork::Cluster& cluster : work.clusters) {
+    if (cluster.finger == SplitWork::is_part) continue;
+    const std::vector<std::uint32_t>& all = out.fingers[cluster.finger].contacts;
+    cluster.begin = static_cast<std::uint32_t>(work.contacts.size());
+    work.contacts.insert(work.contacts.end(), all.begin(), all.end());
+  }
+  std::ranges::sort(work.clusters, {}, &SplitWork::Cluster::first);
+  const auto found = static_cast<std::uint32_t>(work.clusters.size());
+  out.cluster_count = out.cluster_count - count + found;
+  out.finger_count = std::min(found, max_fingers);
   if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);
-  std::move(list.begin(), list.begin() + out.finger_count, out.fingers.begin());
+  for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+    const SplitWork::Cluster& cluster = work.clusters[f];
+    const auto contacts = std::span(work.contacts).subspan(cluster.begin, cluster.count);
+    out.fingers[f].solid = cluster.solid;
+    out.fingers[f].contact_count = cluster.count;
+    out.fingers[f].contacts.assign(contacts.begin(), contacts.end());
+  }
 }
 
 }  // namespace palpa::touch

@@ -7,14 +7,34 @@
 //   how): along the way from contact to contact in a picture, the skin falls off and rises again.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "touch/fingers/known_labels.hpp"
 #include "touch/fingers/sight.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
+/// Scratch that keeps its storage.
+struct SplitWork {
+  SplitWork();
+
+  static constexpr std::uint32_t is_part = 0xffffffffU;
+  /// A cluster after the split.
+  struct Cluster {
+    std::uint32_t first = 0;  ///< its smallest contact
+    std::uint32_t solid = 0;
+    std::uint32_t finger = is_part;      ///< the finger that it is; is_part: it is a part of one
+    std::uint32_t begin = 0, count = 0;  ///< its contacts in `contacts`
+  };
+  std::vector<Cluster> clusters;
+  std::vector<std::uint32_t> contacts;
+  std::vector<std::uint8_t> heads;  ///< of the contacts of a finger: the first sample of their part
+};
+
 /// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their
 /// smallest contacts. Parts of fewer than min_points contacts are not fingers. With Cluster::inside, nothing is split.
-void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, SplitWork& work);
 
 }  // namespace palpa::touch

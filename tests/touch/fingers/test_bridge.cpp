@@ -145,13 +145,6 @@ TEST(Bridge, CrossingFingersStayTwo) {
   }
 }
 
-/// One or two fingertips at random, before any rig.
-Trial any_trial(std::mt19937& random, std::size_t fingers) {
-  const int cameras = 1 + static_cast<int>(random() % 3);
-  const double elevation = trial_elevations[random() % trial_elevations.size()];
-  return random_trial(random, cameras, elevation, trial_objects[random() % trial_objects.size()], fingers);
-}
-
 TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
   // Where the underside is hidden. tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
   std::mt19937 random(11);
