@@ -6,7 +6,7 @@
 
 #include "base/math.hpp"
 #include "sensing/surroundings.hpp"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "touch/types.hpp"
 
 namespace palpa::touch {

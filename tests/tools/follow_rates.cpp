@@ -17,7 +17,7 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/recording.hpp"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"

@@ -5,7 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/fingers/foci.hpp"

@@ -9,7 +9,7 @@
 #include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
 #include "shaders/shared/scan.h"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/room.hpp"
 #include "touch/types.hpp"

@@ -1,8 +1,8 @@
 #include "touch/contacts/contacts_twin.hpp"
 
 #include "shaders/touch/contacts/contacts_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "shaders/touch/contacts/parts_depth.h"
-#include "shaders/touch/known/known_math.h"
 
 namespace palpa::touch {
 namespace {

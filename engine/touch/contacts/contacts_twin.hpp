@@ -5,7 +5,7 @@
 #include <span>
 
 #include "sensing/skin_twin.hpp"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {

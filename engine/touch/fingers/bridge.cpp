@@ -54,8 +54,8 @@ Way way_across(const SkinSample& sample, const Patch& other) {
     nearest = square;
     there = &candidate;
   }
-  return {std::sqrt(nearest), leaving(sample.position, sample.normal, there->position),
-          leaving(there->position, there->normal, sample.position)};
+  return {std::sqrt(nearest), cosine_of_way(sample.position, sample.normal, there->position),
+          cosine_of_way(there->position, there->normal, sample.position)};
 }
 
 /// Whether both patches together are wider than a finger along the line from mean to mean.

@@ -162,7 +162,7 @@ inline float square_apart(Float3 a, Float3 b) {
 
 /// The cosine between the skin's outward normal at `from` and the way to `to`. It is below 0 if that way enters the
 /// skin, which is the case between any two places of one convex fingertip.
-inline float leaving(Float3 from, Float3 normal, Float3 to) {
+inline float cosine_of_way(Float3 from, Float3 normal, Float3 to) {
   const Float3 way = minus(to, from);
   const float square = dot3(way, way);
   float cosine = square > 0.0F ? dot3(way, normal) / std::sqrt(square) : 0.0F;

@@ -21,7 +21,7 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/follow.hpp"

@@ -78,7 +78,7 @@ void Follow::move_on(const Tracks& before) {
   for (std::uint32_t t = 0; t < known; ++t) {
     Candidate& c = candidates[t];
     c.old = before.tracks[t];
-    c.unseen_us = later(c.old.unseen_us, elapsed_us);
+    c.unseen_us = us_after(c.old.unseen_us, elapsed_us);
     const bool carried = c.old.carrier != none;
     c.alive = c.unseen_us <= memory_of(carried, memory_us);
     const std::uint32_t coasts_us = std::min(c.unseen_us, coasting_us) - std::min(c.old.unseen_us, coasting_us);

@@ -59,7 +59,7 @@ inline float in_seconds(std::uint32_t us) {
   return s;
 }
 
-inline std::uint32_t later(std::uint32_t us, std::uint32_t elapsed_us) {
+inline std::uint32_t us_after(std::uint32_t us, std::uint32_t elapsed_us) {
   return us > 0xffffffffU - elapsed_us ? 0xffffffffU : us + elapsed_us;
 }
 

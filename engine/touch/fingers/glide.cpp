@@ -47,7 +47,7 @@ void glide_finger(const Track& track, Home& home, Finger& finger) {
     } else {
       const Float3 offset = minus({focus.x, focus.y, focus.z}, old_centre);
       const Float3 carried = moved(moved(old_centre, motion, 1), turned_along(offset, old_axes, axes), 1);
-      focus.empty_us = empty ? later(focus.empty_us, track.since_us) : 0;
+      focus.empty_us = empty ? us_after(focus.empty_us, track.since_us) : 0;
       if (empty && focus.empty_us <= hold_us) target = carried;
       now = glide(carried, {focus.speed_x, focus.speed_y, focus.speed_z}, target, frame_s);
     }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/sight.hpp"

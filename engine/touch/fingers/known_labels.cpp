@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "touch/fingers/sight.hpp"
 
 namespace palpa::touch {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {

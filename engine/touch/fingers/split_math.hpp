@@ -182,7 +182,7 @@ inline bool one_inside(Float3 a, Float3 b, float finger_width) {
 }
 
 inline bool face_each_other(Float3 a, Float3 normal_a, Float3 b, Float3 normal_b) {
-  return leaving(a, normal_a, b) > PALPA_SPLIT_FACING || leaving(b, normal_b, a) > PALPA_SPLIT_FACING;
+  return cosine_of_way(a, normal_a, b) > PALPA_SPLIT_FACING || cosine_of_way(b, normal_b, a) > PALPA_SPLIT_FACING;
 }
 
 // ---- groups of samples ----

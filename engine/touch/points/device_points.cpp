@@ -20,10 +20,10 @@ namespace {
 /// Default number of contacts of one frame with cameras.
 constexpr std::uint32_t usual_contacts = 262'144;
 constexpr std::uint32_t least_points = 4096;
-/// So many contacts are read with the frame's own submit. The rest needs another one, but hardly any frame has it.
+/// This many contacts are read with the frame's own submit. The rest needs another one, but hardly any frame has it.
 constexpr std::uint32_t first_read = 16'384;
 constexpr std::uint32_t most_passes = 16;
-/// Of the known fingers, a kernel needs only where they are.
+/// A kernel needs only the places of the known fingers.
 constexpr std::size_t known_bytes = offsetof(shader::KnownTable, doubts);
 
 /// Room for a frame with this many skin points. This is the only place that decides it.

@@ -4,7 +4,7 @@
 #include "shaders/touch/contacts/contacts_chunk.glsl"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/contacts_math.h"
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 
 // Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. The results are a
 // bit per point, solid and depth of the contacts, and each chunk's count. This is for scenes of convex solids;

@@ -5,7 +5,7 @@
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/surface_math.h"
 #include "shaders/touch/contacts/contacts_math.h"
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 
 // Like contacts_find, for scenes with a solid that is tested by its surface or by its parts. Each thread looks up its
 // points by itself: consecutive points lie side by side on the skin, so their cells and lists are much alike.

@@ -12,7 +12,7 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/recording.hpp"
-#include "shaders/touch/known/known_math.h"
+#include "shaders/touch/contacts/known_math.h"
 #include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"

@@ -2,7 +2,7 @@
 #ifndef PALPA_SHADERS_KNOWN_MATH_H
 #define PALPA_SHADERS_KNOWN_MATH_H
 #include "shaders/shared/exact_math.h"
-#include "shaders/touch/known/known.h"
+#include "shaders/touch/contacts/known.h"
 PALPA_SHADER_BEGIN
 
 // Skin belongs to a known finger if its inside is within this share of the greatest width of a finger.

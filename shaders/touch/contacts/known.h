@@ -1,4 +1,4 @@
-// Shared by engine/touch/known/known_pass.cpp, by the passes that split and join clusters, and by their kernels.
+// What contacts and fingers know of the fingers of the frame before. Kernels read the table up to its fingers.
 #ifndef PALPA_SHADERS_KNOWN_H
 #define PALPA_SHADERS_KNOWN_H
 #include "shaders/shared/shared.h"
@@ -7,7 +7,7 @@ PALPA_SHADER_BEGIN
 PALPA_CONST known_fingers = 64u;  // as fingers_most
 PALPA_CONST known_samples = 64u;  // as bridge_samples
 PALPA_CONST known_none = 0xffffffffu;
-// In KnownPush::elapsed_us and wherever a pass asks for known fingers: there are none.
+// As the time since the frame before: there are no known fingers.
 PALPA_CONST known_restart = 0xffffffffu;
 
 // The rules that are on, as bits.
@@ -64,7 +64,7 @@ struct KnownTable {
   uint count;
   uint islands;
   uint reaching;  // known fingers that reach beyond the shell's edges
-  uint reached;   // the same for the frame before: only then contacts may be beyond
+  uint unused0;
   KnownFinger fingers[known_fingers];
   uint doubts[known_fingers];  // of the known fingers in this frame
   Island island[known_fingers];
@@ -85,19 +85,6 @@ struct Claim {
   Fall fall;     // of the known finger; zeros if there is none
 };
 PALPA_CHECK_SIZE(Claim, 36);
-
-struct KnownPush {
-  uint most_contacts;
-  uint cameras;
-  float finger_width;
-  uint min_points;
-  uint elapsed_us;  // from the frame before, or known_restart
-  uint rules;
-  uint unused0;
-  uint unused1;
-};
-PALPA_CHECK_SIZE(KnownPush, 32);
-PALPA_CHECK_OFFSET(KnownPush, elapsed_us, 16);
 
 PALPA_SHADER_END
 #endif
