@@ -312,7 +312,8 @@ TEST(Skin, FramesThatDoNotFitAreRefused) {
   std::vector<std::uint16_t> packed(tables.padded_pixels);
   EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage,
                "depth frame 1 has " + std::to_string(scene.frames[1].depth.size()) + " pixels");
-  EXPECT_ERROR(find_skin(scene.cameras, scene.frames, Box{}), Exit::usage, "2 cameras");
+  EXPECT_ERROR(find_skin(scene.cameras, scene.frames, Box{}), Exit::usage,
+               "depth frame 1 has 9201 pixels, but its camera has 107x86");
   scene.frames.pop_back();
   EXPECT_ERROR(pack_depth(tables, scene.frames, packed), Exit::usage, "1 depth frame for 2 cameras");
   Camera huge = test::d415(Transform(1.0));
