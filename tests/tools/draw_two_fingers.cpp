@@ -13,7 +13,7 @@
 #include "drawing/colour.hpp"
 #include "drawing/ink.hpp"
 #include "drawing/png.hpp"
-#include "touch/follow/two_fingers.hpp"
+#include "touch/fingers/two_fingers.hpp"
 
 namespace palpa::drawing {
 namespace {

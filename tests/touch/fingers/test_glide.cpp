@@ -10,7 +10,7 @@
 #include <random>
 
 #include "touch/fingertips.hpp"
-#include "touch/follow/glide_stream.hpp"
+#include "touch/fingers/glide_stream.hpp"
 
 namespace palpa::touch::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "touch/follow/two_fingers.hpp"
+#include "touch/fingers/two_fingers.hpp"
 
 #include <algorithm>
 #include <cmath>

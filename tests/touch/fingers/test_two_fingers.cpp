@@ -10,7 +10,7 @@
 
 #include "support/exhaustive.hpp"
 #include "support/shared_data.hpp"
-#include "touch/follow/two_fingers.hpp"
+#include "touch/fingers/two_fingers.hpp"
 
 namespace palpa::touch::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "touch/fingertips.hpp"
-#include "touch/follow/glide_stream.hpp"
+#include "touch/fingers/glide_stream.hpp"
 
 namespace palpa::touch::test {
 namespace {
