@@ -9,8 +9,8 @@
 #include <optional>
 #include <random>
 
-#include "touch/fingertips.hpp"
 #include "touch/fingers/glide_stream.hpp"
+#include "touch/fingertips.hpp"
 
 namespace palpa::touch::test {
 namespace {

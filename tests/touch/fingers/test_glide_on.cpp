@@ -8,8 +8,8 @@
 #include <numeric>
 #include <optional>
 
-#include "touch/fingertips.hpp"
 #include "touch/fingers/glide_stream.hpp"
+#include "touch/fingertips.hpp"
 
 namespace palpa::touch::test {
 namespace {
