@@ -63,7 +63,7 @@ void Stage::start(Skin skin, double time_s) {
   parameters_ = at_stride(setting_.parameters, stride_);
   skin.parameters = parameters_;
   skin.clustering = setting_.searched(parameters_, !cameras_.empty());
-  skin.known = fingers_.next(time_s);
+  skin.reach = fingers_.next(time_s);
   points_->start(skin);
 }
 

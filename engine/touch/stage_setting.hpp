@@ -6,13 +6,21 @@
 
 #include "base/math.hpp"
 #include "sensing/surroundings.hpp"
-#include "shaders/touch/contacts/known.h"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
 /// Shorter than the time that FrameClock reports if a clock is set back.
 inline constexpr double longest_memory_s = 3600;
+
+/// The rules of hysteresis, as bits.
+inline constexpr std::uint32_t known_few = 1;  ///< a known finger needs half as many contacts and firm ones
+inline constexpr std::uint32_t known_islands =
+    2;                                           ///< a small island waits: beside a known finger, or with few contacts
+inline constexpr std::uint32_t known_apart = 4;  ///< known fingers stay apart
+inline constexpr std::uint32_t known_together = 8;  ///< a known finger stays one
+inline constexpr std::uint32_t known_edges = 16;  ///< contacts of a finger about to end reach beyond the shell's edges
+inline constexpr std::uint32_t known_falling = 32;  ///< known_few and known_edges do not hold a finger that leaves
 
 struct StageSetting {
   Parameters parameters;
@@ -21,9 +29,9 @@ struct StageSetting {
   bool follow = false;
   Axes axes = Axes::steady;
   Smoothing smoothing = Smoothing::one_euro;
-  /// Needs `follow` and cameras. Unless it is off, the rules of known.h are on.
+  /// Needs `follow` and cameras. Unless it is off, the rules below are on.
   Hysteresis hysteresis = Hysteresis::off;
-  /// The rules that are on, for tools that compare them; bits of known.h.
+  /// The rules that are on, for tools that compare them; bits.
   std::uint32_t hysteresis_rules = ~0U;
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
@@ -44,15 +52,14 @@ struct StageSetting {
   /// With known fingers, clusters with half as many contacts may be fingers.
   Parameters searched(const Parameters& given, bool cameras) const {
     Parameters p = given;
-    if (knows(cameras) && (hysteresis_rules & shader::known_few) != 0)
-      p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
+    if (knows(cameras) && (hysteresis_rules & known_few) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
     return p;
   }
 
   /// The box in which skin is looked for: that of the solids, and a little more if contacts reach beyond the shell.
   Box watched(Box box, bool cameras) const {
     constexpr double more_m = 0.6e-3;
-    if (!knows(cameras) || (hysteresis_rules & shader::known_edges) == 0 || box.empty()) return box;
+    if (!knows(cameras) || (hysteresis_rules & known_edges) == 0 || box.empty()) return box;
     box.low -= more_m;
     box.high += more_m;
     return box;

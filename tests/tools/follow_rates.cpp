@@ -17,9 +17,9 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/recording.hpp"
-#include "shaders/touch/contacts/known.h"
 #include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
+#include "touch/fingers/known.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -155,17 +155,17 @@ Flicker print(const Still& still, const char* how, const StageSetting& setting) 
   return flicker;
 }
 
-constexpr std::uint32_t every_rule = shader::known_few | shader::known_islands | shader::known_apart |
-                                     shader::known_together | shader::known_edges | shader::known_falling;
+constexpr std::uint32_t every_rule =
+    known_few | known_islands | known_apart | known_together | known_edges | known_falling;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},
-    {"not few", every_rule & ~shader::known_few},
-    {"no islands", every_rule & ~shader::known_islands},
-    {"not apart", every_rule & ~shader::known_apart},
-    {"not one", every_rule & ~shader::known_together},
-    {"no edges", every_rule & ~shader::known_edges},
-    {"lingers", every_rule & ~shader::known_falling},
+    {"not few", every_rule & ~known_few},
+    {"no islands", every_rule & ~known_islands},
+    {"not apart", every_rule & ~known_apart},
+    {"not one", every_rule & ~known_together},
+    {"no edges", every_rule & ~known_edges},
+    {"lingers", every_rule & ~known_falling},
 };
 
 /// Two upright fingers that move, and which of them each id of a frame has: the one whose axis is nearer.
@@ -260,7 +260,7 @@ void walks(int count) {
 /// How long after its skin a finger leaves, by the skin's speed. The skin leaves at any time between two frames.
 void withdrawals(int count) {
   for (const auto& [how, rules] : variants) {
-    if (rules != 0 && (rules & shader::known_falling) != 0 && rules != every_rule) continue;
+    if (rules != 0 && (rules & known_falling) != 0 && rules != every_rule) continue;
     StageSetting setting{.follow = true, .hysteresis = rules != 0 ? Hysteresis::on : Hysteresis::off};
     setting.hysteresis_rules = rules;
     for (const double speed : {0.02, 0.1, 0.3}) {

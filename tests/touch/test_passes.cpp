@@ -226,6 +226,12 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
                 {MEMBER(ContactsPush, only), MEMBER(ContactsPush, solids), MEMBER(ContactsPush, delta),
                  MEMBER(ContactsPush, most_points), MEMBER(ContactsPush, most_contacts)},
                 false);
+  expect_struct(find, "ReachingFinger", sizeof(shader::ReachingFinger),
+                {MEMBER(ReachingFinger, velocity), MEMBER(ReachingFinger, centre), MEMBER(ReachingFinger, inward),
+                 MEMBER(ReachingFinger, solid)},
+                true);
+  expect_struct(find, "ReachTable", sizeof(shader::ReachTable),
+                {MEMBER(ReachTable, count), MEMBER(ReachTable, fingers)}, false);
   // contacts_pack writes them as vectors.
   const auto select = palpa::test::read_spirv(spirv::fingers_select_comp);
   expect_struct(select, "ContactRecord", sizeof(shader::ContactRecord),

@@ -5,11 +5,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "shaders/touch/contacts/known_math.h"
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/fingers/foci.hpp"
 #include "touch/fingers/follow_math.hpp"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/sections.hpp"
 
 namespace palpa::session {
@@ -114,7 +114,7 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
     if (out.contacts[i].solid == finger.solid) found.contacts.push_back(i);
   }
   found.contact_count = static_cast<std::uint32_t>(found.contacts.size());
-  if (found.contact_count < shader::least_contacts(parameters.min_points, finger.holds)) return false;
+  if (found.contact_count < touch::least_contacts(parameters.min_points, finger.holds)) return false;
   out.finger_count = 1;
   find_sections(out);
   if (!found.point_like) take_axes(finger.section, found.section);

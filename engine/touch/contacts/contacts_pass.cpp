@@ -108,7 +108,7 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   const gpu::BufferRef chunks = gpu::groups_in(b.length, offsetof(shader::ScanTotal, groups_x));
   const gpu::ComputePipeline& find = find_[kernel][count == 1 ? 1 : 0][with_deep ? 1 : 0];
   Buffers buffers{b};
-  if (b.known.buffer == VK_NULL_HANDLE) buffers.known = b.length;  // something to bind, never read
+  if (b.reach.buffer == VK_NULL_HANDLE) buffers.reach = b.length;  // something to bind, never read
   buffers.hits = s[hits];
   buffers.masks = s[masks];
   buffers.counts = s[counts];

@@ -9,7 +9,7 @@
 #include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
 #include "shaders/shared/scan.h"
-#include "shaders/touch/contacts/known.h"
+#include "shaders/touch/contacts/reach.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/room.hpp"
 #include "touch/types.hpp"
@@ -41,8 +41,8 @@ struct ContactsBindings {
   // Needed only if deep points are requested.
   gpu::BufferRef deep_total = {};  ///< out: shader::ScanTotal
   gpu::BufferRef deep = {};        ///< out: shader::ContactRecord[room.deep]
-  /// in: shader::KnownTable. Needed only if there is a frame before, whose fingers reach beyond the shell's edges.
-  gpu::BufferRef known = {};
+  /// in: shader::ReachTable. Needed only if fingers of the frame before reach beyond the shell's edges.
+  gpu::BufferRef reach = {};
 };
 
 /// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `room.points` and contacts beyond
@@ -63,10 +63,10 @@ class ContactsPass {
 
   /// Barriers: points and length must be visible to compute, and length also as indirect arguments. Adds the inner
   /// barriers itself; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts
-  /// pack". `elapsed_us`: from the frame before to this one; known_restart if `known` is not to be read.
+  /// pack". `elapsed_us`: from the frame before to this one; reach_none if `reach` is not to be read.
   void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr,
-              std::uint32_t elapsed_us = shader::known_restart) const;
+              std::uint32_t elapsed_us = shader::reach_none) const;
 
  private:
   enum ScratchIndex : std::size_t { hits, masks, counts, deep_masks, deep_counts, scratch_count };

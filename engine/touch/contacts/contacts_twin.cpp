@@ -1,7 +1,6 @@
 #include "touch/contacts/contacts_twin.hpp"
 
 #include "shaders/touch/contacts/contacts_math.h"
-#include "shaders/touch/contacts/known_math.h"
 #include "shaders/touch/contacts/parts_depth.h"
 
 namespace palpa::touch {
@@ -70,12 +69,12 @@ Found find_at(const PreparedSolids& solids, const Float3& point, const Parameter
   return found;
 }
 
-/// The known finger around which the point lies, if the finger reaches beyond the shell's edges; else null.
-const shader::KnownFinger* reaching_finger(const KnownReach& known, const Float3& point) {
-  if (known.table == nullptr || known.table->reaching == 0) return nullptr;
-  const float elapsed_s = shader::known_seconds(known.elapsed_us);
-  for (std::uint32_t k = 0; k < known.table->count; ++k) {
-    if (in_known_reach(point, known.table->fingers[k], elapsed_s)) return &known.table->fingers[k];
+/// The finger around which the point lies, or null.
+const shader::ReachingFinger* reaching_finger(const Reach& reach, const Float3& point) {
+  if (reach.table == nullptr) return nullptr;
+  const float elapsed_s = shader::seconds_of(reach.elapsed_us);
+  for (std::uint32_t k = 0; k < reach.table->count; ++k) {
+    if (is_around(reach.table->fingers[k], point, elapsed_s)) return &reach.table->fingers[k];
   }
   return nullptr;
 }
@@ -83,7 +82,7 @@ const shader::KnownFinger* reaching_finger(const KnownReach& known, const Float3
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const KnownReach& known, Touch& out) {
+                   const Parameters& parameters, const Reach& reach, Touch& out) {
   out.contacts.clear();
   out.deep.clear();
   for (const sensing::SkinPoint& skin : points) {
@@ -91,7 +90,7 @@ void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSol
     if (!shader::is_finite(point.x) || !shader::is_finite(point.y) || !shader::is_finite(point.z)) continue;
     Found found = find_at(solids, point, parameters);
     bool beyond = false;
-    if (const shader::KnownFinger* finger = found.shell ? nullptr : reaching_finger(known, point)) {
+    if (const shader::ReachingFinger* finger = found.shell ? nullptr : reaching_finger(reach, point)) {
       for (const bool deeper : {true, false}) {
         const Found there = find_at(solids, shader::shifted(point, finger->inward, deeper), parameters);
         if (!there.shell || there.solid != finger->solid) continue;

@@ -5,15 +5,15 @@
 #include <span>
 
 #include "sensing/skin_twin.hpp"
-#include "shaders/touch/contacts/known.h"
+#include "shaders/touch/contacts/reach.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
-/// The fingers of the frame before, for contacts that reach beyond the shell's edges.
-struct KnownReach {
-  const shader::KnownTable* table = nullptr;  ///< null: no contact does
+/// Fingers of the frame before around which contacts reach beyond the shell's edges.
+struct Reach {
+  const shader::ReachTable* table = nullptr;  ///< null, or empty: no contact does
   std::uint32_t elapsed_us = 0;               ///< from the frame before to this one
 };
 
@@ -25,6 +25,6 @@ struct KnownReach {
 /// except within 1 micrometre of a boundary (solids up to 3 m). Around a known finger that is about to end, points up
 /// to 0.5 mm beyond the edges of its solid's shell are contacts as well, marked `beyond`.
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const KnownReach& known, Touch& out);
+                   const Parameters& parameters, const Reach& reach, Touch& out);
 
 }  // namespace palpa::touch

@@ -4,16 +4,13 @@
 #include <array>
 #include <utility>
 
-#include "shaders/touch/contacts/known_math.h"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
-using shader::Claim;
-using shader::Island;
-
-constexpr std::uint32_t none = shader::known_none;
+constexpr std::uint32_t none = known_none;
 
 /// The frame's claims, and for each known finger the largest finger that claims it.
 struct Claims {
@@ -31,7 +28,7 @@ struct Claims {
       of[f] = {known_as,
                known_nearby(known, finger.solid, samples),
                finger.contact_count,
-               shader::known_never,
+               known_never,
                0,
                static_cast<std::uint32_t>(samples.size()),
                {}};
@@ -44,13 +41,13 @@ struct Claims {
     const std::uint32_t k = of[f].known != none ? of[f].known : of[f].near;
     if (k == none || heir[k] == none || heir[k] == f) return none;
     const bool same = of[f].known == k && of[f].samples > 0;
-    return shader::small_beside(of[f].contacts, known.table->fingers[k].fall.contacts, same) ? k : none;
+    return small_beside(of[f].contacts, known.table->fingers[k].fall.contacts, same) ? k : none;
   }
 };
 
 }  // namespace
 
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
                         Touch& out) {
   const Claims claims(sight, known, out);
   ClaimList stay{};
@@ -59,19 +56,19 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
     Finger& finger = out.fingers[f];
     const std::uint32_t claimed = claims.of[f].known;
-    const bool goes_on = known.has(shader::known_few) && claimed != none &&
-                         next_fall(table.fingers[claimed].fall, finger.contact_count).falls == 0;
-    bool stays = finger.contact_count >= shader::least_contacts(parameters.min_points, goes_on);
-    const bool faint = claimed == none && shader::small_alone(finger.contact_count, parameters.min_points);
-    if (stays && known.has(shader::known_islands) && (faint || claims.beside(known, f) != none)) {
+    const bool goes_on =
+        known.has(known_few) && claimed != none && !next_fall(table.fingers[claimed].fall, finger.contact_count).falls;
+    bool stays = finger.contact_count >= least_contacts(parameters.min_points, goes_on);
+    const bool faint = claimed == none && small_alone(finger.contact_count, parameters.min_points);
+    if (stays && known.has(known_islands) && (faint || claims.beside(known, f) != none)) {
       const glm::vec3& first = out.contacts[finger.contacts.front()].position;
-      Island island{first.x, first.y, first.z, finger.solid, 0, 0, 0, 0};
+      Island island{{first.x, first.y, first.z}, finger.solid};
       for (std::uint32_t k = 0; k < known.table->islands; ++k) {
         const Island& before = known.table->island[k];
         if (before.solid == island.solid && same_island(island, before))
-          island.age_us = std::max(island.age_us, shader::older(before.age_us, known.elapsed_us));
+          island.age_us = std::max(island.age_us, older(before.age_us, known.elapsed_us));
       }
-      stays = island.age_us >= shader::island_wait_us;
+      stays = island.age_us >= island_wait_us;
       if (!stays) islands[islands_now++] = island;
     }
     if (!stays) continue;
@@ -87,7 +84,7 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
   out.cluster_count -= out.finger_count - kept;
   out.finger_count = kept;
   table.islands = islands_now;
-  std::copy_n(islands.begin(), islands_now, table.island);
+  table.island = islands;
   std::ranges::fill(table.doubts, 0U);
   return stay;
 }

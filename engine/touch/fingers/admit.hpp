@@ -13,11 +13,11 @@
 namespace palpa::touch {
 
 /// What each finger that stays has to do with the fingers of the frame before.
-using ClaimList = std::array<shader::Claim, max_fingers>;
+using ClaimList = std::array<Claim, max_fingers>;
 
 /// Removes the clusters of `out` that are no fingers, and writes the frame's
 /// islands to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the table.
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, shader::KnownTable& table,
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
                         Touch& out);
 
 }  // namespace palpa::touch

@@ -12,7 +12,7 @@ namespace {
 struct Patch {
   SkinSamples samples;  ///< in the order of the hash
   BridgePatch record{};
-  std::uint32_t known = shader::known_none;  ///< most of its samples belong to this known finger
+  std::uint32_t known = known_none;  ///< most of its samples belong to this known finger
 };
 
 Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
@@ -170,7 +170,7 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
   InplaceVector<Patch, max_fingers> patches;
   for (std::uint32_t f = 0; f < count; ++f)
     patches.push_back(make_patch(sight, out, out.fingers[f]));
-  if (known.has(shader::known_together)) {
+  if (known.has(known_together)) {
     for (std::uint32_t f = 0; f < count; ++f)
       patches[f].known = known_majority(known_labels(known, out.fingers[f].solid, patches[f].samples));
   }
@@ -179,13 +179,13 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
   for (std::uint32_t a = 0; a < count; ++a) {
     for (std::uint32_t b = a + 1; b < count; ++b) {
       // Patches of a known finger stay one more easily, until it has looked like several fingers before.
-      const bool same = patches[a].known != shader::known_none && patches[a].known == patches[b].known;
+      const bool same = patches[a].known != known_none && patches[a].known == patches[b].known;
       const bool were_one = same && !known.may_part(patches[a].known);
       BridgePair& pair = joining.pair(a, b);
       pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
                                                           : BridgePair{bridge_two, 0};
       if (!same || pair.kind == bridge_one) continue;
-      known.doubt(patches[a].known, shader::doubt_one);
+      known.doubt(patches[a].known, doubt_one);
       if (were_one && !patches[a].samples.empty() && !patches[b].samples.empty())
         pair = {bridge_one, PALPA_BRIDGE_HELD};
     }

@@ -17,13 +17,13 @@ Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> c
     : tables_(tables), solids_(solids), setting_(setting), bridge_cameras_(bridge_cameras(cameras, tables)) {
   if (setting.follow) tracks_.emplace();
   if (setting.glides()) homes_.emplace();
-  if (setting.knows(!cameras.empty())) known_ = std::make_unique<shader::KnownTable>();
+  if (setting.knows(!cameras.empty())) known_ = std::make_unique<KnownFingers>();
 }
 
-KnownReach Fingers::next(double time_s) {
+Reach Fingers::next(double time_s) {
   elapsed_us_ = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   has_before_ = known_ && elapsed_us_ <= setting_.memory_us();
-  return {has_before_ ? known_.get() : nullptr, elapsed_us_};
+  return {has_before_ ? &known_->reach : nullptr, elapsed_us_};
 }
 
 void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,

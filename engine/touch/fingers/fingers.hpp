@@ -21,11 +21,11 @@
 #include "gpu/timestamps.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "shaders/touch/contacts/known.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/glide.hpp"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/split.hpp"
 #include "touch/points/points.hpp"
 #include "touch/stage_setting.hpp"
@@ -41,7 +41,7 @@ class Fingers {
           const PreparedSolids& solids);
 
   /// The next frame was captured at `time_s`. Returns what its contacts depend on, valid until find().
-  KnownReach next(double time_s);
+  Reach next(double time_s);
   /// Makes fingers with foci of the clusters in `out`. `images`: the frame's, one per camera; none without cameras.
   /// `parameters`: those of its pixel stride. Adds the time of each step to `times`.
   void find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
@@ -58,9 +58,9 @@ class Fingers {
   std::vector<BridgeCamera> bridge_cameras_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
-  std::unique_ptr<shader::KnownTable> known_;  // the fingers of the frame before; null unless they decide
-  std::uint32_t elapsed_us_ = 0;               // from the frame before to this one
-  bool has_before_ = false;                    // whether `known_` is of the frame before
+  std::unique_ptr<KnownFingers> known_;  // the fingers of the frame before; null unless they decide
+  std::uint32_t elapsed_us_ = 0;         // from the frame before to this one
+  bool has_before_ = false;              // whether `known_` is of the frame before
   SplitWork split_work_;
   std::vector<std::uint32_t> places_;  // scratch
 };

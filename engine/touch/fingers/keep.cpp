@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "shaders/touch/contacts/known_math.h"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
-/// Where skin may reach beyond the shell's edges, for a finger that is about to end.
-void set_reach(const SkinSamples& samples, shader::KnownFinger& finger) {
+/// Skin may reach beyond the shell's edges around a finger that is about to end.
+void add_reach(const SkinSamples& samples, const KnownFinger& finger, shader::ReachTable& table) {
   const Float3 first = samples.front().position;
   Float3 place{0, 0, 0}, normal{0, 0, 0};
   for (const SkinSample& sample : samples) {
@@ -23,51 +23,46 @@ void set_reach(const SkinSamples& samples, shader::KnownFinger& finger) {
     farthest = std::max(farthest, square_apart(sample.position, centre));
   if (!(dot3(normal, normal) > 0)) return;
   const Float3 inward = unit(normal);
-  finger.centre = {centre.x, centre.y, centre.z, shader::squared_reach(root_of(farthest, 1.0F))};
-  finger.inward = {inward.x, inward.y, inward.z, 0};
+  table.fingers[table.count++] = {.velocity = finger.velocity,
+                                  .centre = {centre.x, centre.y, centre.z, squared_reach(root_of(farthest, 1.0F))},
+                                  .inward = {inward.x, inward.y, inward.z, 0},
+                                  .solid = finger.solid};
 }
 
 }  // namespace
 
 void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
-                  std::uint32_t rules, Touch& touch, shader::KnownTable& table) {
+                  std::uint32_t rules, Touch& touch, KnownFingers& table) {
   const auto width = static_cast<float>(parameters.finger_width_m);
   table.count = touch.finger_count;
-  table.reaching = 0;
+  table.reach.count = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
     const SkinSamples samples = sample_skin(sight, touch, finger);
     const auto in_shell = static_cast<std::uint32_t>(
         std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
-    shader::KnownFinger& kept = table.fingers[f];
-    kept = {finger.solid,
-            std::max(static_cast<std::uint32_t>(samples.size()), 1U),
-            0,
-            claims[f].parting_us,
-            tracks.tracks[f].velocity,
-            claims[f].meeting_us,
-            (rules & shader::known_falling) != 0 ? next_fall(claims[f].fall, in_shell) : shader::Fall{in_shell, 0, 0},
-            {},
-            {}};
-    const bool falls = kept.fall.falls != 0;
-    finger.holds = (rules & shader::known_few) != 0 && !falls;
-    if ((rules & shader::known_edges) != 0 && !falls && shader::starves(in_shell, parameters.min_points) &&
-        !samples.empty())
-      set_reach(samples, kept);
-    table.reaching += kept.centre.w > 0 ? 1 : 0;
+    KnownFinger& kept = table.fingers[f];
+    kept = {.solid = finger.solid,
+            .samples = std::max(static_cast<std::uint32_t>(samples.size()), 1U),
+            .parting_us = claims[f].parting_us,
+            .meeting_us = claims[f].meeting_us,
+            .velocity = tracks.tracks[f].velocity,
+            .fall = (rules & known_falling) != 0 ? next_fall(claims[f].fall, in_shell) : Fall{.contacts = in_shell}};
+    const bool falls = kept.fall.falls;
+    finger.holds = (rules & known_few) != 0 && !falls;
+    if ((rules & known_edges) != 0 && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
+      add_reach(samples, kept, table.reach);
     if (samples.empty()) {  // its place instead
       const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
-      table.insides[std::size_t{f} * shader::known_samples] = {first.x, first.y, first.z, 0};
+      table.insides[f][0] = {first.x, first.y, first.z};
     }
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const Float3 inside = inside_of(samples[s].position, samples[s].normal, width);
-      table.insides[std::size_t{f} * shader::known_samples + s] = {inside.x, inside.y, inside.z, 0};
-    }
+    for (std::size_t s = 0; s < samples.size(); ++s)
+      table.insides[f][s] = inside_of(samples[s].position, samples[s].normal, width);
   }
 }
 
 void leave_out_beyond(Touch& touch, std::vector<std::uint32_t>& place) {
-  constexpr std::uint32_t none = shader::known_none;
+  constexpr std::uint32_t none = known_none;
   if (std::ranges::none_of(touch.contacts, [](const Contact& contact) { return contact.beyond != 0; })) return;
   place.assign(touch.contacts.size(), none);
   std::uint32_t kept = 0;

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "shaders/touch/contacts/known.h"
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/follow.hpp"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/sight.hpp"
 #include "touch/types.hpp"
 
@@ -14,9 +14,9 @@ namespace palpa::touch {
 
 /// The fingers of `touch` become the known fingers. Sets Finger::holds.
 /// `tracks` are those of this frame, the fingers' first; `claims` come from admit_fingers(). The islands of the table
-/// stay. `rules`: bits of known.h.
+/// stay. `rules`: bits of stage_setting.hpp.
 void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
-                  std::uint32_t rules, Touch& touch, shader::KnownTable& table);
+                  std::uint32_t rules, Touch& touch, KnownFingers& table);
 
 /// Removes the contacts that are beyond the shell's edges from the touch and from its fingers. `scratch` keeps its
 /// storage.

@@ -3,28 +3,27 @@
 #include <algorithm>
 #include <array>
 
-#include "shaders/touch/contacts/known_math.h"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
 
 struct Nearest {
-  std::uint32_t finger = shader::known_none;
+  std::uint32_t finger = known_none;
   float square = 0;
 };
 
 /// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
 Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
-  Nearest best{shader::known_none, product(reach, reach)};
-  const float elapsed_s = shader::known_seconds(known.elapsed_us);
+  Nearest best{known_none, product(reach, reach)};
+  const float elapsed_s = shader::seconds_of(known.elapsed_us);
   for (std::uint32_t k = 0; k < known.table->count; ++k) {
-    const shader::KnownFinger& finger = known.table->fingers[k];
+    const KnownFinger& finger = known.table->fingers[k];
     if (finger.solid != solid) continue;
     const Float3 before = moved_back(inside, finger.velocity, elapsed_s);
     for (std::uint32_t s = 0; s < finger.samples; ++s) {
-      const shader::vec4& there = known.table->insides[k * shader::known_samples + s];
-      const float square = square_apart(before, {there.x, there.y, there.z});
+      const float square = square_apart(before, known.table->insides[k][s]);
       if (square < best.square) best = {k, square};
     }
   }
@@ -36,13 +35,13 @@ Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample&
 }
 
 float label_reach(const Known& known) {
-  return product(PALPA_KNOWN_REACH, known.finger_width);
+  return product(known_reach, known.finger_width);
 }
 
 }  // namespace
 
 KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples) {
-  KnownLabels labels(samples.size(), shader::known_none);
+  KnownLabels labels(samples.size(), known_none);
   if (known.table == nullptr) return labels;
   const float reach = label_reach(known);
   for (std::size_t s = 0; s < samples.size(); ++s)
@@ -51,25 +50,25 @@ KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamp
 }
 
 std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place) {
-  return known.table == nullptr ? shader::known_none : nearest_known(known, solid, place, label_reach(known)).finger;
+  return known.table == nullptr ? known_none : nearest_known(known, solid, place, label_reach(known)).finger;
 }
 
 std::uint32_t known_majority(std::span<const std::uint32_t> labels) {
-  std::array<std::uint32_t, shader::known_fingers> count{};
+  std::array<std::uint32_t, max_fingers> count{};
   for (const std::uint32_t label : labels) {
-    if (label != shader::known_none) ++count[label];
+    if (label != known_none) ++count[label];
   }
   const auto best = std::ranges::max_element(count);
   return *best > 0 && std::size_t{2} * *best >= labels.size() ? static_cast<std::uint32_t>(best - count.begin())
-                                                              : shader::known_none;
+                                                              : known_none;
 }
 
 std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
-  Nearest best{shader::known_none, 3.0e38F};
+  Nearest best{known_none, 3.0e38F};
   if (known.table == nullptr) return best.finger;
   for (const SkinSample& sample : samples) {
     const Nearest here = nearest_known(known, solid, sample, known.finger_width);
-    if (here.finger != shader::known_none && here.square < best.square) best = here;
+    if (here.finger != known_none && here.square < best.square) best = here;
   }
   return best.finger;
 }

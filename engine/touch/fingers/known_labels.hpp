@@ -5,31 +5,31 @@
 #include <cstdint>
 #include <span>
 
-#include "shaders/touch/contacts/known_math.h"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/sight.hpp"
 
 namespace palpa::touch {
 
 /// How a frame uses the fingers of the frame before.
 struct KnownFrame {
-  /// From the frame before to this one; known_restart: there is none before it.
-  std::uint32_t elapsed_us = shader::known_restart;
-  std::uint32_t rules = 0;  ///< bits, see known.h
+  /// From the frame before to this one; known_none: there is none before it.
+  std::uint32_t elapsed_us = known_none;
+  std::uint32_t rules = 0;  ///< bits, see stage_setting.hpp
 };
 
 /// The fingers of the frame before, as the steps of a frame see them.
 struct Known : KnownFrame {
-  shader::KnownTable* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
-  float finger_width = 0;               ///< metres
+  KnownFingers* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
+  float finger_width = 0;         ///< metres
 
-  bool may_part(std::uint32_t finger) const { return shader::may_part(table->fingers[finger], elapsed_us); }
-  bool may_meet(std::uint32_t finger) const { return shader::may_meet(table->fingers[finger], elapsed_us); }
+  bool may_part(std::uint32_t finger) const { return touch::may_part(table->fingers[finger], elapsed_us); }
+  bool may_meet(std::uint32_t finger) const { return touch::may_meet(table->fingers[finger], elapsed_us); }
   void doubt(std::uint32_t finger, std::uint32_t what) const { table->doubts[finger] |= what; }
   bool has(std::uint32_t rule) const { return table != nullptr && (rules & rule) != 0; }
 };
 
 /// For each sample of skin in a solid, the known finger whose inside is nearest to the sample's, within
-/// PALPA_KNOWN_REACH finger widths; else known_none. Known fingers move on with their velocities.
+/// known_reach finger widths; else known_none. Known fingers move on with their velocities.
 using KnownLabels = InplaceVector<std::uint32_t, bridge_samples>;
 KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples);
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "shaders/touch/contacts/known_math.h"
+#include "touch/fingers/known.hpp"
 #include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
@@ -52,9 +52,9 @@ class Parts {
     two_ = valley_;
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = 0; b < count_; ++b) {
-        if (labels_[a] == shader::known_none) continue;
+        if (labels_[a] == known_none) continue;
         if (labels_[b] == labels_[a]) kin_[a] |= only(b);
-        if (labels_[b] != labels_[a] && labels_[b] != shader::known_none) strangers_[a] |= only(b);
+        if (labels_[b] != labels_[a] && labels_[b] != known_none) strangers_[a] |= only(b);
       }
     }
     compare();
@@ -77,7 +77,7 @@ class Parts {
   }
   const Float3& inside(std::size_t s) const { return insides_[s]; }
   /// Whether most of a part's samples with a known finger have the same one.
-  bool is_known(std::size_t head) const { return label_of(head) != shader::known_none; }
+  bool is_known(std::size_t head) const { return label_of(head) != known_none; }
   bool several() const {
     return std::count_if(members_.begin(), members_.end(), [](Set set) { return set != 0; }) > 1;
   }
@@ -133,7 +133,7 @@ class Parts {
 
   /// The known finger of most samples of a group; if two have equally many, that of the first sample.
   std::uint32_t label_of(std::size_t head) const {
-    std::uint32_t most_kin = 0, label = shader::known_none;
+    std::uint32_t most_kin = 0, label = known_none;
     for (std::size_t s = 0; s < count_; ++s) {
       if ((members_[head] & only(s)) == 0) continue;
       const std::uint32_t kin = size_of(members_[head] & kin_[s]);
@@ -145,7 +145,7 @@ class Parts {
   }
   bool were_apart(std::size_t a, std::size_t b) const {
     const std::uint32_t one = label_of(a), other = label_of(b);
-    return one != shader::known_none && other != shader::known_none && one != other;
+    return one != known_none && other != known_none && one != other;
   }
 
   void join(std::size_t a, std::size_t b) {
@@ -193,18 +193,18 @@ class Parts {
   /// Moves each sample of a known finger to the part of most of that finger's samples, if there is only one. So the
   /// border between two known fingers does not depend on which contacts happen to be samples.
   void return_home() {
-    std::array<std::uint32_t, shader::known_fingers> parts{};
-    std::array<std::size_t, shader::known_fingers> part{};
+    std::array<std::uint32_t, max_fingers> parts{};
+    std::array<std::size_t, max_fingers> part{};
     for (std::size_t h = most; h-- > 0;) {
-      const std::uint32_t label = members_[h] != 0 ? label_of(h) : shader::known_none;
-      if (label == shader::known_none) continue;
+      const std::uint32_t label = members_[h] != 0 ? label_of(h) : known_none;
+      if (label == known_none) continue;
       ++parts[label];
       part[label] = h;
     }
     Sets chosen{};
     for (std::size_t s = 0; s < count_; ++s) {
       const std::uint32_t label = labels_[s];
-      chosen[label != shader::known_none && parts[label] == 1 ? part[label] : head(s)] |= only(s);
+      chosen[label != known_none && parts[label] == 1 ? part[label] : head(s)] |= only(s);
     }
     name_by_first(chosen);
   }
@@ -236,28 +236,28 @@ class Parts {
   void hold() {
     const std::array<Float3, most> means = means_inside();
     std::array<std::uint32_t, most> label{};
-    std::array<std::uint32_t, shader::known_fingers> parts{};
-    std::array<std::size_t, shader::known_fingers> part{};
+    std::array<std::uint32_t, max_fingers> parts{};
+    std::array<std::size_t, max_fingers> part{};
     for (std::size_t h = most; h-- > 0;) {
-      label[h] = members_[h] != 0 ? label_of(h) : shader::known_none;
-      if (label[h] == shader::known_none) continue;
+      label[h] = members_[h] != 0 ? label_of(h) : known_none;
+      if (label[h] == known_none) continue;
       ++parts[label[h]];
       part[label[h]] = h;
     }
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
-        if (label[a] == shader::known_none || label[b] == shader::known_none || label[a] == label[b]) continue;
+        if (label[a] == known_none || label[b] == known_none || label[a] == label[b]) continue;
         if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
-        fingers_.doubt(label[a], shader::doubt_apart);
-        fingers_.doubt(label[b], shader::doubt_apart);
+        fingers_.doubt(label[a], doubt_apart);
+        fingers_.doubt(label[b], doubt_apart);
       }
     }
     Sets chosen{};
     for (std::size_t h = 0; h < count_; ++h) {
       if (members_[h] == 0) continue;
       std::size_t to = h;
-      if (label[h] != shader::known_none && parts[label[h]] > 1) {
-        fingers_.doubt(label[h], shader::doubt_one);
+      if (label[h] != known_none && parts[label[h]] > 1) {
+        fingers_.doubt(label[h], doubt_one);
         if (!fingers_.may_part(label[h])) to = part[label[h]];
       }
       chosen[to] |= members_[h];
@@ -329,10 +329,10 @@ bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, 
 
 /// Whether samples of two known fingers are in it.
 bool holds_several(const KnownLabels& labels) {
-  std::uint32_t first = shader::known_none;
+  std::uint32_t first = known_none;
   for (const std::uint32_t label : labels) {
-    if (label == shader::known_none) continue;
-    if (first != shader::known_none && label != first) return true;
+    if (label == known_none) continue;
+    if (first != known_none && label != first) return true;
     first = label;
   }
   return false;
@@ -407,7 +407,7 @@ SplitWork::SplitWork() {
 void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, SplitWork& work) {
   const float width = splitting_width(parameters);
   const std::uint32_t count = out.finger_count;
-  const bool apart = (known.rules & shader::known_apart) != 0;
+  const bool apart = (known.rules & known_apart) != 0;
   bool changed = false;
   work.clusters.clear();
   work.contacts.clear();
@@ -415,8 +415,8 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     const Finger& finger = out.fingers[f];
     const SkinSamples samples = sample_skin(sight, out, finger);
     const KnownLabels labels = known_labels(known, finger.solid, samples);
-    const bool is_known = known_majority(labels) != shader::known_none;
-    if (!is_supported(sight, out, finger, known.has(shader::known_few) && is_known)) {
+    const bool is_known = known_majority(labels) != known_none;
+    if (!is_supported(sight, out, finger, known.has(known_few) && is_known)) {
       changed = true;
       continue;
     }
@@ -428,7 +428,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
       stays();
       continue;
     }
-    const Parts parts(sight, samples, width, apart ? labels : KnownLabels(samples.size(), shader::known_none), known);
+    const Parts parts(sight, samples, width, apart ? labels : KnownLabels(samples.size(), known_none), known);
     if (!parts.several()) {
       stays();
       continue;
@@ -438,8 +438,8 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     const auto begins = sort_by_parts(finger, counts, work.heads, work.contacts);
     for (std::size_t head = 0; head < most; ++head) {
       if (counts[head] == 0) continue;
-      const bool goes_on = known.has(shader::known_few) && parts.is_known(head);
-      if (counts[head] < shader::least_contacts(parameters.min_points, goes_on)) continue;
+      const bool goes_on = known.has(known_few) && parts.is_known(head);
+      if (counts[head] < least_contacts(parameters.min_points, goes_on)) continue;
       work.clusters.push_back(
           {work.contacts[begins[head]], finger.solid, SplitWork::is_part, begins[head], counts[head]});
     }

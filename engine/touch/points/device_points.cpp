@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstddef>
 #include <cstring>
 
 #include "base/error.hpp"
@@ -23,8 +22,6 @@ constexpr std::uint32_t least_points = 4096;
 /// This many contacts are read with the frame's own submit. The rest needs another one, but hardly any frame has it.
 constexpr std::uint32_t first_read = 16'384;
 constexpr std::uint32_t most_passes = 16;
-/// A kernel needs only the places of the known fingers.
-constexpr std::size_t known_bytes = offsetof(shader::KnownTable, doubts);
 
 /// Room for a frame with this many skin points. This is the only place that decides it.
 Room room_for(const StageSetting& setting, std::uint32_t points, std::uint32_t contacts) {
@@ -84,7 +81,7 @@ void DevicePoints::make(const Room& room) {
     seen_ = gpu::Buffer(device, tables_.pixels * sizeof(sensing::SkinPoint), "skin points");
     seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
     skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables_), "skin");
-    if (setting_.knows(cameras)) known_ = gpu::Upload(device, sizeof(shader::KnownTable), "known fingers");
+    if (setting_.knows(cameras)) reach_ = gpu::Upload(device, sizeof(shader::ReachTable), "reaching fingers");
   } else {
     points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
     given_ = gpu::Upload(device, sizeof(shader::ScanTotal), "skin total");
@@ -160,10 +157,10 @@ void DevicePoints::record(VkCommandBuffer commands, const Skin& skin) {
     std::memcpy(poses_.data(), solids_.records.data(), solids_.records.size() * sizeof(shader::SolidRecord));
   }
   poses_.record(commands);
-  const bool reaches = skin.known.table != nullptr && skin.known.table->reaching != 0;
+  const bool reaches = skin.reach.table != nullptr && skin.reach.table->count != 0;
   if (reaches) {
-    std::memcpy(known_.data(), skin.known.table, known_bytes);
-    known_.record(commands, known_bytes);
+    std::memcpy(reach_.data(), skin.reach.table, sizeof(shader::ReachTable));
+    reach_.record(commands);
   }
   if (cameras) {
     record_skin(commands, skin);
@@ -183,9 +180,9 @@ void DevicePoints::record(VkCommandBuffer commands, const Skin& skin) {
                             .parts = solids_memory_.surfaces().parts(),
                             .deep_total = deep_total_.ref(),
                             .deep = deep_.ref(),
-                            .known = reaches ? known_.ref() : gpu::BufferRef{}},
+                            .reach = reaches ? reach_.ref() : gpu::BufferRef{}},
                            contacts_scratch_, room_, solids_, skin.parameters, &times_,
-                           reaches ? skin.known.elapsed_us : shader::known_restart);
+                           reaches ? skin.reach.elapsed_us : shader::reach_none);
   gpu::compute_to_compute(commands);
   passes_.fingers_.record(commands,
                           {.length = length,

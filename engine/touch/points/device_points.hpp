@@ -67,7 +67,7 @@ class DevicePoints : public Points {
   gpu::Upload points_, given_;  // or points, and their total
   gpu::Upload volumes_;
   gpu::Readback dropped_;
-  gpu::Upload known_;              // KnownTable, without what only the host needs
+  gpu::Upload reach_;              // ReachTable
   gpu::Upload poses_;              // of the solids
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, clusters_;

@@ -16,7 +16,7 @@ void HostPoints::finish(Touch& out, std::vector<gpu::PassTime>& times) {
     out.dropped = skin_.dropped;
     watch.mark("skin");
   }
-  find_contacts(points, solids_, frame_.parameters, frame_.known, out);
+  find_contacts(points, solids_, frame_.parameters, frame_.reach, out);
   watch.mark("contacts");
   find_fingers(frame_.clustering, solids_, out);
   watch.mark("fingers");

@@ -26,7 +26,7 @@ struct Skin {
   std::span<const sensing::SkinPoint> points{};   ///< without cameras: points with ascending indices
   Parameters parameters;
   Parameters clustering;  ///< the same, but smaller clusters may be fingers
-  KnownReach known{};
+  Reach reach{};
 };
 
 class Points {

@@ -60,7 +60,7 @@ struct ContactsPush {
   float delta;
   uint most_points;
   uint most_contacts;
-  uint elapsed_us;  // from the frame before, or known_restart: contacts do not reach beyond the shell's edges
+  uint elapsed_us;  // from the frame before, or reach_none: contacts do not reach beyond the shell's edges
   uint unused0;
   uint unused1;
   uint unused2;

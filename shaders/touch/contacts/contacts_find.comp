@@ -4,7 +4,7 @@
 #include "shaders/touch/contacts/contacts_chunk.glsl"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/contacts_math.h"
-#include "shaders/touch/contacts/known_math.h"
+#include "shaders/touch/contacts/reach.h"
 
 // Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. The results are a
 // bit per point, solid and depth of the contacts, and each chunk's count. This is for scenes of convex solids;
@@ -23,7 +23,7 @@ layout(std430, set = 0, binding = 6) readonly buffer Cells { PlaneCell cells[]; 
 layout(std430, set = 0, binding = 7) readonly buffer Planes { vec4 planes[]; };
 layout(std430, set = 0, binding = 8) writeonly buffer DeepMasks { uint deep_masks[]; };
 layout(std430, set = 0, binding = 9) writeonly buffer DeepCounts { uint deep_counts[]; };
-layout(std430, set = 0, binding = 10) readonly buffer Known { KnownTable known; };
+layout(std430, set = 0, binding = 10) readonly buffer Reach { ReachTable reach; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
 #include "shaders/touch/contacts/contacts_planes.glsl"

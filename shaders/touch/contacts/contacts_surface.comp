@@ -5,7 +5,7 @@
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/surface_math.h"
 #include "shaders/touch/contacts/contacts_math.h"
-#include "shaders/touch/contacts/known_math.h"
+#include "shaders/touch/contacts/reach.h"
 
 // Like contacts_find, for scenes with a solid that is tested by its surface or by its parts. Each thread looks up its
 // points by itself: consecutive points lie side by side on the skin, so their cells and lists are much alike.
@@ -30,7 +30,7 @@ layout(set = 0, binding = 12) uniform samplerBuffer surface_triangles;
 layout(set = 0, binding = 13) uniform usamplerBuffer surface_signs;
 layout(set = 0, binding = 14) uniform samplerBuffer surface_corners;
 layout(set = 0, binding = 15) uniform usamplerBuffer parts_words;
-layout(std430, set = 0, binding = 16) readonly buffer Known { KnownTable known; };
+layout(std430, set = 0, binding = 16) readonly buffer Reach { ReachTable reach; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
 #define PALPA_PARTS_WORD(i) texelFetch(parts_words, int(i))

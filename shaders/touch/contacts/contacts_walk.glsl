@@ -7,15 +7,15 @@ shared uint found[contacts_most_words];
 shared uint deep_found[contacts_most_words];
 shared uint sum, deep_sum;
 
-// The known finger around which the point lies, if the finger reaches beyond the shell's edges; else known_none.
+// The finger around which the point lies, or reach_none.
 uint reaching_finger(vec3 point) {
-  if (push.elapsed_us == known_restart || known.reaching == 0u) return known_none;
-  const uint count = min(known.count, known_fingers);
-  const float elapsed_s = known_seconds(push.elapsed_us);
+  if (push.elapsed_us == reach_none) return reach_none;
+  const uint count = min(reach.count, reach_most_fingers);
+  const float elapsed_s = seconds_of(push.elapsed_us);
   for (uint k = 0u; k < count; ++k) {
-    if (in_known_reach(Float3(point.x, point.y, point.z), known.fingers[k], elapsed_s)) return k;
+    if (is_around(reach.fingers[k], Float3(point.x, point.y, point.z), elapsed_s)) return k;
   }
-  return known_none;
+  return reach_none;
 }
 
 // The first solid that the point is a contact of, with its depth. If there is none and deep points are asked for, the
@@ -45,11 +45,11 @@ Hit find(vec3 point, out bool deep) {
   Hit hit = Hit(0u, 0.0);
   deep = false;
   const uint finger = reaching_finger(point);
-  const uint tests = finger == known_none ? 1u : 3u;
+  const uint tests = finger == reach_none ? 1u : 3u;
   for (uint t = 0u; t < tests; ++t) {
     vec3 at = point;
     if (t > 0u) {
-      const Float3 other = shifted(Float3(point.x, point.y, point.z), known.fingers[finger].inward, t == 1u);
+      const Float3 other = shifted(Float3(point.x, point.y, point.z), reach.fingers[finger].inward, t == 1u);
       at = vec3(other.x, other.y, other.z);
     }
     bool is_deep;
@@ -58,7 +58,7 @@ Hit find(vec3 point, out bool deep) {
     if (t == 0u) {
       hit = here;
       deep = is_deep;
-    } else if (shell && here.solid == known.fingers[finger].solid) {
+    } else if (shell && here.solid == reach.fingers[finger].solid) {
       hit = Hit(here.solid | hit_beyond, here.depth);
       deep = false;
     }

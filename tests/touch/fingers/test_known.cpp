@@ -12,9 +12,9 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/recording.hpp"
-#include "shaders/touch/contacts/known_math.h"
 #include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
+#include "touch/fingers/known.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -252,23 +252,23 @@ TEST(KnownFingers, AreForgottenIfTheClockGoesBack) {
 }
 
 TEST(KnownFingers, RulesAreNumbers) {
-  EXPECT_EQ(shader::least_contacts(5, false), 5U);
-  EXPECT_EQ(shader::least_contacts(5, true), 3U);
-  EXPECT_EQ(shader::least_contacts(0, true), 1U);
-  EXPECT_TRUE(shader::small_beside(24, 100, true));
-  EXPECT_FALSE(shader::small_beside(25, 100, true));
-  EXPECT_TRUE(shader::small_beside(49, 100, false));
-  EXPECT_FALSE(shader::small_beside(50, 100, false));
-  EXPECT_TRUE(shader::small_alone(9, 5));
-  EXPECT_FALSE(shader::small_alone(10, 5));
-  EXPECT_TRUE(shader::starves(39, 5));
-  EXPECT_FALSE(shader::starves(40, 5));
-  EXPECT_FALSE(shader::starves(0, 5));
+  EXPECT_EQ(least_contacts(5, false), 5U);
+  EXPECT_EQ(least_contacts(5, true), 3U);
+  EXPECT_EQ(least_contacts(0, true), 1U);
+  EXPECT_TRUE(small_beside(24, 100, true));
+  EXPECT_FALSE(small_beside(25, 100, true));
+  EXPECT_TRUE(small_beside(49, 100, false));
+  EXPECT_FALSE(small_beside(50, 100, false));
+  EXPECT_TRUE(small_alone(9, 5));
+  EXPECT_FALSE(small_alone(10, 5));
+  EXPECT_TRUE(starves(39, 5));
+  EXPECT_FALSE(starves(40, 5));
+  EXPECT_FALSE(starves(0, 5));
 }
 
 TEST(KnownFingers, FallIfTheyLoseContactsFrameAfterFrame) {
   const auto after = [](std::initializer_list<std::uint32_t> counts) {
-    shader::Fall fall{};
+    Fall fall{};
     for (const std::uint32_t contacts : counts)
       fall = next_fall(fall, contacts);
     EXPECT_EQ(fall.contacts, counts.end()[-1]);
