@@ -70,7 +70,7 @@ Found find_at(const PreparedSolids& solids, const Float3& point, const Parameter
 }
 
 /// The finger around which the point lies, or null.
-const shader::ReachingFinger* reaching_finger(const Reach& reach, const Float3& point) {
+const shader::ReachingFinger* reaching_finger(const FingerReach& reach, const Float3& point) {
   if (reach.table == nullptr) return nullptr;
   const float elapsed_s = shader::seconds_of(reach.elapsed_us);
   for (std::uint32_t k = 0; k < reach.table->count; ++k) {
@@ -82,7 +82,7 @@ const shader::ReachingFinger* reaching_finger(const Reach& reach, const Float3& 
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const Reach& reach, Touch& out) {
+                   const Parameters& parameters, const FingerReach& reach, Touch& out) {
   out.contacts.clear();
   out.deep.clear();
   for (const sensing::SkinPoint& skin : points) {

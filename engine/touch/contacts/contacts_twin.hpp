@@ -12,7 +12,7 @@
 namespace palpa::touch {
 
 /// Fingers of the frame before around which contacts reach beyond the shell's edges.
-struct Reach {
+struct FingerReach {
   const shader::ReachTable* table = nullptr;  ///< null, or empty: no contact does
   std::uint32_t elapsed_us = 0;               ///< from the frame before to this one
 };
@@ -25,6 +25,6 @@ struct Reach {
 /// except within 1 micrometre of a boundary (solids up to 3 m). Around a known finger that is about to end, points up
 /// to 0.5 mm beyond the edges of its solid's shell are contacts as well, marked `beyond`.
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const Reach& reach, Touch& out);
+                   const Parameters& parameters, const FingerReach& reach, Touch& out);
 
 }  // namespace palpa::touch

@@ -20,7 +20,7 @@ Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> c
   if (setting.knows(!cameras.empty())) known_ = std::make_unique<KnownFingers>();
 }
 
-Reach Fingers::next(double time_s) {
+FingerReach Fingers::next(double time_s) {
   elapsed_us_ = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
   has_before_ = known_ && elapsed_us_ <= setting_.memory_us();
   return {has_before_ ? &known_->reach : nullptr, elapsed_us_};

@@ -41,7 +41,7 @@ class Fingers {
           const PreparedSolids& solids);
 
   /// The next frame was captured at `time_s`. Returns what its contacts depend on, valid until find().
-  Reach next(double time_s);
+  FingerReach next(double time_s);
   /// Makes fingers with foci of the clusters in `out`. `images`: the frame's, one per camera; none without cameras.
   /// `parameters`: those of its pixel stride. Adds the time of each step to `times`.
   void find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,

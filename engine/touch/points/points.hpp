@@ -26,7 +26,7 @@ struct Skin {
   std::span<const sensing::SkinPoint> points{};   ///< without cameras: points with ascending indices
   Parameters parameters;
   Parameters clustering;  ///< the same, but smaller clusters may be fingers
-  Reach reach{};
+  FingerReach reach{};
 };
 
 class Points {
