@@ -13,8 +13,7 @@
 
 namespace palpa::session {
 
-/// A finger's box: that of its contacts, as far as its cross-section tells. The contacts themselves are not always read
-/// from the device.
+/// A finger's box: that of its contacts, as far as its cross-section tells.
 Box contact_box(const touch::Finger& finger);
 
 class SecondSearch {

@@ -66,7 +66,7 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
       for (std::uint32_t k = 0; k < known.table->islands; ++k) {
         const Island& before = known.table->island[k];
         if (before.solid == island.solid && same_island(island, before))
-          island.age_us = std::max(island.age_us, older(before.age_us, known.elapsed_us));
+          island.age_us = std::max(island.age_us, us_after(before.age_us, known.elapsed_us));
       }
       stays = island.age_us >= island_wait_us;
       if (!stays) islands[islands_now++] = island;

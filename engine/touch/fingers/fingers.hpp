@@ -1,15 +1,15 @@
 // From clusters of contacts to fingers with foci. Everything about fingers is here: at most max_fingers remain after
 // clustering, so this is plain C++ wherever the points come from. The steps of a frame, in their order:
 //
-//   split      a cluster that is several fingers, or no finger          split/split.hpp      } with cameras and a
-//   bridge     several clusters that are one finger                     bridge/bridge.hpp    } finger width
-//   admit      which clusters are fingers, by the frame before          known/admit.hpp        with hysteresis
-//   sections   centroid and axes, Eq. (2)-(4)                           sections/sections.hpp
-//   follow     ids, steady axes                                         follow/follow.hpp      if fingers are followed
-//   keep       what the next frame must know                            known/keep.hpp         with hysteresis
-//   foci       sectors' centroids, Eq. (5)-(7)                          foci/foci.hpp
-//   glide      foci that do not jump                                    follow/glide.hpp       if foci are smoothed
-//   depths     how deep a finger presses                                depths.hpp
+//   split      a cluster that is several fingers, or no finger      split.hpp      } with cameras and a
+//   bridge     several clusters that are one finger                 bridge.hpp     } finger width
+//   admit      which clusters are fingers, by the frame before      admit.hpp        with hysteresis
+//   sections   centroid and axes, Eq. (2)-(4)                       sections.hpp
+//   follow     ids, steady axes                                     follow.hpp       if fingers are followed
+//   keep       what the next frame must know                        keep.hpp         with hysteresis
+//   foci       sectors' centroids, Eq. (5)-(7)                      foci.hpp
+//   glide      foci that do not jump                                glide.hpp        if foci are smoothed
+//   depths     how deep a finger presses                            depths.hpp
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <span>
 
+#include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/follow_math.hpp"
+#include "touch/fingers/frame_clock.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -53,7 +55,7 @@ struct Follow {
   std::uint32_t elapsed_us;
   std::uint32_t memory_us;
   bool steady;
-  float frame_s = in_seconds(elapsed_us);
+  float frame_s = shader::seconds_of(elapsed_us);
   float scale = reach_of(frame_s, 0, 0);
   std::uint32_t known = 0;
   std::array<Candidate, most> candidates{};
@@ -83,8 +85,8 @@ void Follow::move_on(const Tracks& before) {
     c.alive = c.unseen_us <= memory_of(carried, memory_us);
     const std::uint32_t coasts_us = std::min(c.unseen_us, coasting_us) - std::min(c.old.unseen_us, coasting_us);
     c.velocity = float3(c.old.velocity);
-    c.place = moved(float3(c.old.place), c.velocity, carried ? frame_s : in_seconds(coasts_us));
-    c.reach = reach_of(frame_s, in_seconds(c.old.unseen_us), c.old.place.w);
+    c.place = moved(float3(c.old.place), c.velocity, carried ? frame_s : shader::seconds_of(coasts_us));
+    c.reach = reach_of(frame_s, shader::seconds_of(c.old.unseen_us), c.old.place.w);
     c.penalty = c.old.unseen_us == 0 && !carried ? 0 : second_class;
   }
 }
@@ -266,7 +268,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
     Candidate& track = candidates[track_of[f]];
     t.home = track.old.home;
     if (glides_on(track.old.flags, track.old.unseen_us, track.unseen_us)) t.since_us = track.unseen_us;
-    const float since_s = in_seconds(track.unseen_us);
+    const float since_s = shader::seconds_of(track.unseen_us);
     const auto passengers = static_cast<std::uint32_t>(
         std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
     t.id = track.old.id;

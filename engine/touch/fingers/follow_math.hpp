@@ -54,15 +54,6 @@ inline constexpr float second_class = 1.0F;  // a candidate that was not seen in
 inline constexpr float out_of_reach = 1.0e6F;  // marks a pair that is never matched
 inline constexpr float no_cost_yet = 1.0e9F;
 
-inline float in_seconds(std::uint32_t us) {
-  float s = float(us) * 1.0e-6F;
-  return s;
-}
-
-inline std::uint32_t us_after(std::uint32_t us, std::uint32_t elapsed_us) {
-  return us > 0xffffffffU - elapsed_us ? 0xffffffffU : us + elapsed_us;
-}
-
 /// a + b * factor
 inline Float3 moved(Float3 a, Float3 b, float factor) {
   Float3 r;

@@ -1,9 +1,12 @@
 #include "touch/fingers/glide.hpp"
+#include "shaders/touch/contacts/reach.h"
 
 #include <algorithm>
 #include <array>
 #include <span>
 
+#include "shaders/touch/contacts/reach.h"
+#include "touch/fingers/frame_clock.hpp"
 #include "touch/fingers/glide_math.hpp"
 #include "touch/fingers/nearest_filled.hpp"
 
@@ -27,7 +30,7 @@ PrincipalAxes frame_of(const Float3& w1, const Float3& w3) {
 void glide_finger(const Track& track, Home& home, Finger& finger) {
   const auto count = static_cast<std::uint32_t>(finger.foci.size());
   const bool restart = track.since_us == follow_restart || home.foci != count;
-  const float frame_s = in_seconds(track.since_us);
+  const float frame_s = shader::seconds_of(track.since_us);
   const Float3 centre = float3(finger.section.centroid), old_centre = float3(home.centre);
   const PrincipalAxes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));
   const PrincipalAxes old_axes = frame_of(float3(home.axis1), float3(home.axis3));

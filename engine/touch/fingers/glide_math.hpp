@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/exact.hpp"
 #include "touch/fingers/foci_math.hpp"
 #include "touch/fingers/follow_math.hpp"
@@ -53,7 +54,7 @@ inline float low_pass(float hz, float frame_s) {
 /// The motion of a finger whose centroid went from one place to another: that of its velocity, plus most of the
 /// centroid's motion beyond that. With no time between frames, it is the centroid's motion.
 inline Float3 motion_of(Float3 from, Float3 to, Float3 velocity, float frame_s) {
-  const float coasting_s = in_seconds(coasting_us);
+  const float coasting_s = shader::seconds_of(coasting_us);
   const float coasts_s = frame_s < coasting_s ? frame_s : coasting_s;
   const Float3 expected = scaled(velocity, coasts_s);
   float most = frame_s / (frame_s + motion_s);

@@ -8,6 +8,7 @@
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/exact.hpp"
+#include "touch/fingers/frame_clock.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
@@ -87,27 +88,23 @@ inline float squared_reach(float farthest) {
   return product(reach, reach);
 }
 
-inline std::uint32_t older(std::uint32_t age_us, std::uint32_t elapsed_us) {
-  return age_us > 0xffffffffU - elapsed_us ? 0xffffffffU : age_us + elapsed_us;
-}
-
 /// A known finger parts if it looks like several fingers in two frames that are no farther apart than the first time.
 /// It is one with another finger once it has looked like that, in every frame, for the second time.
 inline constexpr std::uint32_t parting_us_most = 100000;
 inline constexpr std::uint32_t meeting_us_least = 50000;
 
 inline bool may_part(const KnownFinger& finger, std::uint32_t elapsed_us) {
-  return older(finger.parting_us, elapsed_us) <= parting_us_most;
+  return us_after(finger.parting_us, elapsed_us) <= parting_us_most;
 }
 inline bool may_meet(const KnownFinger& finger, std::uint32_t elapsed_us) {
-  return older(finger.meeting_us, elapsed_us) >= meeting_us_least;
+  return us_after(finger.meeting_us, elapsed_us) >= meeting_us_least;
 }
 
 inline std::uint32_t next_parting_us(const KnownFinger& finger, std::uint32_t doubts, std::uint32_t elapsed_us) {
-  return (doubts & doubt_one) != 0U ? 0U : older(finger.parting_us, elapsed_us);
+  return (doubts & doubt_one) != 0U ? 0U : us_after(finger.parting_us, elapsed_us);
 }
 inline std::uint32_t next_meeting_us(const KnownFinger& finger, std::uint32_t doubts, std::uint32_t elapsed_us) {
-  return (doubts & doubt_apart) != 0U ? older(finger.meeting_us, elapsed_us) : 0U;
+  return (doubts & doubt_apart) != 0U ? us_after(finger.meeting_us, elapsed_us) : 0U;
 }
 
 inline bool same_island(const Island& a, const Island& b) {
