@@ -67,7 +67,8 @@ struct TimedSlots {
 /// come only by play(). It is session::PlayedPlan on the guard's side.
 struct BoardPlan : TimedSlots {
   std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length * transducers
-  /// One focus per drive if each drive is one focus, in the frame of BoardSpec::layout; else empty.
+  /// One focus per drive, in the frame of BoardSpec::layout, if the phases of each drive are those of the distances to
+  /// its focus; else empty. Amplitudes may be anything.
   std::span<const Vec3> foci{};
 };
 

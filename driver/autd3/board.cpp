@@ -406,25 +406,16 @@ class Autd3Board final : public Board {
     return {along(0), along(1), along(2)};
   }
 
-  /// Whether foci whose phases the devices compute give the same drives: full amplitudes, and each transducer's phase
-  /// is that of its distance. Checks one transducer for each part and device, a different one each time.
+  /// Whether the devices can compute the drives from their foci: full amplitudes, and foci that a message can hold.
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
     if (sound_speed_m_s_ > most_sound_speed_m_s) return false;
-    constexpr int steps_between = 2;
-    for (std::size_t p = 0; p < foci.size(); ++p) {
-      for (std::size_t d = 0; d < remote_.devices(); ++d) {
-        if (!within_reach(fixed(foci[p], d))) return false;
-        const std::size_t t = d * transducers + (97 * p + 31 * d) % transducers;
-        const double distance = glm::length(foci[p] - layout_.transducers[t].position);
-        const double turns = -distance * period_hz / sound_speed_m_s_;
-        const int phase = static_cast<int>(std::lround(256 * (turns - std::floor(turns))));
-        const int apart = (loading_.part(p)[t].phase - phase) & 0xff;
-        if (std::min(apart, 256 - apart) > steps_between) return false;
-      }
-    }
-    return true;
+    return std::ranges::all_of(foci, [&](const Vec3& focus) {
+      for (std::size_t d = 0; d < remote_.devices(); ++d)
+        if (!within_reach(fixed(focus, d))) return false;
+      return true;
+    });
   }
 
   void put_all_foci(Message message, std::size_t device, std::uint8_t segment) const {

@@ -26,10 +26,11 @@ constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silen
 
 class BoardLink final : public session::Link {
  public:
-  BoardLink(Brief brief, std::string program, bool plays_plans)
+  BoardLink(Brief brief, std::string program, bool plays_plans, bool free_field)
       : brief_(std::move(brief)),
         program_(std::move(program)),
         plays_plans_(plays_plans),
+        free_field_(free_field),
         guard_(std::in_place, program_, brief_, plays_plans ? session::most_cycle : 0) {
     wait_until_open();
   }
@@ -101,11 +102,11 @@ class BoardLink final : public session::Link {
 
   static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
 
-  /// Writes the focus of each drive, if one finger's foci follow one another, one per drive. Returns how many; 0
-  /// otherwise.
-  static std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) {
+  /// Writes the focus of each drive, if one finger's foci follow one another in the free field, one per drive. Returns
+  /// how many; 0 otherwise.
+  std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) const {
     const std::uint32_t drives = plan.slots.cycle.length;
-    if (plan.schedule.voice_count != 1 || drives > out.size()) return 0;
+    if (!free_field_ || plan.schedule.voice_count != 1 || drives > out.size()) return 0;
     const array::Voice& voice = plan.schedule.voices[0];
     const bool one_by_one = voice.foci_per_slot == 1 && voice.dwell_s == plan.schedule.slot_s;
     if (!one_by_one || drives != voice.order.size()) return 0;
@@ -187,7 +188,7 @@ class BoardLink final : public session::Link {
 
   Brief brief_;
   std::string program_;
-  bool plays_plans_;
+  bool plays_plans_, free_field_;
   std::optional<GuardProcess> guard_;
   session::Carried carried_;      ///< of a guard that is gone
   Said last_word_ = Said::drive;  ///< from the guard; none yet
@@ -218,7 +219,7 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                                   .sound_speed_m_s = setting.sound_speed_m_s,
                                   .ramp_s = setting.ramp_s}};
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
-                                               plays_plans);
+                                               plays_plans, setting.free_field);
           },
           false,
           kind.reads_files,

@@ -109,12 +109,14 @@ const std::vector<std::string>& Session::solid_names() const {
 LinkSetting Session::link_setting() const {
   const touch::Method method = state_->setting.schedule.method.method;
   const bool still = method == touch::Method::single_focus || method == touch::Method::multi_focus;
-  return {state_->setting.layout,
-          state_->names,
-          state_->scheduler.slot_s(),
-          !still,
-          state_->setting.drive.medium.sound_speed,
-          state_->setting.safety.ramp_s};
+  const SessionSetting& setting = state_->setting;
+  return {.layout = setting.layout,
+          .solid_names = state_->names,
+          .slot_s = state_->scheduler.slot_s(),
+          .foci_move = !still,
+          .sound_speed_m_s = setting.drive.medium.sound_speed,
+          .ramp_s = setting.safety.ramp_s,
+          .free_field = !setting.finger && !setting.own_solver && setting.drive.transfer == nullptr};
 }
 
 void Session::warm_up() {

@@ -47,6 +47,34 @@ std::function<void()> plays(Rig& rig, std::chrono::microseconds slot) {
   };
 }
 
+TEST(Guard, ABoardGetsTheFociOnlyOfOneFingerInTheFreeField) {
+  for (const bool free_field : {true, false}) {
+    Rig rig;
+    rig.setting.free_field = free_field;
+    rig.open();
+    array::Schedule schedule;
+    array::Voice& voice = schedule.add_voice();
+    voice.foci = {Vec3(0), Vec3(0.5, 0, 0), Vec3(0.25, 0, 0)};
+    voice.order = {0, 2, 1};
+    const array::Drive drives(3 * rig.drive.size());
+    const auto plan = [&](std::uint64_t from) {
+      rig.link->plan({.schedule = schedule, .slots = {from, from + 66, {.length = 3}}, .drives = drives});
+      rig.send(from);
+      ASSERT_TRUE(rig.wrote("play " + std::to_string(from)));
+    };
+    plan(0);
+    EXPECT_EQ(rig.count("foci 3 0.5"), free_field ? 1U : 0U);
+    schedule.voices[0].foci_per_slot = 3;
+    plan(1);
+    schedule.voices[0].foci_per_slot = 1;
+    schedule.add_voice().foci = {Vec3(0)};
+    plan(2);
+    rig.link->finish();
+    EXPECT_EQ(rig.count("plan"), 3U);
+    EXPECT_EQ(rig.count("foci"), free_field ? 1U : 0U);
+  }
+}
+
 TEST(Guard, PlaysWhatIsSentAndEndsInSilence) {
   Rig rig;
   rig.open();

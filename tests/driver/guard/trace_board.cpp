@@ -41,6 +41,7 @@ class TraceBoard final : public driver::Board {
   void plan(const driver::BoardPlan& plan) override {
     written_.plans += plan.slots.cycle.is_listed() ? 1 : 0;
     write_line("plan %llu %g\n", plan.slots.from, static_cast<double>(plan.slots.cycle.length));
+    if (!plan.foci.empty()) write_line("foci %llu %g\n", plan.foci.size(), plan.foci.back().x);
   }
 
   void all_off() override { write("off\n"); }
