@@ -24,6 +24,18 @@ constexpr Set only(std::size_t s) {
 std::uint32_t size_of(Set set) {
   return static_cast<std::uint32_t>(std::popcount(set));
 }
+std::size_t first_of(Set set) {
+  return static_cast<std::size_t>(std::countr_zero(set));
+}
+/// `set` without its first sample. So `for (Set left = set; left != 0; left = rest_of(left))` visits first_of(left) for
+/// each sample, in order.
+constexpr Set rest_of(Set set) {
+  return set & (set - 1);
+}
+
+bool are_two_known(std::uint32_t one, std::uint32_t other) {
+  return one != known_none && other != known_none && one != other;
+}
 
 bool is_valley_between(const Sight& sight, std::size_t c, const SplitView& a, const SplitView& b) {
   const BridgeCamera& camera = sight.cameras[c];
@@ -94,7 +106,8 @@ class Parts {
         if (!views[a].seen || !views[b].seen) continue;
         looked_[a] |= only(b);
         looked_[b] |= only(a);
-        if (!is_valley_between(sight, c, views[a], views[b])) continue;
+        // One camera that sees a valley is enough.
+        if ((valley_[a] & only(b)) != 0 || !is_valley_between(sight, c, views[a], views[b])) continue;
         valley_[a] |= only(b);
         valley_[b] |= only(a);
       }
@@ -123,10 +136,9 @@ class Parts {
 
   SplitLink link_between(std::size_t a, std::size_t b, const Sets& known, const Sets& two) const {
     SplitLink link{0, 0};
-    for (std::size_t s = 0; s < count_; ++s) {
-      if ((members_[a] & only(s)) == 0) continue;
-      link.known += size_of(known[s] & members_[b]);
-      link.two += size_of(two[s] & members_[b]);
+    for (Set left = members_[a]; left != 0; left = rest_of(left)) {
+      link.known += size_of(known[first_of(left)] & members_[b]);
+      link.two += size_of(two[first_of(left)] & members_[b]);
     }
     return link;
   }
@@ -134,8 +146,8 @@ class Parts {
   /// The known finger of most samples of a group; if two have equally many, that of the first sample.
   std::uint32_t label_of(std::size_t head) const {
     std::uint32_t most_kin = 0, label = known_none;
-    for (std::size_t s = 0; s < count_; ++s) {
-      if ((members_[head] & only(s)) == 0) continue;
+    for (Set left = members_[head]; left != 0; left = rest_of(left)) {
+      const std::size_t s = first_of(left);
       const std::uint32_t kin = size_of(members_[head] & kin_[s]);
       if (kin <= most_kin) continue;
       most_kin = kin;
@@ -143,9 +155,12 @@ class Parts {
     }
     return label;
   }
-  bool were_apart(std::size_t a, std::size_t b) const {
-    const std::uint32_t one = label_of(a), other = label_of(b);
-    return one != known_none && other != known_none && one != other;
+  /// label_of() of each group.
+  std::array<std::uint32_t, most> labels_of_groups() const {
+    std::array<std::uint32_t, most> labels{};
+    for (std::size_t h = 0; h < count_; ++h)
+      labels[h] = members_[h] != 0 ? label_of(h) : known_none;
+    return labels;
   }
 
   void join(std::size_t a, std::size_t b) {
@@ -195,11 +210,11 @@ class Parts {
   void return_home() {
     std::array<std::uint32_t, max_fingers> parts{};
     std::array<std::size_t, max_fingers> part{};
-    for (std::size_t h = most; h-- > 0;) {
-      const std::uint32_t label = members_[h] != 0 ? label_of(h) : known_none;
-      if (label == known_none) continue;
-      ++parts[label];
-      part[label] = h;
+    const std::array<std::uint32_t, most> labels = labels_of_groups();
+    for (std::size_t h = count_; h-- > 0;) {
+      if (labels[h] == known_none) continue;
+      ++parts[labels[h]];
+      part[labels[h]] = h;
     }
     Sets chosen{};
     for (std::size_t s = 0; s < count_; ++s) {
@@ -213,7 +228,7 @@ class Parts {
   void name_by_first(const Sets& groups) {
     members_ = {};
     for (const Set set : groups) {
-      if (set != 0) members_[static_cast<std::size_t>(std::countr_zero(set))] = set;
+      if (set != 0) members_[first_of(set)] = set;
     }
   }
 
@@ -223,9 +238,8 @@ class Parts {
     for (std::size_t h = 0; h < count_; ++h) {
       if (members_[h] == 0) continue;
       Float3 sum{0, 0, 0};
-      for (std::size_t s = 0; s < count_; ++s) {
-        if ((members_[h] & only(s)) != 0) sum = plus(sum, minus(insides_[s], insides_[0]));
-      }
+      for (Set left = members_[h]; left != 0; left = rest_of(left))
+        sum = plus(sum, minus(insides_[first_of(left)], insides_[0]));
       means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
     }
     return means;
@@ -235,18 +249,17 @@ class Parts {
   /// known finger that may not part are joined.
   void hold() {
     const std::array<Float3, most> means = means_inside();
-    std::array<std::uint32_t, most> label{};
+    const std::array<std::uint32_t, most> label = labels_of_groups();
     std::array<std::uint32_t, max_fingers> parts{};
     std::array<std::size_t, max_fingers> part{};
-    for (std::size_t h = most; h-- > 0;) {
-      label[h] = members_[h] != 0 ? label_of(h) : known_none;
+    for (std::size_t h = count_; h-- > 0;) {
       if (label[h] == known_none) continue;
       ++parts[label[h]];
       part[label[h]] = h;
     }
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
-        if (label[a] == known_none || label[b] == known_none || label[a] == label[b]) continue;
+        if (!are_two_known(label[a], label[b])) continue;
         if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
         fingers_.doubt(label[a], doubt_apart);
         fingers_.doubt(label[b], doubt_apart);
@@ -269,15 +282,16 @@ class Parts {
   void settle() {
     for (;;) {
       const std::array<Float3, most> means = means_inside();
+      const std::array<std::uint32_t, most> label = labels_of_groups();
       std::optional<float> nearest;
       std::size_t keeps = 0, goes = 0;
       for (std::size_t a = 0; a < count_; ++a) {
         for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
           if (members_[b] == 0) continue;
           const float square = square_apart(means[a], means[b]);
-          const bool apart = were_apart(a, b);
+          const bool apart = are_two_known(label[a], label[b]);
           if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
-          if (apart && !(fingers_.may_meet(label_of(a)) && fingers_.may_meet(label_of(b)))) continue;
+          if (apart && !(fingers_.may_meet(label[a]) && fingers_.may_meet(label[b]))) continue;
           if (nearest && square >= *nearest) continue;
           nearest = square;
           keeps = a;
