@@ -75,6 +75,31 @@ bool same_drives(const session::Plan& a, const session::Plan& b) {
   return true;
 }
 
+constexpr const char* on_host = ", host";
+
+/// Times frames one after the other. `frame` computes the frame of a number from 1 on, and returns the times of its
+/// steps.
+template <typename Frame>
+void measure_runs(const Context& context, const std::string& suite, const std::string& name, std::vector<Row>& rows,
+                  Frame frame) {
+  std::vector<double> total;
+  StageSamples stages;
+  for (std::uint32_t run = 1; run <= context.runs + warm_up; ++run) {
+    const double begin = now_ms();
+    const auto& steps = frame(run);
+    const double ms = now_ms() - begin;
+    if (run <= warm_up) continue;
+    total.push_back(ms);
+    stages.add(steps);
+    context.progress(name, run - warm_up, context.runs);
+  }
+  Row row = make_row(suite, name, "total", total);
+  row.value = 1e3 / row.median_ms;
+  row.unit = "frames/s";
+  rows.push_back(row);
+  stages.report(suite, name, rows);
+}
+
 void measure_frame(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
                    const geometry::Mesh& skin, const Transform& T_world_skin, std::vector<Row>& rows) {
   const setup::PosedRig set_up = setup::load_posed_rig({});
@@ -95,23 +120,14 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   expected.touch(frame.frames, 0);
   if (!same_drives(session.plan(), expected.plan())) wrong(name);
 
-  std::vector<double> total;
-  StageSamples stages;
-  for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
-    const double time_s = (run + 1) / 90.0;
-    const double begin = now_ms();
-    session.touch(frame.frames, time_s, std::uint64_t{7} * (run + 1));
-    const double ms = now_ms() - begin;
-    if (run < warm_up) continue;
-    total.push_back(ms);
-    stages.add(session.report().passes);
-    context.progress(name, run - warm_up + 1, context.runs);
-  }
-  Row row = make_row("loop", name, "total", total);
-  row.value = 1e3 / row.median_ms;
-  row.unit = "frames/s";
-  rows.push_back(row);
-  stages.report("loop", name, rows);
+  measure_runs(context, "loop", name, rows, [&](std::uint32_t run) {
+    session.touch(frame.frames, run / 90.0, std::uint64_t{7} * run);
+    return session.report().passes;
+  });
+  measure_runs(context, "loop", name + on_host, rows, [&](std::uint32_t run) {
+    expected.touch(frame.frames, run / 90.0, std::uint64_t{7} * run);
+    return expected.report().passes;
+  });
 }
 
 geometry::Mesh load_mesh(const std::string& asset) {
@@ -188,26 +204,19 @@ void measure_points(const Context& context, const std::string& name, const std::
                     const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
   touch::Touch found, expected;
   const std::vector<sensing::SkinPoint> skin = sensing::numbered(points);
-  touch::Stage(solids).touch(skin, expected);
-
   touch::Passes passes(context.device);
-  touch::Stage stage(passes, solids);
-  const auto frame = [&] { stage.touch(skin, found); };
-  frame();
+  touch::Stage stage(passes, solids), host(solids);
+  host.touch(skin, expected);
+  stage.touch(skin, found);
   if (!same_foci(found, expected)) wrong(name);
-  std::vector<double> whole;
-  StageSamples stages;
-  for (std::uint32_t run = 0; run < context.runs + warm_up; ++run) {
-    const double begin = now_ms();
-    frame();
-    const double ms = now_ms() - begin;
-    if (run < warm_up) continue;
-    whole.push_back(ms);
-    stages.add(stage.times());
-    context.progress(name, run - warm_up + 1, context.runs);
-  }
-  rows.push_back(make_row("touch", name, "total", whole));
-  stages.report("touch", name, rows);
+  measure_runs(context, "touch", name, rows, [&](std::uint32_t) {
+    stage.touch(skin, found);
+    return stage.times();
+  });
+  measure_runs(context, "touch", name + on_host, rows, [&](std::uint32_t) {
+    host.touch(skin, expected);
+    return host.times();
+  });
 }
 
 }  // namespace
