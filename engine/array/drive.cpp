@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "array/crowd.hpp"
+#include "array/free_drives.hpp"
 #include "array/solvers/greedy.hpp"
 #include "base/error.hpp"
 
@@ -18,57 +19,22 @@ namespace {
 using Complex = std::complex<double>;
 using Source = FocusSource;
 
-/// The largest float that is not above pi; pi itself would round up.
-constexpr float float_pi = 3.1415925f;
-
-float as_phase(double radians) {
-  return std::clamp(static_cast<float>(radians), -float_pi, float_pi);
-}
-float as_amplitude(double amplitude) {
-  return static_cast<float>(std::clamp(amplitude, 0.0, 1.0));
-}
-
-/// -k d in turns, wrapped to (-1/2, 1/2].
-double delay_turns(double distance, const Medium& medium) {
-  const double turns = distance * medium.turns_per_metre();
-  const double early = std::floor(turns) - turns;
-  return early <= -0.5 ? early + 1 : early;
-}
-
-double asked_amplitude(double distance, double reach, Weighting weighting) {
-  return weighting == Weighting::uniform || reach == 0 ? 1.0 : distance / reach;
-}
-
-double constrained(double amplitude, double largest, Constraint constraint) {
-  switch (constraint) {
-    case Constraint::normalise:
-      return largest > 0 ? std::min(1.0, amplitude / largest) : (amplitude > 0 ? 1.0 : 0.0);
-    case Constraint::uniform:
-      return 1.0;
-    case Constraint::clamp:
-      return std::min(1.0, amplitude);
-  }
-  return 0;
-}
-
-/// The drive of one focus from `columns`, for another transfer than the free field.
-void drive_one(const Columns& columns, const Source& source, std::span<TransducerDrive> out) {
-  for (std::size_t t = 0; t < out.size(); ++t)
-    out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
+/// The drives of sums under a constraint. `largest`: of all sums, with their gains or without.
+void constrain(std::span<const Complex> sums, double largest, Constraint constraint, double gain,
+               std::span<TransducerDrive> out) {
+  drive_sums(sums, constraint == Constraint::normalise && largest > 0 ? largest : 1.0, gain, out);
+  if (constraint != Constraint::uniform) return;
+  for (TransducerDrive& transducer : out)
+    transducer.amplitude = as_amplitude(gain);
 }
 
 void drive_one(const Layout& layout, const Source& source, const DriveOptions& options, std::span<TransducerDrive> out,
                Columns& columns) {
   const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
-  if (options.transfer) {
-    options.transfer->fill(std::span(&source, 1), weighting, columns);
-    return drive_one(columns, source, out);
-  }
-  for (std::size_t t = 0; t < out.size(); ++t) {
-    const double distance = glm::distance(layout.transducers[t].position, source.position);
-    out[t].amplitude = as_amplitude(asked_amplitude(distance, source.reach, weighting) * source.gain);
-    out[t].phase = as_phase(2 * std::numbers::pi * delay_turns(distance, options.medium));
-  }
+  if (!options.transfer) return drive_one_freely(layout, source, weighting, options.medium, out);
+  options.transfer->fill(std::span(&source, 1), weighting, columns);
+  for (std::size_t t = 0; t < out.size(); ++t)
+    out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
 }
 
 double shared_gain_of(const std::vector<Source>& sources) {
@@ -81,62 +47,45 @@ double relative_gain(const Source& source, double shared) {
   return shared > 0 ? source.gain / shared : 1.0;
 }
 
-/// q_j of the sources, the paper's or another transfer's.
-class Asks {
- public:
-  Asks(const Layout& layout, const DriveOptions& options, DriveScratch& scratch)
-      : layout_(layout), options_(options), sources_(scratch.sources), columns_(scratch.columns) {
-    if (options.transfer) options.transfer->fill(scratch.sources, options.weighting, scratch.columns);
-  }
-  Complex of(std::size_t transducer, std::size_t j) const {
-    if (options_.transfer) return columns_.ask(transducer * columns_.foci + j);
-    const double distance = glm::distance(layout_.transducers[transducer].position, sources_[j].position);
-    return std::polar(asked_amplitude(distance, sources_[j].reach, options_.weighting),
-                      2 * std::numbers::pi * delay_turns(distance, options_.medium));
-  }
-
- private:
-  const Layout& layout_;
-  const DriveOptions& options_;
-  const std::vector<Source>& sources_;
-  const Columns& columns_;
-};
-
-/// The sums of every transducer, and the largest of them and of the plain ones.
-double sum_naively(const Layout& layout, const DriveOptions& options, DriveScratch& scratch, double shared) {
-  const Asks asks(layout, options, scratch);
+/// Replaces `scratch.sums` by the sums of `columns`, each times its factor `heard`. Returns the largest magnitude among
+/// these sums and those with the factors `plain`.
+double sum_columns(DriveScratch& scratch) {
+  const Columns& columns = scratch.columns;
   double largest = 0;
-  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
-    Complex plain = 0;
-    for (std::size_t j = 0; j < scratch.sources.size(); ++j) {
-      const Complex asked = asks.of(t, j);
-      plain += asked;
-      scratch.sums[t] += relative_gain(scratch.sources[j], shared) * asked;
+  for (std::size_t t = 0; t < columns.transducers; ++t) {
+    Complex plain = 0, heard = 0;
+    for (std::size_t j = 0; j < columns.foci; ++j) {
+      const Complex asked = columns.ask(t * columns.foci + j);
+      plain += scratch.weights[j].plain * asked;
+      heard += scratch.weights[j].heard * asked;
     }
-    largest = std::max({largest, std::abs(plain), std::abs(scratch.sums[t])});
+    scratch.sums[t] = heard;
+    largest = std::max({largest, std::norm(plain), std::norm(heard)});
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
-/// The same with the factors of gs_pat.
+/// The same for the sources with `scratch.weights`.
+double sum_sources(const Layout& layout, const DriveOptions& options, DriveScratch& scratch) {
+  scratch.sums.resize(layout.transducers.size());
+  if (!options.transfer) {
+    return sum_freely(layout, scratch.sources, scratch.weights, options.weighting, options.medium, scratch.sums);
+  }
+  options.transfer->fill(scratch.sources, options.weighting, scratch.columns);
+  return sum_columns(scratch);
+}
+
+/// The same with the factors of gs_pat, from `scratch.columns`.
 double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
   multiply(columns, scratch.matrix);
   gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, care_of(options.solver), scratch.weights,
          scratch.gs_pat);
-  double largest = 0;
-  for (std::size_t t = 0; t < columns.transducers; ++t) {
-    Complex plain = 0;
-    for (std::size_t j = 0; j < columns.foci; ++j) {
-      const Complex asked = columns.ask(t * columns.foci + j);
-      plain += scratch.weights[j].plain * asked;
-      scratch.sums[t] += scratch.weights[j].heard * asked;
-    }
-    largest = std::max({largest, std::norm(plain), std::norm(scratch.sums[t])});
-  }
+  scratch.sums.resize(columns.transducers);
+  const double largest = sum_columns(scratch);
   gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
-  return std::sqrt(largest);
+  return largest;
 }
 
 void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, double shared) {
@@ -160,12 +109,16 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
       scratch.gains.push_back(relative_gain(source, shared));
     if (options.solver == Solver::greedy) return drive_greedily(out, scratch, shared);
   }
-  scratch.sums.assign(out.size(), 0);
-  const double largest = solved ? sum_weighted(options, scratch) : sum_naively(layout, options, scratch, shared);
-  for (std::size_t t = 0; t < out.size(); ++t) {
-    const double amplitude = constrained(std::abs(scratch.sums[t]), largest, options.constraint);
-    out[t] = {as_amplitude(amplitude * shared), as_phase(std::arg(scratch.sums[t]))};
+  double largest = 0;
+  if (solved) {
+    largest = sum_weighted(options, scratch);
+  } else {
+    scratch.weights.clear();
+    for (const Source& source : scratch.sources)
+      scratch.weights.push_back({.heard = relative_gain(source, shared)});
+    largest = sum_sources(layout, options, scratch);
   }
+  constrain(scratch.sums, largest, options.constraint, shared, out);
 }
 
 /// Puts the drivable foci into `scratch.sources`.
@@ -173,11 +126,7 @@ void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveSc
   scratch.sources.clear();
   for (const SlotFocus& focus : foci) {
     if (!drivable(focus)) continue;
-    Source source{focus.position, 0, gain_of(focus)};
-    for (const Transducer& transducer : layout.transducers) {
-      source.reach = std::max(source.reach, glm::distance(transducer.position, focus.position));
-    }
-    scratch.sources.push_back(source);
+    scratch.sources.push_back({focus.position, reach_of(layout, focus.position), gain_of(focus)});
   }
 }
 
@@ -191,13 +140,11 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
     clamped.constraint = Constraint::clamp;
     return drive_one(layout, source, clamped, out, scratch.columns);
   }
-  const Asks asks(layout, options, scratch);
-  for (std::size_t t = 0; t < out.size(); ++t) {
-    Complex sum = 0;
-    for (std::size_t j = 0; j < scratch.sources.size(); ++j)
-      sum += scratch.factors[j] * asks.of(t, j);
-    out[t] = {as_amplitude(std::abs(sum)), as_phase(std::arg(sum))};
-  }
+  scratch.weights.clear();
+  for (const Complex& factor : scratch.factors)
+    scratch.weights.push_back({.heard = factor});
+  sum_sources(layout, options, scratch);
+  drive_sums(scratch.sums, 1, 1, out);
 }
 
 /// The factors that give the drivable foci their requested pressures.
@@ -293,7 +240,7 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
   scratch.foci.reserve(most_foci);
   scratch.sums.reserve(transducers);
   scratch.phases.reserve(transducers);
-  scratch.weights.reserve(few);
+  scratch.weights.reserve(most_foci);
   Columns& columns = scratch.columns;
   // hear_all processes at least one transducer for all foci at a time.
   for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})

@@ -1,41 +1,12 @@
 #include "array/free_field.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "array/turns.hpp"
+
 namespace palpa::array {
-namespace {
-
-/// Rounds to the nearest whole number, within 2^51; written so that compilers vectorise loops over it.
-double nearest(double x) {
-  constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
-  return (x + shift) - shift;
-}
-
-/// sin(2 pi x) for x in -1/4..1/4: Taylor's series, with a remainder below 1e-15.
-double sine_of_turns(double x) {
-  constexpr double turn = 2 * std::numbers::pi;
-  constexpr std::array<double, 10> inverse_factorials{1.0,
-                                                      -1.0 / 6,
-                                                      1.0 / 120,
-                                                      -1.0 / 5040,
-                                                      1.0 / 362880,
-                                                      -1.0 / 39916800,
-                                                      1.0 / 6227020800,
-                                                      -1.0 / 1307674368000,
-                                                      1.0 / 355687428096000,
-                                                      -1.0 / 121645100408832000};
-  const double y = x * turn;
-  const double square = y * y;
-  double series = inverse_factorials[9];
-  for (int i = 8; i >= 0; --i)
-    series = series * square + inverse_factorials[i];
-  return y * series;
-}
-
-}  // namespace
 
 void FreeField::set(const Layout& layout, const Medium& medium, Directivity kind) {
   layout_ = &layout;
@@ -84,13 +55,8 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std
     const double falls_to = table_[i] + (table_[i + 1] - table_[i]) * between;
     columns.loud[entry] = falls_to / std::max(distance[entry], radius);
   }
-  for (std::size_t entry = 0; entry < entries; ++entry) {
-    const double part = turns[entry] - nearest(turns[entry]);
-    const double size = std::abs(part);
-    // Uses the quarter turn on either side of the steep part of each curve.
-    columns.cosine[entry] = sine_of_turns(0.25 - size);
-    columns.sine[entry] = std::copysign(sine_of_turns(0.25 - std::abs(0.25 - size)), part);
-  }
+  for (std::size_t entry = 0; entry < entries; ++entry)
+    wave_of_turns(turns[entry], columns.cosine[entry], columns.sine[entry]);
   for (std::size_t n = 0; n < columns.transducers; ++n) {
     for (std::size_t j = 0; j < foci.size(); ++j) {
       double& asked = columns.asked[n * foci.size() + j];
