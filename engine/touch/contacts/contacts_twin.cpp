@@ -1,5 +1,7 @@
 #include "touch/contacts/contacts_twin.hpp"
 
+#include <algorithm>
+
 #include "shaders/touch/contacts/contacts_math.h"
 #include "shaders/touch/contacts/parts_depth.h"
 
@@ -12,15 +14,27 @@ bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) 
   return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 
-/// The depth of Eq. (1) below the nearest plane; 0 outside.
-float plane_depth(const PreparedSolids& solids, std::uint32_t solid, const Float3& p) {
+/// The number of the cell in which a coordinate lies, for a box from `low` on.
+std::uint32_t along(float x, float low, float cells_per_metre, std::uint32_t per_axis) {
+  return std::min(static_cast<std::uint32_t>(std::max((x - low) * cells_per_metre, 0.0F)), per_axis - 1);
+}
+
+/// Eq. (1)'s depth below the nearest plane of a convex solid; 0 outside and, unless `deep`, if the cell lies deeper
+/// than delta. `p` is in the solid's box.
+float plane_cell_depth(const PreparedSolids& solids, const shader::SolidRecord& solid, const Float3& p, float delta,
+                       bool deep) {
+  const std::uint32_t axis = solid.cells_per_axis;
+  const std::uint32_t x = along(p.x, solid.low.x, solid.cells_per_metre.x, axis),
+                      y = along(p.y, solid.low.y, solid.cells_per_metre.y, axis),
+                      z = along(p.z, solid.low.z, solid.cells_per_metre.z, axis);
+  const shader::PlaneCell& cell = solids.cells[solid.first_cell + (z * axis + y) * axis + x];
+  if (cell.deepest <= 0 || (cell.shallowest >= delta && !deep)) return 0;
   float depth = 3.0e38F;
-  for (std::uint32_t m = solids.first_plane[solid]; m < solids.first_plane[solid + 1] && depth > 0; ++m) {
-    const shader::vec4& plane = solids.planes[m];
-    const float d = shader::plane_depth({plane.x, plane.y, plane.z}, plane.w, p);
-    depth = d < depth ? d : depth;
+  for (std::uint32_t i = 0; i < cell.count && depth > 0; ++i) {
+    const shader::vec4& plane = solids.planes[cell.first + i];
+    depth = std::min(depth, shader::plane_depth({plane.x, plane.y, plane.z}, plane.w, p));
   }
-  return depth > 0 ? depth : 0;
+  return std::max(depth, 0.0F);
 }
 
 struct Inside {
@@ -47,7 +61,7 @@ Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& poi
     if (place.region == geometry::Region::outside) return {};
     return {place.depth_m, place.region == geometry::Region::shell};
   }
-  const float depth = plane_depth(solids, solid, p);
+  const float depth = plane_cell_depth(solids, record, p, delta, parameters.wants_deep());
   return {depth, depth > 0 && depth < delta};
 }
 
