@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -30,41 +31,96 @@ std::uint32_t why_dropped(std::span<const shader::SkinVolume> volumes, const glm
   return raw > limit ? shader::skin_background : shader::skin_kept;
 }
 
+/// Neighbouring pixels of a row, looked at together.
+constexpr std::uint32_t together = 64;
+struct Pixels {
+  std::array<float, together> x, y, z;                ///< in the world
+  std::array<std::uint32_t, together> is_out_of_box;  ///< not 0: or of the crop's depths
+};
+
+struct Bounds {
+  glm::vec3 low, high;
+};
+
+/// Returns how many of the pixels are within the crop's depths; if none are, `out` has nothing.
+[[gnu::always_inline]] inline std::uint32_t look(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
+                                                 const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
+  const std::uint32_t least = crop.depth_low, span = crop.depth_high - least;
+  std::uint32_t within = 0;
+  for (std::uint32_t n = 0; n < count; ++n)
+    within += depth[n] - least <= span ? 1U : 0U;
+  if (within == 0) return 0;
+  const auto& pose = crop.rows_of_pose;
+  const float unit = crop.depth_unit;
+  const glm::vec3 low = box.low, high = box.high;
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const float z = static_cast<float>(depth[n]) * unit;
+    const float x = rays[n].x * z, y = rays[n].y * z;
+    const float wx = ((pose[0][0] * x + pose[0][1] * y) + pose[0][2] * z) + pose[0][3];
+    const float wy = ((pose[1][0] * x + pose[1][1] * y) + pose[1][2] * z) + pose[1][3];
+    const float wz = ((pose[2][0] * x + pose[2][1] * y) + pose[2][2] * z) + pose[2][3];
+    out.x[n] = wx;
+    out.y[n] = wy;
+    out.z[n] = wz;
+    std::uint32_t is_out = depth[n] - least > span ? 1U : 0U;
+    is_out |= wx < low.x ? 1U : 0U;
+    is_out |= wy < low.y ? 1U : 0U;
+    is_out |= wz < low.z ? 1U : 0U;
+    is_out |= wx > high.x ? 1U : 0U;
+    is_out |= wy > high.y ? 1U : 0U;
+    is_out |= wz > high.z ? 1U : 0U;
+    out.is_out_of_box[n] = is_out;
+  }
+  return within;
+}
+std::uint32_t look_plain(const Crop& crop, const Bounds& box, const std::uint16_t* depth, const glm::vec2* rays,
+                         std::uint32_t count, Pixels& __restrict out) {
+  return look(crop, box, depth, rays, count, out);
+}
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] std::uint32_t look_avx2(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
+                                                const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
+  return look(crop, box, depth, rays, count, out);
+}
+#endif
+decltype(&look_plain) best_look() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return look_avx2;
+#endif
+  return look_plain;
+}
+
 /// `limits`: of the camera's padded pixels; empty if it has no background.
 void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const glm::vec2> rays,
-                  std::span<const std::uint16_t> depth, const glm::vec3& low, const glm::vec3& high,
-                  std::span<const shader::SkinVolume> volumes, std::span<const std::uint16_t> limits,
-                  SkinOfFrame& out) {
+                  std::span<const std::uint16_t> depth, const Bounds& box, std::span<const shader::SkinVolume> volumes,
+                  std::span<const std::uint16_t> limits, SkinOfFrame& out) {
+  static const auto look_at = best_look();
   const bool all_skin = volumes.empty() && limits.empty();
-  const auto& pose = crop.rows_of_pose;
-  const std::uint32_t span = crop.depth_high - crop.depth_low;
   const std::uint32_t end_column = std::min(crop.first_column + crop.blocks_per_row * block_pixels, table.width);
+  Pixels pixels;
   for (std::uint32_t v = crop.first_row; v < crop.first_row + crop.rows; ++v) {
     if (v % crop.stride != 0) continue;
     const std::uint16_t* row = depth.data() + std::size_t{v} * table.width;
     const glm::vec2* ray_row = rays.data() + table.first_pixel + std::size_t{v} * table.pitch;
-    for (std::uint32_t u = crop.first_column; u < end_column; ++u) {
-      if (row[u] - crop.depth_low > span || u % crop.stride != 0) continue;
-      const float z = static_cast<float>(row[u]) * crop.depth_unit;
-      const float x = ray_row[u].x * z, y = ray_row[u].y * z;
-      glm::vec3 world;
-      for (int i = 0; i < 3; ++i)
-        world[i] = ((pose[i][0] * x + pose[i][1] * y) + pose[i][2] * z) + pose[i][3];
-      if (world.x < low.x || world.y < low.y || world.z < low.z || world.x > high.x || world.y > high.y ||
-          world.z > high.z) {
-        continue;
-      }
-      const SkinPoint point{world, static_cast<std::uint32_t>(table.first_index) + v * table.width + u};
-      if (!all_skin) {
-        const std::uint16_t limit = limits.empty() ? 65535 : limits[std::size_t{v} * table.pitch + u];
-        const std::uint32_t why = why_dropped(volumes, world, row[u], limit);
-        if (why != shader::skin_kept) {
-          ++out.dropped.counts[why];
-          if (out.wants_leavings) out.leavings.push_back(point);
-          continue;
+    for (std::uint32_t first = crop.first_column; first < end_column; first += together) {
+      const std::uint32_t count = std::min(together, end_column - first);
+      if (look_at(crop, box, row + first, ray_row + first, count, pixels) == 0) continue;
+      for (std::uint32_t n = 0; n < count; ++n) {
+        const std::uint32_t u = first + n;
+        if (pixels.is_out_of_box[n] != 0 || (crop.stride != 1 && u % crop.stride != 0)) continue;
+        const SkinPoint point{{pixels.x[n], pixels.y[n], pixels.z[n]},
+                              static_cast<std::uint32_t>(table.first_index) + v * table.width + u};
+        if (!all_skin) {
+          const std::uint16_t limit = limits.empty() ? 65535 : limits[std::size_t{v} * table.pitch + u];
+          const std::uint32_t why = why_dropped(volumes, point.position, row[u], limit);
+          if (why != shader::skin_kept) {
+            ++out.dropped.counts[why];
+            if (out.wants_leavings) out.leavings.push_back(point);
+            continue;
+          }
         }
+        out.points.push_back(point);
       }
-      out.points.push_back(point);
     }
   }
 }
@@ -77,12 +133,12 @@ void find_skin(const RayTables& tables, std::span<const DepthFrame> frames, cons
   out.leavings.clear();
   out.dropped = {};
   check_frames(tables, frames);
-  const glm::vec3 low(box.low), high(box.high);
+  const Bounds bounds{glm::vec3(box.low), glm::vec3(box.high)};
   for (const Crop& crop : crops) {
     const CameraTable& table = tables.cameras[crop.camera];
     const auto limits =
         table.background ? std::span(tables.limits).subspan(table.first_pixel) : std::span<const std::uint16_t>();
-    find_in_crop(crop, table, tables.rays, frames[crop.camera].depth, low, high, volumes, limits, out);
+    find_in_crop(crop, table, tables.rays, frames[crop.camera].depth, bounds, volumes, limits, out);
   }
 }
 

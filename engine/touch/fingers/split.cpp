@@ -170,21 +170,30 @@ class Parts {
 
   /// Grows groups of samples, the most certain pair first.
   void grow() {
+    std::array<std::array<SplitLink, most>, most> links{};
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b)
+        links[a][b] = links[b][a] = link_between(a, b, known_, two_);
+    }
     for (;;) {
-      std::optional<SplitLink> surest;
+      const SplitLink* surest = nullptr;
       std::size_t keeps = 0, goes = 0;
       for (std::size_t a = 0; a < count_; ++a) {
         for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
           if (members_[b] == 0) continue;
-          const SplitLink link = link_between(a, b, known_, two_);
-          if (!can_grow(link) || (surest && !surer(link, *surest))) continue;
-          surest = link;
+          if (!can_grow(links[a][b]) || (surest && !surer(links[a][b], *surest))) continue;
+          surest = &links[a][b];
           keeps = a;
           goes = b;
         }
       }
       if (!surest) return;
       join(keeps, goes);
+      for (std::size_t other = 0; other < count_; ++other) {
+        SplitLink& link = links[keeps][other];
+        link = {link.known + links[goes][other].known, link.two + links[goes][other].two};
+        links[other][keeps] = link;
+      }
     }
   }
 
