@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
@@ -47,9 +48,9 @@ void add_options_of_bench(CLI::App& app, BenchCommand& o) {
 std::string bench_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
   std::string csv = "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver\n";
   for (const bench::Row& row : rows) {
-    csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},\"{}\",\"{}\"\n", row.suite, row.name, row.stage,
-                       row.median_ms, row.p99_ms, row.least_ms, row.runs, row.value, row.unit, row.note, device.name,
-                       device.driver);
+    csv += fmt::format("{},{},{},{:.5g},{:.5g},{:.5g},{},{:.6g},{},{},{},{}\n", row.suite, csv_cell(row.name),
+                       row.stage, row.median_ms, row.p99_ms, row.least_ms, row.runs, row.value, row.unit,
+                       csv_cell(row.note), csv_cell(device.name), csv_cell(device.driver));
   }
   return csv;
 }
@@ -74,10 +75,10 @@ std::string bench_json(const std::vector<bench::Row>& rows, const gpu::DeviceDes
 
 std::string bench_table(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device,
                         std::uint64_t resident) {
-  std::string text = fmt::format("{}, {}\n{:<9} {:<28} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
+  std::string text = fmt::format("{}, {}\n{:<9} {:<32} {:<14} {:>10} {:>10} {:>10}\n", device.name, device.driver,
                                  "suite", "case", "stage", "median ms", "p99 ms", "min ms");
   for (const bench::Row& row : rows) {
-    text += fmt::format("{:<9} {:<28} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
+    text += fmt::format("{:<9} {:<32} {:<14} {:>10.3f} {:>10.3f} {:>10.3f}", row.suite, row.name, row.stage,
                         row.median_ms, row.p99_ms, row.least_ms);
     if (row.value > 0) text += fmt::format("  {:.0f} {}", row.value, row.unit);
     if (!row.note.empty()) text += "; " + row.note;

@@ -20,7 +20,7 @@ std::string implausible_size(const Box& box) {
   const Vec3 extent = box.high - box.low;
   const double size = std::max({extent.x, extent.y, extent.z});
   if (!(size > largest || size < smallest)) return {};
-  const std::string so_far = fmt::format("measures {} (coordinates are metres)", readable(size));
+  std::string so_far = fmt::format("measures {} (coordinates are metres)", readable(size));
   for (const auto& [unit, metres] :
        {std::pair("millimetres", 1e-3), std::pair("micrometres", 1e-6), std::pair("kilometres", 1e3)}) {
     if (size * metres < smallest || size * metres > largest) continue;

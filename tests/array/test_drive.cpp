@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "array/free_drives.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "support/thrown.hpp"
@@ -351,6 +352,18 @@ TEST_P(DriveOn, DegenerateLayouts) {
     EXPECT_EQ(drives[0][0].amplitude, 1);
     EXPECT_EQ(drives[0][0].phase, 0);
     EXPECT_EQ(drives[2][0].amplitude, 1);
+  }
+}
+
+TEST(DriveSums, HaveTheAngleAndTheShareOfTheirSums) {
+  std::vector<Complex> sums{0, {0, 1}, {0, -1}, {-1, 0}, {1, 0}, {1e-200, -1e-200}, 3};
+  for (int turns = 0; turns < 720; ++turns)
+    sums.push_back(std::polar(0.5, (turns - 359.5) * pi / 360));
+  Drive drive(sums.size());
+  drive_sums(sums, 2, 0.5, drive);
+  for (std::size_t n = 0; n < sums.size(); ++n) {
+    EXPECT_NEAR(drive[n].phase, std::arg(sums[n]), 2.4e-7) << sums[n];
+    EXPECT_FLOAT_EQ(drive[n].amplitude, 0.5F * std::min(1.0F, static_cast<float>(std::abs(sums[n]) / 2))) << sums[n];
   }
 }
 

@@ -300,7 +300,7 @@ std::vector<std::string> agree_on_shapes(std::vector<Folder>& folders) {
   }
   if (told.empty()) return ordered(std::move(shown), paper_shapes());
   const Told& most = *std::ranges::max_element(told, {}, &Told::logs);  // the first of several
-  const std::vector<std::string> shapes = most.first->shapes;
+  std::vector<std::string> shapes = most.first->shapes;
   const std::string teller = most.first->name;
   const auto only_in = [](const std::vector<std::string>& some, const std::vector<std::string>& others) {
     std::vector<std::string> only;

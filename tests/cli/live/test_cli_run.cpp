@@ -451,10 +451,13 @@ TEST(CliBench, ChecksThenMeasures) {
   std::string header, line;
   std::getline(csv, header);
   EXPECT_EQ(header, "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
-  int totals = 0;
-  while (std::getline(csv, line))
+  int totals = 0, splits_of_host = 0;
+  while (std::getline(csv, line)) {
     totals += line.find(",total,") != std::string::npos ? 1 : 0;
-  EXPECT_EQ(totals, 3);
+    splits_of_host += line.find(R"(, host",split,)") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(totals, 6) << "each case on the device and on the host";
+  EXPECT_EQ(splits_of_host, 3);
 }
 
 TEST(CliBench, MeasuresWhatLinksCost) {
