@@ -36,13 +36,13 @@ struct Places {
 /// The amplitude that a focus asks of a transducer: its distance over the reach, or 1. One formula for both, because
 /// compilers do not vectorise a loop with a choice.
 struct Asked {
-  double times, plus, over;
+  double slope, level, reach;
 
   Asked(const FocusSource& source, Weighting weighting)
-      : times(weighting == Weighting::uniform || source.reach == 0 ? 0 : 1),
-        plus(1 - times),
-        over(times > 0 ? source.reach : 1) {}
-  [[gnu::always_inline]] inline double at(double distance) const { return (distance * times + plus) / over; }
+      : slope(weighting == Weighting::uniform || source.reach == 0 ? 0 : 1),
+        level(1 - slope),
+        reach(slope > 0 ? source.reach : 1) {}
+  [[gnu::always_inline]] inline double at(double distance) const { return (distance * slope + level) / reach; }
 };
 
 struct OneFocus {
