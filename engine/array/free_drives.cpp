@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "array/turns.hpp"
+#include "base/lanes.hpp"
 
 namespace palpa::array {
 namespace {
@@ -185,58 +186,38 @@ void turn_plain(std::span<const Complex> sums, const Turned& by, std::span<Trans
 double farthest_plain(const Layout& layout, const Vec3& focus) {
   return farthest(layout, focus);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void one_avx2(const Layout& layout, const OneFocus& focus, std::span<TransducerDrive> out) {
+PALPA_AVX2 void one_avx2(const Layout& layout, const OneFocus& focus, std::span<TransducerDrive> out) {
   one(layout, focus, out);
 }
-[[gnu::target("avx2")]] double sum_avx2(const Layout& layout, const SeveralFoci& foci, std::span<Complex> sums) {
+PALPA_AVX2 double sum_avx2(const Layout& layout, const SeveralFoci& foci, std::span<Complex> sums) {
   return sum(layout, foci, sums);
 }
-[[gnu::target("avx2")]] void turn_avx2(std::span<const Complex> sums, const Turned& by,
-                                       std::span<TransducerDrive> out) {
+PALPA_AVX2 void turn_avx2(std::span<const Complex> sums, const Turned& by, std::span<TransducerDrive> out) {
   turn(sums, by, out);
 }
-[[gnu::target("avx2")]] double farthest_avx2(const Layout& layout, const Vec3& focus) {
+PALPA_AVX2 double farthest_avx2(const Layout& layout, const Vec3& focus) {
   return farthest(layout, focus);
-}
-#endif
-
-struct Kernels {
-  decltype(&one_plain) one = one_plain;
-  decltype(&sum_plain) sum = sum_plain;
-  decltype(&turn_plain) turn = turn_plain;
-  decltype(&farthest_plain) farthest = farthest_plain;
-};
-
-const Kernels& kernels() {
-  static const Kernels chosen = [] {
-    Kernels best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {one_avx2, sum_avx2, turn_avx2, farthest_avx2};
-#endif
-    return best;
-  }();
-  return chosen;
 }
 
 }  // namespace
 
 double reach_of(const Layout& layout, const Vec3& focus) {
-  return kernels().farthest(layout, focus);
+  return (has_avx2() ? farthest_avx2 : farthest_plain)(layout, focus);
 }
 
 void drive_one_freely(const Layout& layout, const FocusSource& source, Weighting weighting, const Medium& medium,
                       std::span<TransducerDrive> out) {
-  kernels().one(layout, {source, Asked(source, weighting), medium.turns_per_metre()}, out);
+  (has_avx2() ? one_avx2 : one_plain)(layout, {source, Asked(source, weighting), medium.turns_per_metre()}, out);
 }
 
 double sum_freely(const Layout& layout, std::span<const FocusSource> sources, std::span<const FocusWeight> weights,
                   Weighting weighting, const Medium& medium, std::span<Complex> sums) {
-  return std::sqrt(kernels().sum(layout, {sources, weights, weighting, medium.turns_per_metre()}, sums));
+  return std::sqrt(
+      (has_avx2() ? sum_avx2 : sum_plain)(layout, {sources, weights, weighting, medium.turns_per_metre()}, sums));
 }
 
 void drive_sums(std::span<const Complex> sums, double largest, double gain, std::span<TransducerDrive> out) {
-  kernels().turn(sums, {largest, gain}, out);
+  (has_avx2() ? turn_avx2 : turn_plain)(sums, {largest, gain}, out);
 }
 
 }  // namespace palpa::array

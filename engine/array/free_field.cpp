@@ -2,11 +2,73 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "array/turns.hpp"
+#include "base/lanes.hpp"
 
 namespace palpa::array {
+namespace {
+
+/// What is to be filled in.
+struct Wanted {
+  const Layout& layout;
+  std::span<const FocusSource> foci;
+  Weighting weighting;
+  std::size_t first;  ///< transducer
+  double turns_per_metre;
+  const std::vector<double>& table;
+};
+
+[[gnu::always_inline]] inline void fill_all(const Wanted& wanted, Columns& columns) {
+  const std::size_t foci = columns.foci, entries = foci * columns.transducers;
+  double* const cosine = columns.cosine.data();
+  double* const sine = columns.sine.data();
+  double* const loud = columns.loud.data();
+  double* const distance = columns.asked.data();
+  double* const turns = cosine;
+  double* const slant = sine;
+  for (std::size_t n = 0; n < columns.transducers; ++n) {
+    const auto [position, axis] = wanted.layout.transducers[wanted.first + n];
+    for (std::size_t j = 0; j < foci; ++j) {
+      const std::size_t entry = n * foci + j;
+      const Vec3 way = wanted.foci[j].position - position;
+      const double d = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+      distance[entry] = d;
+      // At the transducer itself there is no angle; treated as on its axis.
+      slant[entry] = d > 0 ? (way.x * axis.x + way.y * axis.y + way.z * axis.z) / d : 1.0;
+      turns[entry] = d * wanted.turns_per_metre;
+    }
+  }
+  constexpr auto last = static_cast<double>(directivity_steps);
+  const double radius = wanted.layout.transducer_radius_m;
+  const double* const table = wanted.table.data();
+  for (std::size_t entry = 0; entry < entries; ++entry) {
+    const double at = std::min(std::max((slant[entry] + 1) * (0.5 * last), 0.0), last);
+    const std::int32_t i = std::min(static_cast<std::int32_t>(at), static_cast<std::int32_t>(directivity_steps) - 1);
+    const double between = at - static_cast<double>(i);
+    const double falls_to = table[i] + (table[i + 1] - table[i]) * between;
+    loud[entry] = falls_to / std::max(distance[entry], radius);
+  }
+  for (std::size_t entry = 0; entry < entries; ++entry)
+    wave_of_turns(turns[entry], cosine[entry], sine[entry]);
+  for (std::size_t n = 0; n < columns.transducers; ++n) {
+    for (std::size_t j = 0; j < foci; ++j) {
+      double& asked = columns.asked[n * foci + j];
+      const double reach = wanted.foci[j].reach;
+      asked = wanted.weighting == Weighting::uniform || reach == 0 ? 1.0 : asked / reach;
+    }
+  }
+}
+void fill_plain(const Wanted& wanted, Columns& columns) {
+  fill_all(wanted, columns);
+}
+PALPA_AVX2 void fill_avx2(const Wanted& wanted, Columns& columns) {
+  fill_all(wanted, columns);
+}
+
+}  // namespace
 
 void FreeField::set(const Layout& layout, const Medium& medium, Directivity kind) {
   layout_ = &layout;
@@ -24,45 +86,11 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, Col
 
 void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std::size_t first, std::size_t count,
                      Columns& columns) const {
-  const Layout& layout = *layout_;
-  const double turns_per_metre = turns_per_metre_, radius = layout.transducer_radius_m;
   columns.foci = foci.size();
   columns.transducers = count;
-  const std::size_t entries = columns.foci * columns.transducers;
   for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
-    values->resize(entries);
-
-  double* const turns = columns.cosine.data();
-  double* const slant = columns.sine.data();
-  double* const distance = columns.asked.data();
-  for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const auto& [position, axis] = layout.transducers[first + n];
-    for (std::size_t j = 0; j < foci.size(); ++j) {
-      const std::size_t entry = n * foci.size() + j;
-      const Vec3 way = foci[j].position - position;
-      const double d = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
-      distance[entry] = d;
-      // At the transducer itself there is no angle; treated as on its axis.
-      slant[entry] = d > 0 ? (way.x * axis.x + way.y * axis.y + way.z * axis.z) / d : 1.0;
-      turns[entry] = d * turns_per_metre;
-    }
-  }
-  constexpr auto last = static_cast<double>(directivity_steps);
-  for (std::size_t entry = 0; entry < entries; ++entry) {
-    const double at = std::clamp((slant[entry] + 1) * (0.5 * last), 0.0, last);
-    const std::size_t i = std::min(static_cast<std::size_t>(at), directivity_steps - 1);
-    const double between = at - static_cast<double>(i);
-    const double falls_to = table_[i] + (table_[i + 1] - table_[i]) * between;
-    columns.loud[entry] = falls_to / std::max(distance[entry], radius);
-  }
-  for (std::size_t entry = 0; entry < entries; ++entry)
-    wave_of_turns(turns[entry], columns.cosine[entry], columns.sine[entry]);
-  for (std::size_t n = 0; n < columns.transducers; ++n) {
-    for (std::size_t j = 0; j < foci.size(); ++j) {
-      double& asked = columns.asked[n * foci.size() + j];
-      asked = weighting == Weighting::uniform || foci[j].reach == 0 ? 1.0 : asked / foci[j].reach;
-    }
-  }
+    values->resize(foci.size() * count);
+  (has_avx2() ? fill_avx2 : fill_plain)({*layout_, foci, weighting, first, turns_per_metre_, table_}, columns);
 }
 
 }  // namespace palpa::array

@@ -1,12 +1,13 @@
 #include "array/transfer.hpp"
 
-namespace palpa::array {
+#include "base/lanes.hpp"
 
-void multiply(const Columns& columns, FocusMatrix& matrix) {
+namespace palpa::array {
+namespace {
+
+[[gnu::always_inline]] inline void add_all(const Columns& columns, double* __restrict matrix_re,
+                                           double* __restrict matrix_im) {
   const std::size_t foci = columns.foci;
-  matrix.foci = foci;
-  matrix.re.assign(foci * foci, 0);
-  matrix.im.assign(foci * foci, 0);
   for (std::size_t n = 0; n < columns.transducers; ++n) {
     const double* const cosine = &columns.cosine[n * foci];
     const double* const sine = &columns.sine[n * foci];
@@ -14,14 +15,29 @@ void multiply(const Columns& columns, FocusMatrix& matrix) {
     for (std::size_t column = 0; column < foci; ++column) {
       const double re = columns.asked[n * foci + column] * cosine[column];
       const double im = -columns.asked[n * foci + column] * sine[column];
-      double* const real = &matrix.re[column * foci];
-      double* const imaginary = &matrix.im[column * foci];
+      double* const real = matrix_re + column * foci;
+      double* const imaginary = matrix_im + column * foci;
       for (std::size_t row = 0; row < foci; ++row) {
         real[row] += loud[row] * (cosine[row] * re - sine[row] * im);
         imaginary[row] += loud[row] * (cosine[row] * im + sine[row] * re);
       }
     }
   }
+}
+void add_plain(const Columns& columns, double* matrix_re, double* matrix_im) {
+  add_all(columns, matrix_re, matrix_im);
+}
+PALPA_AVX2 void add_avx2(const Columns& columns, double* matrix_re, double* matrix_im) {
+  add_all(columns, matrix_re, matrix_im);
+}
+
+}  // namespace
+
+void multiply(const Columns& columns, FocusMatrix& matrix) {
+  matrix.foci = columns.foci;
+  matrix.re.assign(columns.foci * columns.foci, 0);
+  matrix.im.assign(columns.foci * columns.foci, 0);
+  (has_avx2() ? add_avx2 : add_plain)(columns, matrix.re.data(), matrix.im.data());
 }
 
 }  // namespace palpa::array

@@ -1,6 +1,7 @@
 // Several floats at a time in compiler vectors. The arithmetic is the same for any width. The calling code compiles its
-// loop for several kinds of processor and chooses one at run time (galerkin_kernels.cpp). Every width gives the same
-// bits unless the kind of processor lets the compiler fuse multiplications with additions: "fma" does, "avx2" does not.
+// loop for several kinds of processor and chooses one at run time (array/transfer.cpp, galerkin_kernels.cpp). Every
+// width gives the same bits unless the kind of processor lets the compiler fuse multiplications with additions: "fma"
+// does, "avx2" does not.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,23 @@
 // Vectors wider than the processor's registers are only passed within one inlined function, so no ABI is affected.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
+// A function with this attribute is compiled for processors with AVX2, with all that is inlined into it. Call it only
+// if has_avx2().
+#if defined(__x86_64__)
+#define PALPA_AVX2 [[gnu::target("avx2")]]
+#else
+#define PALPA_AVX2
+#endif
+
 namespace palpa {
+
+inline bool has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") != 0;
+#else
+  return false;
+#endif
+}
 
 struct Lanes4 {
   static constexpr int width = 4;

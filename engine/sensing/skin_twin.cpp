@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/lanes.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -77,24 +78,16 @@ std::uint32_t look_plain(const Crop& crop, const Bounds& box, const std::uint16_
                          std::uint32_t count, Pixels& __restrict out) {
   return look(crop, box, depth, rays, count, out);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] std::uint32_t look_avx2(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
-                                                const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
+PALPA_AVX2 std::uint32_t look_avx2(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
+                                   const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
   return look(crop, box, depth, rays, count, out);
-}
-#endif
-decltype(&look_plain) best_look() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return look_avx2;
-#endif
-  return look_plain;
 }
 
 /// `limits`: of the camera's padded pixels; empty if it has no background.
 void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const glm::vec2> rays,
                   std::span<const std::uint16_t> depth, const Bounds& box, std::span<const shader::SkinVolume> volumes,
                   std::span<const std::uint16_t> limits, SkinOfFrame& out) {
-  static const auto look_at = best_look();
+  const auto look_at = has_avx2() ? look_avx2 : look_plain;
   const bool all_skin = volumes.empty() && limits.empty();
   const std::uint32_t end_column = std::min(crop.first_column + crop.blocks_per_row * block_pixels, table.width);
   Pixels pixels;

@@ -215,48 +215,28 @@ void add_plain(std::span<const std::complex<float>> strengths, std::span<const T
 void receive_plain(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
   receive_all<Lanes4>(rows, sound, sums);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void receive_avx2(std::span<const SourceBlock> rows, const TransferBlock& sound,
-                                          std::span<LaneSums> sums) {
+PALPA_AVX2 void receive_avx2(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
   receive_all<Lanes8>(rows, sound, sums);
 }
-[[gnu::target("avx2")]] void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to,
-                                           bool slopes, TransferBlock& out) {
+PALPA_AVX2 void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
+                              TransferBlock& out) {
   transfer_all(setting, from, to, slopes, out);
 }
-[[gnu::target("avx2")]] void add_avx2(std::span<const std::complex<float>> strengths,
-                                      std::span<const TransferBlock> sounds, bool slopes, SumBlock& sum) {
+PALPA_AVX2 void add_avx2(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds,
+                         bool slopes, SumBlock& sum) {
   add_all<Lanes8>(strengths, sounds, slopes, sum);
-}
-#endif
-
-struct Kernels {
-  decltype(&transfer_plain) transfer = transfer_plain;
-  decltype(&add_plain) add = add_plain;
-  decltype(&receive_plain) receive = receive_plain;
-};
-
-const Kernels& kernels() {
-  static const Kernels chosen = [] {
-    Kernels best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {transfer_avx2, add_avx2, receive_avx2};
-#endif
-    return best;
-  }();
-  return chosen;
 }
 
 }  // namespace
 
 void transfer(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
               TransferBlock& out) {
-  kernels().transfer(setting, from, to, slopes, out);
+  (has_avx2() ? transfer_avx2 : transfer_plain)(setting, from, to, slopes, out);
 }
 
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum) {
-  kernels().add(strengths, sounds, slopes, sum);
+  (has_avx2() ? add_avx2 : add_plain)(strengths, sounds, slopes, sum);
 }
 
 void add_slopes(std::complex<float> factor, TransferBlock& sound) {
@@ -268,7 +248,7 @@ void add_slopes(std::complex<float> factor, TransferBlock& sound) {
 }
 
 void add_received(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
-  kernels().receive(rows, sound, sums);
+  (has_avx2() ? receive_avx2 : receive_plain)(rows, sound, sums);
 }
 
 std::complex<double> LaneSums::total() const {

@@ -144,34 +144,14 @@ void turn_plain(const Work& work, float stiffness, float most_turn, LaneDrives& 
 void grow_plain(const Work& work, std::size_t every, Pairs& pairs) {
   grow_all(work, every, pairs);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void listen_avx2(const LaneColumns& columns, const LaneDrives& does, Sums& re, Sums& im) {
+PALPA_AVX2 void listen_avx2(const LaneColumns& columns, const LaneDrives& does, Sums& re, Sums& im) {
   listen_all(columns, does, re, im);
 }
-[[gnu::target("avx2")]] void turn_avx2(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re,
-                                       Sums& im) {
+PALPA_AVX2 void turn_avx2(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re, Sums& im) {
   turn_all(work, stiffness, most_turn, tried, re, im);
 }
-[[gnu::target("avx2")]] void grow_avx2(const Work& work, std::size_t every, Pairs& pairs) {
+PALPA_AVX2 void grow_avx2(const Work& work, std::size_t every, Pairs& pairs) {
   grow_all(work, every, pairs);
-}
-#endif
-
-struct Passes {
-  decltype(&listen_plain) listen = listen_plain;
-  decltype(&turn_plain) turn = turn_plain;
-  decltype(&grow_plain) grow = grow_plain;
-};
-
-const Passes& passes() {
-  static const Passes chosen = [] {
-    Passes best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) best = {listen_avx2, turn_avx2, grow_avx2};
-#endif
-    return best;
-  }();
-  return chosen;
 }
 
 double total(const Vector& lanes) {
@@ -224,7 +204,7 @@ void give_back(const LaneDrives& lanes, std::span<Complex> does) {
 
 void hear_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<Complex> pressure) {
   Sums re{}, im{};
-  passes().listen(columns, does, re, im);
+  (has_avx2() ? listen_avx2 : listen_plain)(columns, does, re, im);
   total(re, im, pressure);
 }
 
@@ -235,8 +215,8 @@ void turn_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<co
   tried.im.resize(does.im.size());
   const Pulls pulls(pull), stiff(held.stiff);
   Sums re{}, im{};
-  passes().turn({columns, does, pulls, stiff, static_cast<float>(held.soft)}, static_cast<float>(stiffness),
-                static_cast<float>(most_turn), tried, re, im);
+  (has_avx2() ? turn_avx2 : turn_plain)({columns, does, pulls, stiff, static_cast<float>(held.soft)},
+                                        static_cast<float>(stiffness), static_cast<float>(most_turn), tried, re, im);
   total(re, im, pressure);
 }
 
@@ -247,7 +227,7 @@ void find_growth(const LaneColumns& columns, const LaneDrives& does, std::span<c
   Pairs pairs;
   const std::size_t foci = columns.foci;
   std::fill_n(pairs.begin(), foci * (foci + 1) / 2, zero());
-  passes().grow({columns, does, turns, stiff, static_cast<float>(held.soft)}, every, pairs);
+  (has_avx2() ? grow_avx2 : grow_plain)({columns, does, turns, stiff, static_cast<float>(held.soft)}, every, pairs);
   std::size_t pair = 0;
   for (std::size_t j = 0; j < foci; ++j) {
     for (std::size_t k = 0; k <= j; ++k)

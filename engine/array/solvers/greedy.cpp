@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/lanes.hpp"
+
 namespace palpa::array {
 
 std::uint32_t greedy_stride(std::uint32_t transducers) {
@@ -17,10 +19,51 @@ std::uint32_t greedy_stride(std::uint32_t transducers) {
   return stride;
 }
 
+namespace {
+
+using Phases = std::array<double, greedy_phases>;
+using Foci = std::array<double, most_solved_foci>;
+
+/// A transducer's sound at each focus, and what is there so far.
+struct Choice {
+  std::size_t foci;
+  const Foci &give_re, &give_im, &energy, &re, &im, &size, &lacks;
+  const Phases &cosine, &sine;
+};
+
+/// What each phase costs.
+[[gnu::always_inline]] inline void cost_all(const Choice& choice, Phases& __restrict costs) {
+  costs = {};
+  for (std::size_t j = 0; j < choice.foci; ++j) {
+    const double give_re = choice.give_re[j], give_im = choice.give_im[j], energy = choice.energy[j];
+    const double re = choice.re[j], im = choice.im[j], size = choice.size[j], lacks = choice.lacks[j];
+    for (std::uint32_t c = 0; c < greedy_phases; ++c) {
+      const double x = give_re * choice.cosine[c] - give_im * choice.sine[c];
+      const double y = give_re * choice.sine[c] + give_im * choice.cosine[c];
+      // How much louder the focus becomes, |p + g'| - |p|, and how that changes the square. Differences of large
+      // numbers would leave nothing to compare in single precision.
+      const double new_re = re + x;
+      const double new_im = im + y;
+      const double sum = std::sqrt(new_re * new_re + new_im * new_im) + size;
+      const double gained = (2 * (re * x + im * y) + energy) / std::max(sum, 1e-30);
+      costs[c] += gained * (gained - 2 * lacks);
+    }
+  }
+}
+void cost_plain(const Choice& choice, Phases& costs) {
+  cost_all(choice, costs);
+}
+PALPA_AVX2 void cost_avx2(const Choice& choice, Phases& costs) {
+  cost_all(choice, costs);
+}
+
+}  // namespace
+
 void greedy(const Columns& columns, std::span<const double> gains, std::span<std::uint8_t> phases) {
   const std::size_t foci = columns.foci;
   assert(gains.size() == foci && phases.size() == columns.transducers && foci <= most_solved_foci);
-  std::array<double, greedy_phases> cosine{}, sine{};
+  const auto cost = has_avx2() ? cost_avx2 : cost_plain;
+  Phases cosine{}, sine{}, costs{};
   for (std::uint32_t c = 0; c < greedy_phases; ++c) {
     cosine[c] = std::cos(2 * std::numbers::pi * c / greedy_phases);
     sine[c] = std::sin(2 * std::numbers::pi * c / greedy_phases);
@@ -30,7 +73,8 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
     squares += gain * gain;
   const double share = squares > 0 ? 1 / std::sqrt(squares) : 0;
 
-  std::array<double, most_solved_foci> re{}, im{}, size{}, give_re{}, give_im{}, energy{}, lacks{};
+  Foci re{}, im{}, size{}, give_re{}, give_im{}, energy{}, lacks{};
+  const Choice choice{foci, give_re, give_im, energy, re, im, size, lacks, cosine, sine};
   const auto transducers = static_cast<std::uint32_t>(columns.transducers);
   const std::uint32_t stride = greedy_stride(transducers);
   double level = 0;
@@ -47,26 +91,10 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
     level += std::sqrt(total / static_cast<double>(foci));
     for (std::size_t j = 0; j < foci; ++j)
       lacks[j] = gains[j] * share * level - size[j];
-    std::uint32_t best = 0;
-    double least = 0;
-    // For the first transducer, all phases are equivalent.
-    for (std::uint32_t c = 0; c < (done == 0 ? 1 : greedy_phases); ++c) {
-      double cost = 0;
-      for (std::size_t j = 0; j < foci; ++j) {
-        const double x = give_re[j] * cosine[c] - give_im[j] * sine[c];
-        const double y = give_re[j] * sine[c] + give_im[j] * cosine[c];
-        // How much louder the focus becomes, |p + g'| - |p|, and how that changes the square. Differences of large
-        // numbers would leave nothing to compare in single precision.
-        const double new_re = re[j] + x;
-        const double new_im = im[j] + y;
-        const double sum = std::sqrt(new_re * new_re + new_im * new_im) + size[j];
-        const double gained = (2 * (re[j] * x + im[j] * y) + energy[j]) / std::max(sum, 1e-30);
-        cost += gained * (gained - 2 * lacks[j]);
-      }
-      if (c == 0 || cost < least) {
-        least = cost;
-        best = c;
-      }
+    std::size_t best = 0;
+    if (done > 0) {  // for the first transducer, all phases are equivalent
+      cost(choice, costs);
+      best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
     }
     for (std::size_t j = 0; j < foci; ++j) {
       re[j] += give_re[j] * cosine[best] - give_im[j] * sine[best];

@@ -101,18 +101,9 @@ void run_plain(const SinglePart& part, const std::array<float, most_searched_foc
                Starts& starts) {
   run_all(part, claims, steps, starts);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void run_avx2(const SinglePart& part, const std::array<float, most_searched_foci>& claims,
-                                      std::uint32_t steps, Starts& starts) {
+PALPA_AVX2 void run_avx2(const SinglePart& part, const std::array<float, most_searched_foci>& claims,
+                         std::uint32_t steps, Starts& starts) {
   run_all(part, claims, steps, starts);
-}
-#endif
-
-decltype(&run_plain) best_kernel() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return run_avx2;
-#endif
-  return run_plain;
 }
 
 }  // namespace
@@ -135,7 +126,7 @@ void take_single(const Columns& columns, SinglePart& part) {
 
 void run_starts(const SinglePart& part, std::span<const double> claims, std::uint32_t steps,
                 std::span<std::complex<double>> starts, std::span<double> merits) {
-  static const auto run = best_kernel();
+  const auto run = has_avx2() ? run_avx2 : run_plain;
   const std::size_t foci = part.foci, count = merits.size();
   assert(count <= starts_together && foci <= most_searched_foci && starts.size() == count * foci);
   std::array<float, most_searched_foci> single{};

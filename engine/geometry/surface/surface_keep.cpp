@@ -40,33 +40,20 @@ template <class L>
   return out;
 }
 
-using Keep = std::uint32_t* (*)(const Contest&, bool, std::span<const std::uint32_t>, const float*, std::size_t,
-                                std::uint32_t*);
-
 std::uint32_t* keep_plain(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
                           const float* d2, std::size_t stride, std::uint32_t* out) {
   return keep_with<Lanes4>(contest, rivals_stay, list, d2, stride, out);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] std::uint32_t* keep_avx2(const Contest& contest, bool rivals_stay,
-                                                 std::span<const std::uint32_t> list, const float* d2,
-                                                 std::size_t stride, std::uint32_t* out) {
+PALPA_AVX2 std::uint32_t* keep_avx2(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
+                                    const float* d2, std::size_t stride, std::uint32_t* out) {
   return keep_with<Lanes8>(contest, rivals_stay, list, d2, stride, out);
-}
-#endif
-
-Keep best_keep() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return keep_avx2;
-#endif
-  return keep_plain;
 }
 
 }  // namespace
 
 std::uint32_t keep_unbeaten(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
                             const float* d2, std::size_t stride, std::vector<std::uint32_t>& kept) {
-  static const Keep best = best_keep();
+  const auto best = has_avx2() ? keep_avx2 : keep_plain;
   const std::size_t before = kept.size();
   kept.resize(before + list.size());
   const std::uint32_t* end = best(contest, rivals_stay, list, d2, stride, kept.data() + before);

@@ -69,35 +69,21 @@ template <class L>
   return i;
 }
 
-using Distances2 = void (*)(const shader::SurfaceTriangle&, const float*, const float*, const float*, std::size_t,
-                            float*);
-
 void distances2_plain(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z,
                       std::size_t count, float* out) {
   distances2_of<Lanes4>(t, x, y, z, 0, count, out);
 }
-#if defined(__x86_64__)
-// Without "fma", so the bits are the same as those of distances2_plain().
-[[gnu::target("avx2")]] void distances2_avx2(const shader::SurfaceTriangle& t, const float* x, const float* y,
-                                             const float* z, std::size_t count, float* out) {
+PALPA_AVX2 void distances2_avx2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z,
+                                std::size_t count, float* out) {
   const std::size_t rest = distances2_of<Lanes8>(t, x, y, z, 0, count, out);
   distances2_of<Lanes4>(t, x, y, z, rest, count, out);
-}
-#endif
-
-Distances2 best_distances2() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return distances2_avx2;
-#endif
-  return distances2_plain;
 }
 
 }  // namespace
 
 void distances2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z, std::size_t count,
                 float* out) {
-  static const Distances2 best = best_distances2();
-  best(t, x, y, z, count, out);
+  (has_avx2() ? distances2_avx2 : distances2_plain)(t, x, y, z, count, out);
 }
 
 Vec3 nearest_point(const shader::SurfaceTriangle& t, const Vec3& p) {

@@ -124,22 +124,9 @@ void respond_plain(const Block& in, const AfferentModel& m, double level, const 
                    const std::array<double, after_samples + 1>& after, Spikes& out) {
   respond_block(in, m, level, filter, after, out);
 }
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void respond_avx2(const Block& in, const AfferentModel& m, double level,
-                                          const Coefficients& filter,
-                                          const std::array<double, after_samples + 1>& after, Spikes& out) {
+PALPA_AVX2 void respond_avx2(const Block& in, const AfferentModel& m, double level, const Coefficients& filter,
+                             const std::array<double, after_samples + 1>& after, Spikes& out) {
   respond_block(in, m, level, filter, after, out);
-}
-#endif
-
-decltype(&respond_plain) kernel() {
-  static const auto chosen = [] {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return &respond_avx2;
-#endif
-    return &respond_plain;
-  }();
-  return chosen;
 }
 
 }  // namespace
@@ -157,9 +144,9 @@ Spikes respond(const SkinMotion& motion, const AfferentModel& model, double leve
   const auto after = after_spike(model);
   for (std::size_t b = 0; b < velocity.blocks(); ++b) {
     const std::size_t first = b * lanes;
-    kernel()({motion.stress.block(b), velocity.block(b), velocity.samples(), from,
-              std::min(lanes, velocity.sites() - first), first},
-             model, level, filter, after, out);
+    (has_avx2() ? respond_avx2 : respond_plain)({motion.stress.block(b), velocity.block(b), velocity.samples(), from,
+                                                 std::min(lanes, velocity.sites() - first), first},
+                                                model, level, filter, after, out);
   }
   return out;
 }
