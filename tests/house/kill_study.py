@@ -327,20 +327,23 @@ class KilledStudies:
         """Kills while `goes_on(kills)`; then lets the participant finish."""
         while goes_on(sum(self.kills.values())) and len(self.faults) < 5:
             self.next_participant()
-            # On a busy machine, drives get lost or windows stand still. The scripted people then end the program, but
-            # each start brings them some steps further.
-            finished, idle, answered = False, 0, 0
-            while not finished and idle < 5 and len(self.faults) < 5:
+            # On a busy machine, drives get lost or windows stand still. The scripted people then end the program, and it is
+            # started again, as long as it now and then brings them a step further.
+            finished, answered, since = False, 0, time.monotonic()
+            while not finished and len(self.faults) < 5:
                 if goes_on(sum(self.kills.values())):
                     finished = self.attempt()
+                    since = time.monotonic()
                     continue
                 process = self.start()
                 process.wait(WHOLE_S)
                 finished = self.ended(process)
                 answers = self.journal().count(b'"answer"')
-                idle, answered = (0 if answers > answered else idle + 1), answers
-                if not finished and idle == 5:
-                    self.fault(f"the participant does not finish: {(self.folder / 'stderr').read_text()[-300:]}")
+                if answers > answered:
+                    answered, since = answers, time.monotonic()
+                if not finished and time.monotonic() - since > WHOLE_S:
+                    self.fault(f"no step becomes complete in {WHOLE_S} s: {(self.folder / 'stderr').read_text()[-300:]}")
+                    break
             if finished:
                 self.end_participant()
 
