@@ -410,10 +410,16 @@ class Autd3Board final : public Board {
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
-    if (sound_speed_m_s_ > most_sound_speed_m_s) return false;
+    if (sound_speed_m_s_ > most_sound_speed_m_s || layout_.frequency_hz != period_hz) return false;
+    // Devices get the speed in steps, which matter if it is low and the way long.
+    constexpr double most_turns_off = 2.0 / 256;
+    const double told_m_s = std::round(sound_speed_m_s_ * sound_speed_steps) / sound_speed_steps;
+    const double off_turns_per_m = std::abs(1 / told_m_s - 1 / sound_speed_m_s_) * period_hz;
     return std::ranges::all_of(foci, [&](const Vec3& focus) {
-      for (std::size_t d = 0; d < remote_.devices(); ++d)
-        if (!within_reach(fixed(focus, d))) return false;
+      for (std::size_t d = 0; d < remote_.devices(); ++d) {
+        const double way = glm::length(focus - layout_.transducers[layout_.boards[d].first].position);
+        if (!within_reach(fixed(focus, d)) || way * off_turns_per_m > most_turns_off) return false;
+      }
       return true;
     });
   }

@@ -178,7 +178,7 @@ void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, doub
   out.u8(segment);
   out.u8(no_transition);
   out.u8(1);  // focus per part
-  out.u16(static_cast<std::uint16_t>(std::lround(64 * sound_speed_m_s)));
+  out.u16(static_cast<std::uint16_t>(std::lround(sound_speed_steps * sound_speed_m_s)));
   out.u16(divider);
   out.u16(for_ever);
   out.zeros(4 + 8);

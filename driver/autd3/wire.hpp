@@ -79,7 +79,8 @@ struct FixedPoint {
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
 /// The highest sound speed that a device can be sent: 64ths of a metre per second in 16 bits.
-inline constexpr double most_sound_speed_m_s = 65535.0 / 64;
+inline constexpr double sound_speed_steps = 64;  ///< per m/s
+inline constexpr double most_sound_speed_m_s = 65535 / sound_speed_steps;
 /// How many foci one message takes.
 inline constexpr std::size_t most_foci = 72;
 /// Whether a device can take the focus: its computation does not overflow.

@@ -152,7 +152,7 @@ struct Turned {
       im[n] = sums[first + n].imag();
     }
     for (std::size_t n = 0; n < block; ++n)
-      share[n] = std::min(1.0, std::sqrt(re[n] * re[n] + im[n] * im[n]) / by.largest);
+      share[n] = std::min(std::sqrt(re[n] * re[n] + im[n] * im[n]) / by.largest, 1.0);  // NaN stays
     find_angles(re, im, angle);
     std::array<float, block> amplitude, phase;
     for (std::size_t n = 0; n < block; ++n) {

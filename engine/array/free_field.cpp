@@ -45,7 +45,7 @@ struct Wanted {
   const double radius = wanted.layout.transducer_radius_m;
   const double* const table = wanted.table.data();
   for (std::size_t entry = 0; entry < entries; ++entry) {
-    const double at = std::min(std::max((slant[entry] + 1) * (0.5 * last), 0.0), last);
+    const double at = std::min(std::max(0.0, (slant[entry] + 1) * (0.5 * last)), last);
     const std::int32_t i = std::min(static_cast<std::int32_t>(at), static_cast<std::int32_t>(directivity_steps) - 1);
     const double between = at - static_cast<double>(i);
     const double falls_to = table[i] + (table[i + 1] - table[i]) * between;

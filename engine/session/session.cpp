@@ -116,7 +116,9 @@ LinkSetting Session::link_setting() const {
           .foci_move = !still,
           .sound_speed_m_s = setting.drive.medium.sound_speed,
           .ramp_s = setting.safety.ramp_s,
-          .free_field = !setting.finger && !setting.own_solver && setting.drive.transfer == nullptr};
+          // Boards compute phases for their own frequency.
+          .free_field = !setting.finger && !setting.own_solver && setting.drive.transfer == nullptr &&
+                        setting.drive.medium.frequency == setting.layout.frequency_hz};
 }
 
 void Session::warm_up() {

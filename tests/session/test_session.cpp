@@ -185,6 +185,13 @@ TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
   }
 }
 
+TEST_P(Touching, BoardsMayComputePhasesOnlyAtTheirOwnFrequency) {
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("autd3")};
+  EXPECT_TRUE(make(setting).link_setting().free_field);
+  setting.drive.medium.frequency = 41e3;
+  EXPECT_FALSE(make(setting).link_setting().free_field);
+}
+
 TEST_P(Touching, ASolverOfOnesOwnMakesEveryDrive) {
   SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("openmpd")};
   std::size_t calls = 0;

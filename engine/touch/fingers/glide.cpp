@@ -1,5 +1,4 @@
 #include "touch/fingers/glide.hpp"
-#include "shaders/touch/contacts/reach.h"
 
 #include <algorithm>
 #include <array>
