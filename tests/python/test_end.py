@@ -32,11 +32,12 @@ def ring(finger):
 openmpd = palpa.Layout("openmpd")
 options = {"source": "synthetic", "layout": "openmpd", "noise_free": True, "backend": "cpu", "link": "record:" + sys.argv[1]}
 """
+# Two threads print: each prints a line as one string, since the other's can come between two.
 ENDLESS = """
 def stuck(touch):
     look(touch)
     if sounds.is_set():
-        print("stuck", flush=True)
+        print("stuck\\n", end="", flush=True)
         %s
 """
 CASES = {
@@ -54,7 +55,7 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_interpreter_ends_whatever_a_session_runs(case, tmp_path):
-    code = SESSION + CASES[case] + "sounds.wait()\nprint('ends', flush=True)\nsys.exit(3)\n"
+    code = SESSION + CASES[case] + "sounds.wait()\nprint('ends\\n', end='', flush=True)\nsys.exit(3)\n"
     done = subprocess.run([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, without_lateness(done.stderr)) == (3, "") and "ends\n" in done.stdout
     assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
