@@ -31,7 +31,7 @@ void constrain(std::span<const Complex> sums, double largest, Constraint constra
 void drive_one(const Layout& layout, const Source& source, const DriveOptions& options, std::span<TransducerDrive> out,
                Columns& columns) {
   const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
-  if (!options.transfer) return drive_one_freely(layout, source, weighting, options.medium, out);
+  if (!options.transfer) return drive_focus_in_free_field(layout, source, weighting, options.medium, out);
   options.transfer->fill(std::span(&source, 1), weighting, columns);
   for (std::size_t t = 0; t < out.size(); ++t)
     out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
@@ -69,7 +69,8 @@ double sum_columns(DriveScratch& scratch) {
 double sum_sources(const Layout& layout, const DriveOptions& options, DriveScratch& scratch) {
   scratch.sums.resize(layout.transducers.size());
   if (!options.transfer) {
-    return sum_freely(layout, scratch.sources, scratch.weights, options.weighting, options.medium, scratch.sums);
+    return sum_foci_in_free_field(layout, scratch.sources, scratch.weights, options.weighting, options.medium,
+                                  scratch.sums);
   }
   options.transfer->fill(scratch.sources, options.weighting, scratch.columns);
   return sum_columns(scratch);

@@ -205,13 +205,14 @@ double reach_of(const Layout& layout, const Vec3& focus) {
   return (has_avx2() ? farthest_avx2 : farthest_plain)(layout, focus);
 }
 
-void drive_one_freely(const Layout& layout, const FocusSource& source, Weighting weighting, const Medium& medium,
-                      std::span<TransducerDrive> out) {
+void drive_focus_in_free_field(const Layout& layout, const FocusSource& source, Weighting weighting,
+                               const Medium& medium, std::span<TransducerDrive> out) {
   (has_avx2() ? one_avx2 : one_plain)(layout, {source, Asked(source, weighting), medium.turns_per_metre()}, out);
 }
 
-double sum_freely(const Layout& layout, std::span<const FocusSource> sources, std::span<const FocusWeight> weights,
-                  Weighting weighting, const Medium& medium, std::span<Complex> sums) {
+double sum_foci_in_free_field(const Layout& layout, std::span<const FocusSource> sources,
+                              std::span<const FocusWeight> weights, Weighting weighting, const Medium& medium,
+                              std::span<Complex> sums) {
   return std::sqrt(
       (has_avx2() ? sum_avx2 : sum_plain)(layout, {sources, weights, weighting, medium.turns_per_metre()}, sums));
 }

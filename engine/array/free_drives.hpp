@@ -22,13 +22,14 @@ namespace palpa::array {
 double reach_of(const Layout& layout, const Vec3& focus);
 
 /// The paper's q_k of one focus times its gain.
-void drive_one_freely(const Layout& layout, const FocusSource& source, Weighting weighting, const Medium& medium,
-                      std::span<TransducerDrive> out);
+void drive_focus_in_free_field(const Layout& layout, const FocusSource& source, Weighting weighting,
+                               const Medium& medium, std::span<TransducerDrive> out);
 
 /// Replaces `sums` by the sum of every q_j times its factor `heard`, for each transducer. Returns the largest magnitude
 /// among these sums and those with the factors `plain`.
-double sum_freely(const Layout& layout, std::span<const FocusSource> sources, std::span<const FocusWeight> weights,
-                  Weighting weighting, const Medium& medium, std::span<std::complex<double>> sums);
+double sum_foci_in_free_field(const Layout& layout, std::span<const FocusSource> sources,
+                              std::span<const FocusWeight> weights, Weighting weighting, const Medium& medium,
+                              std::span<std::complex<double>> sums);
 
 /// Replaces `out` by `sums` as drives: amplitudes |sum| / `largest`, at most 1, times `gain`.
 void drive_sums(std::span<const std::complex<double>> sums, double largest, double gain,

@@ -1,6 +1,6 @@
 #include "array/resolution.hpp"
 
-#include <algorithm>
+#include "array/free_drives.hpp"
 
 namespace palpa::array {
 
@@ -10,10 +10,7 @@ std::vector<FocusPair> unresolved_pairs(const Layout& layout, std::span<const Sl
   std::vector<std::size_t> numbers;
   for (std::size_t j = 0; j < foci.size(); ++j) {
     if (!drivable(foci[j])) continue;
-    FocusSource source{foci[j].position, 0, 1};
-    for (const Transducer& transducer : layout.transducers)
-      source.reach = std::max(source.reach, glm::distance(transducer.position, source.position));
-    sources.push_back(source);
+    sources.push_back({foci[j].position, reach_of(layout, foci[j].position), 1});
     numbers.push_back(j);
   }
   std::vector<FocusPair> pairs;

@@ -1,5 +1,5 @@
 // Several floats at a time in compiler vectors. The arithmetic is the same for any width. The calling code compiles its
-// loop for several kinds of processor and chooses one at run time (array/transfer.cpp, galerkin_kernels.cpp). Every
+// loop for several kinds of processor and chooses one at run time (search_lanes.cpp, galerkin_kernels.cpp). Every
 // width gives the same bits unless the kind of processor lets the compiler fuse multiplications with additions: "fma"
 // does, "avx2" does not.
 #pragma once

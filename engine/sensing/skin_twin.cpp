@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
-#include "base/lanes.hpp"
+#include "sensing/skin_pixels.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -32,75 +31,23 @@ std::uint32_t why_dropped(std::span<const shader::SkinVolume> volumes, const glm
   return raw > limit ? shader::skin_background : shader::skin_kept;
 }
 
-/// Neighbouring pixels of a row, looked at together.
-constexpr std::uint32_t together = 64;
-struct Pixels {
-  std::array<float, together> x, y, z;                ///< in the world
-  std::array<std::uint32_t, together> is_out_of_box;  ///< not 0: or of the crop's depths
-};
-
-struct Bounds {
-  glm::vec3 low, high;
-};
-
-/// Returns how many of the pixels are within the crop's depths; if none are, `out` has nothing.
-[[gnu::always_inline]] inline std::uint32_t look(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
-                                                 const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
-  const std::uint32_t least = crop.depth_low, span = crop.depth_high - least;
-  std::uint32_t within = 0;
-  for (std::uint32_t n = 0; n < count; ++n)
-    within += depth[n] - least <= span ? 1U : 0U;
-  if (within == 0) return 0;
-  const auto& pose = crop.rows_of_pose;
-  const float unit = crop.depth_unit;
-  const glm::vec3 low = box.low, high = box.high;
-  for (std::uint32_t n = 0; n < count; ++n) {
-    const float z = static_cast<float>(depth[n]) * unit;
-    const float x = rays[n].x * z, y = rays[n].y * z;
-    const float wx = ((pose[0][0] * x + pose[0][1] * y) + pose[0][2] * z) + pose[0][3];
-    const float wy = ((pose[1][0] * x + pose[1][1] * y) + pose[1][2] * z) + pose[1][3];
-    const float wz = ((pose[2][0] * x + pose[2][1] * y) + pose[2][2] * z) + pose[2][3];
-    out.x[n] = wx;
-    out.y[n] = wy;
-    out.z[n] = wz;
-    std::uint32_t is_out = depth[n] - least > span ? 1U : 0U;
-    is_out |= wx < low.x ? 1U : 0U;
-    is_out |= wy < low.y ? 1U : 0U;
-    is_out |= wz < low.z ? 1U : 0U;
-    is_out |= wx > high.x ? 1U : 0U;
-    is_out |= wy > high.y ? 1U : 0U;
-    is_out |= wz > high.z ? 1U : 0U;
-    out.is_out_of_box[n] = is_out;
-  }
-  return within;
-}
-std::uint32_t look_plain(const Crop& crop, const Bounds& box, const std::uint16_t* depth, const glm::vec2* rays,
-                         std::uint32_t count, Pixels& __restrict out) {
-  return look(crop, box, depth, rays, count, out);
-}
-PALPA_AVX2 std::uint32_t look_avx2(const Crop& crop, const Bounds& box, const std::uint16_t* depth,
-                                   const glm::vec2* rays, std::uint32_t count, Pixels& __restrict out) {
-  return look(crop, box, depth, rays, count, out);
-}
-
 /// `limits`: of the camera's padded pixels; empty if it has no background.
 void find_in_crop(const Crop& crop, const CameraTable& table, std::span<const glm::vec2> rays,
                   std::span<const std::uint16_t> depth, const Bounds& box, std::span<const shader::SkinVolume> volumes,
                   std::span<const std::uint16_t> limits, SkinOfFrame& out) {
-  const auto look_at = has_avx2() ? look_avx2 : look_plain;
   const bool all_skin = volumes.empty() && limits.empty();
   const std::uint32_t end_column = std::min(crop.first_column + crop.blocks_per_row * block_pixels, table.width);
-  Pixels pixels;
+  SkinPixels pixels;
   for (std::uint32_t v = crop.first_row; v < crop.first_row + crop.rows; ++v) {
     if (v % crop.stride != 0) continue;
     const std::uint16_t* row = depth.data() + std::size_t{v} * table.width;
     const glm::vec2* ray_row = rays.data() + table.first_pixel + std::size_t{v} * table.pitch;
-    for (std::uint32_t first = crop.first_column; first < end_column; first += together) {
-      const std::uint32_t count = std::min(together, end_column - first);
-      if (look_at(crop, box, row + first, ray_row + first, count, pixels) == 0) continue;
+    for (std::uint32_t first = crop.first_column; first < end_column; first += SkinPixels::most) {
+      const std::uint32_t count = std::min(SkinPixels::most, end_column - first);
+      if (!place_pixels(crop, box, row + first, ray_row + first, count, pixels)) continue;
       for (std::uint32_t n = 0; n < count; ++n) {
         const std::uint32_t u = first + n;
-        if (pixels.is_out_of_box[n] != 0 || (crop.stride != 1 && u % crop.stride != 0)) continue;
+        if (pixels.is_out[n] != 0 || (crop.stride != 1 && u % crop.stride != 0)) continue;
         const SkinPoint point{{pixels.x[n], pixels.y[n], pixels.z[n]},
                               static_cast<std::uint32_t>(table.first_index) + v * table.width + u};
         if (!all_skin) {

@@ -213,6 +213,9 @@ class KilledStudies:
         except FileNotFoundError:
             return b""
 
+    def answers(self):
+        return self.journal().count(b'"answer"')
+
     def lines(self):
         """The number of lines of the journal. Reads only what is new: this is called again and again."""
         try:
@@ -329,18 +332,18 @@ class KilledStudies:
             self.next_participant()
             # On a busy machine, drives get lost or windows stand still. The scripted people then end the program, and it is
             # started again, as long as it now and then brings them a step further.
-            finished, answered, since = False, 0, time.monotonic()
+            finished, since = False, time.monotonic()
             while not finished and len(self.faults) < 5:
                 if goes_on(sum(self.kills.values())):
                     finished = self.attempt()
                     since = time.monotonic()
                     continue
+                answered = self.answers()
                 process = self.start()
                 process.wait(WHOLE_S)
                 finished = self.ended(process)
-                answers = self.journal().count(b'"answer"')
-                if answers > answered:
-                    answered, since = answers, time.monotonic()
+                if self.answers() > answered:
+                    since = time.monotonic()
                 if not finished and time.monotonic() - since > WHOLE_S:
                     self.fault(f"no step becomes complete in {WHOLE_S} s: {(self.folder / 'stderr').read_text()[-300:]}")
                     break

@@ -27,8 +27,9 @@ struct LinkSetting {
   double sound_speed_m_s = 343.21;           ///< for boards that compute phases themselves
   double ramp_s = 0;          ///< --ramp: a link that supports it also moves from focus to focus in steps
   std::string board_files{};  ///< folder with the boards' own calibration; empty: none
-  /// The phases of a drive of one focus are those of its distances, which such boards compute, too. False: those of
-  /// another transfer than the free field, or of the caller's own solver.
+  /// The phases of a drive of one focus are those of its distances at the layout's frequency, which such boards
+  /// compute, too. False: those of another frequency, of another transfer than the free field, or of the caller's own
+  /// solver.
   bool free_field = true;
 };
 

@@ -43,7 +43,7 @@ shader::SolidRecord at_rest() {
 }
 
 void add_convex(PreparedSolids& table, std::size_t& listed, const geometry::Solid& solid,
-                const std::vector<LocalPlane>& planes, std::uint32_t first_plane) {
+                const std::vector<LocalPlane>& planes) {
   const Vec3 extent = solid.bounds.high - solid.bounds.low;
   const double margin = 1e-6 * (extent.x + extent.y + extent.z) + 1e-9;
   const Vec3 centre(glm::vec3(solid.bounds.centre()));  // rounded as in the shader
@@ -68,7 +68,7 @@ void add_convex(PreparedSolids& table, std::size_t& listed, const geometry::Soli
     table.cells.push_back(cell);
   }
   for (const std::uint32_t m : made.list)
-    table.planes.push_back(table.planes[first_plane + m]);
+    table.planes.push_back(to_float(planes[m]));
   listed += made.list.size();
 }
 
@@ -217,16 +217,13 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
     bool usable = (by_surface || !solid.planes.empty()) && !solid.bounds.empty() && finite(solid.bounds.low) &&
                   finite(solid.bounds.high);
     const Vec3 centre(glm::vec3(solid.bounds.centre()));
-    table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
     for (const geometry::Plane& plane : solid.planes) {
       if (by_surface) break;
       local[s].push_back({plane.normal, plane.offset - glm::dot(plane.normal, centre)});
-      table.planes.push_back(to_float(local[s].back()));
       usable = usable && finite(plane.normal) && std::isfinite(plane.offset);
     }
     if (!usable) throw bad_usage(fmt::format("solid '{}' has no planes or no finite box", solid.name));
   }
-  table.first_plane.push_back(static_cast<std::uint32_t>(table.planes.size()));
   std::size_t listed = 0;
   SurfaceBase next;
   SharedSurfaces shared;
@@ -246,7 +243,7 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
     if (asked_by_parts(solids[s])) {
       add_convex_parts(table, solids[s]);
     } else {
-      add_convex(table, listed, solids[s], local[s], table.first_plane[s]);
+      add_convex(table, listed, solids[s], local[s]);
     }
     table.T_rest_made.emplace_back(1);
     table.surfaces.emplace_back();

@@ -29,8 +29,7 @@ struct MadeFor {
 struct PreparedSolids {
   std::vector<shader::SolidRecord> records;  ///< posed
   std::vector<shader::PlaneCell> cells;      ///< solid after solid, x fastest
-  std::vector<shader::vec4> planes;          ///< first every plane of every solid, then the cells' lists
-  std::vector<std::uint32_t> first_plane;    ///< per solid, plus one past the last: the range of all its planes
+  std::vector<shader::vec4> planes;          ///< the cells' lists
   std::vector<geometry::Surface> surfaces;   ///< per solid; empty if the solid is looked up by its planes
   std::vector<SurfaceBase> surface_base;     ///< per solid
   std::vector<Vec3> centres;                 ///< per solid, in the place where it was made

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "base/error.hpp"
 #include "support/device.hpp"
@@ -228,6 +229,12 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
 TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
   for (const geometry::Solid& solid : {cube(), half_ball({0.3, -0.02, 0}, 0.02, 700), ball({0, 1, 0}, 0.4, 5000)}) {
     const PreparedSolids solids = prepare_solids({solid});
+    std::vector<shader::vec4> every_plane;  // relative to the box's centre, as in `solids`
+    for (const geometry::Plane& plane : solid.planes) {
+      const double offset = plane.offset - glm::dot(plane.normal, solids.centres[0]);
+      every_plane.push_back({static_cast<float>(plane.normal.x), static_cast<float>(plane.normal.y),
+                             static_cast<float>(plane.normal.z), static_cast<float>(offset)});
+    }
     // The point of it all: few planes where the shell is, and little memory.
     double listed = 0, cells = 0;
     for (const shader::PlaneCell& cell : solids.cells) {
@@ -247,17 +254,15 @@ TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
       const std::uint32_t y = along(p.y, record.low.y, record.cells_per_metre.y);
       const std::uint32_t z = along(p.z, record.low.z, record.cells_per_metre.z);
       const shader::PlaneCell& cell = solids.cells[(z * record.cells_per_axis + y) * record.cells_per_axis + x];
-      const auto least = [&](std::uint32_t first, std::uint32_t end) {
+      const auto least = [&](std::span<const shader::vec4> planes) {
         float depth = 1e30F;
-        for (std::uint32_t m = first; m < end; ++m) {
-          const shader::vec4& plane = solids.planes[m];
+        for (const shader::vec4& plane : planes)
           depth = std::min(depth, plane.w - (plane.x * p.x + plane.y * p.y + plane.z * p.z));
-        }
         return depth;
       };
-      const float all = least(solids.first_plane[0], solids.first_plane[1]);
+      const float all = least(every_plane);
       if (all <= 0) continue;  // a cell outside needs no list
-      ASSERT_EQ(least(cell.first, cell.first + cell.count), all) << solid.name;
+      ASSERT_EQ(least(std::span(solids.planes).subspan(cell.first, cell.count)), all) << solid.name;
       ASSERT_GE(all, cell.shallowest);
       ASSERT_LE(all, cell.deepest);
     }
