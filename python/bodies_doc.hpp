@@ -36,7 +36,7 @@ BadInput
 BadUsage
     Options do not go together.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)";
+    There is no usable GPU, but one was asked for.)";
 
 inline constexpr const char* figure6_doc =
     R"(The paper's Fig. 6: the finger in each of the paper's objects, with every method.

@@ -33,7 +33,7 @@ BadUsage
     A focus is at a transducer or farther than 100 m away, options do not go together, or the foci are known to be in
     another frame, as Finger.foci are in the world.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)";
+    There is no usable GPU, but one was asked for.)";
 
 inline constexpr const char* transfer_doc = R"(The sound between transducers and points as the solvers use it.
 
@@ -84,7 +84,7 @@ Raises
 BadUsage
     A drive of another layout, or places that are not finite or farther than 100 m away.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)";
+    There is no usable GPU, but one was asked for.)";
 
 inline constexpr const char* drive_doc = R"(The complex vector of Layout.solve, which has the same arguments.
 

@@ -164,7 +164,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   setup::warn_of_reach(layout, o.scene->solids);
   session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
   std::optional<gpu::Device> device;
-  if (options.common.backend == setup::Backend::gpu) device.emplace(setup::device_options(options.common));
+  if (setup::on_gpu(options.common)) device.emplace(setup::device_options(options.common));
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
   session::LinkSetting link_setting = session.link_setting();
@@ -173,7 +173,9 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   o.run.written = setup::outputs_of(options, links);
   session::RunOptions looking = observers_of(o, session);
   looking.frames = options.frames;
-  return session::run_points(session, *o.run.points, *link, o.run.stop, looking);
+  session::LoopStats stats = session::run_points(session, *o.run.points, *link, o.run.stop, looking);
+  setup::tell_backend(options.common, stats);
+  return stats;
 }
 
 void open_and_play(SessionObject& o, const setup::LiveOptions& options) {

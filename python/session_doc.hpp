@@ -32,7 +32,7 @@ BadUsage
 BadInput
     A file is missing or broken.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)";
+    There is no usable GPU, but one was asked for.)";
 
 inline constexpr const char* start_doc = R"(Start the live loop, and return at once.
 

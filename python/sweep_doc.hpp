@@ -34,7 +34,7 @@ BadInput
 BadUsage
     The folder has results of another version of palpa, or arguments do not go together.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)";
+    There is no usable GPU, but one was asked for.)";
 
 inline constexpr const char* gather_doc = R"(Write all results of a plan as one table, as palpa sweep --gather does.
 

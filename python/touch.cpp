@@ -131,7 +131,7 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
   };
   // Ctrl-C needs another thread, which costs more time than a small touch.
   constexpr std::size_t few_points = 100'000;
-  const bool is_small = o.common.backend == setup::Backend::cpu && !o.task.touch.tune && !o.task.felt.spectrum &&
+  const bool is_small = !setup::on_gpu(o.common) && !o.task.touch.tune && !o.task.felt.spectrum &&
                         input.points.size() < few_points && input.frames.empty();
   std::shared_ptr<TouchObject> made = is_small ? unlocked(compute) : cancellable(compute);
   own.throw_fault();
@@ -448,7 +448,7 @@ BadUsage
 BadInput
     A file that is missing or broken.
 NoDevice
-    There is no usable GPU; `backend="cpu"` needs none.)");
+    There is no usable GPU, but one was asked for.)");
   const py::object scene = m.attr("Scene");
   scene.attr("touch") =
       py::cpp_function(&touch_scene, py::name("touch"), py::is_method(scene), py::arg("skin") = py::none(),

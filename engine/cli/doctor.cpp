@@ -117,9 +117,10 @@ void append_json(JsonWriter& json, const DoctorSection& section) {
   json.end_array();
 }
 
-std::string doctor_json(const std::vector<DoctorSection>& sections, bool ok) {
+std::string doctor_json(const std::vector<DoctorSection>& sections, bool ok, const setup::UsedBackend& computes) {
   JsonWriter json;
   json.begin_object().member("ok", ok);
+  json.member("backend", word_of(setup::backend_words, computes.backend)).member("backend_why", computes.why);
   for (const DoctorSection& section : sections)
     append_json(json, section);
   json.key("notes").begin_object();
@@ -148,14 +149,16 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
   for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
   const bool ok = usable_gpu(sections.front());
+  const setup::UsedBackend computes = setup::used_backend(options.common);
 
-  if (!options.common.json.empty()) write_file(options.common.json, doctor_json(sections, ok));
+  if (!options.common.json.empty()) write_file(options.common.json, doctor_json(sections, ok, computes));
   if (setup::shows_summary(options.common, outputs)) {
     std::string text;
     for (const DoctorSection& section : sections)
       append_text(text, section);
     text += written;
-    text += ok ? "palpa can run here.\n" : "palpa can only compute on the CPU here (--backend cpu).\n";
+    text += fmt::format("palpa {} run here. It computes on {}, because {}.\n", ok ? "can" : "can only partly",
+                        computes.backend == setup::Backend::cpu ? "the processor" : "a GPU", computes.why);
     write_file("-", text);
   }
   if (!ok) throw Error(Exit::no_device, fmt::format("no usable Vulkan device: {}", driver_advice()));

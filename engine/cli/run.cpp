@@ -55,7 +55,7 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
 
 /// The message if something keeps palpa from ending.
 std::string late_line(const RunCommand& o) {
-  std::string waits = o.common.backend == setup::Backend::gpu ? "the GPU" : "a slow frame";
+  std::string waits = setup::on_gpu(o.common) ? "the GPU" : "a slow frame";
   for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
                                        std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
     if (!target.empty() && target != "null") waits += fmt::format(", {} {}", option, target);

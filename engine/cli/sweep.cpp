@@ -70,7 +70,7 @@ void check_sweep(const SweepCommand& o) {
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the cases: set seed in the plan");
   if (looks || gathers) {
     setup::refuse_gpu_options(o.common, "nothing is computed");
-    if (o.common.backend == setup::Backend::cpu && !o.estimate)
+    if (o.common.backend != setup::Backend::automatic && !o.estimate)
       throw bad_usage("--backend: nothing is computed; leave it out");
   }
 }
@@ -142,13 +142,14 @@ void look(const SweepCommand& o, const sweep::Plan& plan) {
   const sweep::Inputs inputs(plan);
   const std::vector<sweep::Case> all = sweep::list_cases(plan, inputs, o.estimate || !o.shard.empty());
   const std::vector<sweep::Case> mine = o.shard.empty() ? all : sweep::deal(all, sweep::parse_shard(o.shard));
-  const sweep::Forecast forecast = sweep::forecast_of(all, mine, o.out, o.common.backend);
+  const setup::Backend backend = setup::used_backend(o.common).backend;
+  const sweep::Forecast forecast = sweep::forecast_of(all, mine, o.out, backend);
   preparing.reset();
   if (o.estimate && !o.common.json.empty()) write_file(o.common.json, forecast_json(forecast));
   if (outputs.on_stdout()) return;
   // --quiet leaves out summaries; the list is the result.
   if (o.list) {
-    write_file("-", list_csv(plan, mine, o.estimate, forecast.factor, o.common.backend));
+    write_file("-", list_csv(plan, mine, o.estimate, forecast.factor, backend));
   } else if (!o.common.quiet) {
     write_file("-", forecast_text(forecast));
   }

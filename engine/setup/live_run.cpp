@@ -145,6 +145,12 @@ std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkK
   }
 }
 
+void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
+  const UsedBackend used = used_backend(options);
+  stats.backend = word_of(backend_words, used.backend);
+  stats.backend_why = used.why;
+}
+
 session::LoopStats LiveRun::run(const session::RunOptions& looking) {
   session::RunOptions options = looking;
   options.frames = options_.frames;
@@ -165,6 +171,7 @@ session::LoopStats LiveRun::run(const session::RunOptions& looking) {
     throw;
   }
   finish(sink_.get(), false);
+  tell_backend(options_.common, stats);
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
   if (recorder_ && stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came faster than they could be written; --every-frame waits for each",
@@ -201,6 +208,10 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
     ahead =
         fmt::format("foci played up to {:.1f} mm ahead of their fingers, for a latency of {:.0f} ms (median)\n",
                     stats.prediction->distance_m.quantile(1) * 1e3, stats.prediction->latency_s.quantile(0.5) * 1e3);
+  }
+  if (!stats.backend.empty()) {
+    text += fmt::format("computed on {}, because {}\n", stats.backend == "cpu" ? "the processor" : "a GPU",
+                        stats.backend_why);
   }
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
          session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);

@@ -73,6 +73,9 @@ class LiveRun {
   std::unique_ptr<session::Link> link_;
 };
 
+/// Fills in what computed a run, and why.
+void tell_backend(const ComputeOptions& options, session::LoopStats& stats);
+
 /// The measurements of a run as text, one per line, including every finger's pressure. If the run was recorded, the
 /// first line says how many frames are in the `recording`, and how many are missing.
 std::string summary(const session::LoopStats& stats, const std::string& recording = {});

@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <utility>
 
 #include "array/layouts/layout.hpp"
@@ -16,8 +14,6 @@
 namespace palpa::setup {
 
 namespace {
-
-bool keeps_devices = false;
 
 constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"gs-pat", SolverChoice::gs_pat},
@@ -50,8 +46,8 @@ void add_common(CLI::App& app, CommonOptions& options) {
   const Group group(app, "Common options");
   group.text("--gpu", options.gpu, "NAME|INDEX",
              "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
-  group.choice("--backend", options.backend, {{"gpu", Backend::gpu}, {"cpu", Backend::cpu}},
-               "what computes, a GPU or the processor; the results are the same");
+  group.choice("--backend", options.backend, backend_words,
+               "what computes, a GPU or the processor; auto takes a GPU if there is one; the results are the same");
   group.text("--json", options.json, "FILE|-", "writes the results as JSON into a file, or with - to stdout [no JSON]");
   group.flag("--quiet", options.quiet,
              "prints no summary, no progress, and no warnings except that palpa waits for a pipe's reader");
@@ -85,43 +81,6 @@ void apply_logging(const CommonOptions& options) {
 
 bool shows_summary(const CommonOptions& options, const Outputs& outputs) {
   return !options.quiet && !outputs.on_stdout();
-}
-
-gpu::DeviceOptions device_options(const ComputeOptions& options) {
-  gpu::DeviceOptions device;
-  device.select = options.gpu;
-  device.validation = options.validation;
-  return device;
-}
-
-const gpu::Device* kept_device(const ComputeOptions& options) {
-  if (options.backend == Backend::cpu) return nullptr;
-  static auto* const mutex = new std::mutex();
-  static auto* const devices =
-      new std::map<std::pair<std::string, std::optional<gpu::Validation>>, std::unique_ptr<gpu::Device>>();
-  const std::lock_guard lock(*mutex);
-  std::unique_ptr<gpu::Device>& device = (*devices)[{options.gpu, options.validation}];
-  if (device && device->lost()) static_cast<void>(device.release());  // others may still wait for it
-  if (!device) {
-    gpu::DeviceOptions kept = device_options(options);
-    kept.keep_pipelines = true;
-    device = std::make_unique<gpu::Device>(kept);
-  }
-  return device.get();
-}
-
-void keep_devices() {
-  keeps_devices = true;
-}
-
-UsedDevice::UsedDevice(const ComputeOptions& options) {
-  if (options.backend == Backend::cpu) return;
-  if (options.device || keeps_devices) {
-    device_ = options.device ? options.device : kept_device(options);
-    return;
-  }
-  own_ = std::make_unique<gpu::Device>(device_options(options));
-  device_ = own_.get();
 }
 
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,7 +15,7 @@
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "geometry/solid.hpp"
-#include "gpu/device.hpp"
+#include "setup/compute.hpp"
 #include "touch/foci/method.hpp"
 #include "touch/types.hpp"
 
@@ -27,19 +26,6 @@ class App;
 namespace palpa::setup {
 
 class Group;
-
-enum class Backend { gpu, cpu };
-
-/// The device of a computation, and the seed.
-struct ComputeOptions {
-  std::string gpu;  ///< part of a device's name or its index; empty: the fastest kind present
-  Backend backend = Backend::gpu;
-  std::uint64_t seed = 0;
-  std::optional<gpu::Validation> validation;
-  /// An open device, which then computes instead of one that is opened for this computation alone; not with the backend
-  /// cpu.
-  const gpu::Device* device = nullptr;
-};
 
 /// Every subcommand has these.
 struct CommonOptions : ComputeOptions {
@@ -59,24 +45,6 @@ void add_board_files(const Group& group, std::string& folder);
 /// are held until the outcome is known, because a failing command writes only its error. Long computations call
 /// log::release_warnings() once their input is read.
 void apply_logging(const CommonOptions& options);
-gpu::DeviceOptions device_options(const ComputeOptions& options);
-/// A device that stays open until the program ends and keeps its pipelines: the same one for the same choice, or
-/// another one if it was lost. Null with the backend cpu. Any thread.
-const gpu::Device* kept_device(const ComputeOptions& options);
-/// From now on, every UsedDevice is a kept one: for a program that runs many commands.
-void keep_devices();
-/// The device of a computation: that of the options, or one that is opened and lives as long as this object. None with
-/// the backend cpu.
-class UsedDevice {
- public:
-  UsedDevice() = default;  ///< none
-  explicit UsedDevice(const ComputeOptions& options);
-  const gpu::Device* get() const { return device_; }
-
- private:
-  std::unique_ptr<gpu::Device> own_;
-  const gpu::Device* device_ = nullptr;
-};
 /// Throws bad_usage if a GPU option is given although no GPU is used. `why` is the reason: "palpa scatter computes on
 /// the processor".
 void refuse_gpu_options(const ComputeOptions& options, const std::string& why);

@@ -91,7 +91,7 @@ std::vector<std::string> words_of(const StudyRunOptions& o) {
   if (o.barrier_gap_m) add("--barrier-gap", format_quantity(*o.barrier_gap_m, Quantity::length));
   if (o.barrier_phase != 0) add("--barrier-phase", fmt::format("{}", o.barrier_phase));
   add("--gpu", o.common.gpu);
-  if (o.common.backend == Backend::cpu) add("--backend", "cpu");
+  if (o.common.backend != Backend::automatic) add("--backend", word_of(backend_words, o.common.backend));
   add("--json", o.common.json);
   if (o.common.quiet) words.emplace_back("--quiet");
   if (o.common.log_level) add("--log-level", word_of(log::level_words, *o.common.log_level));

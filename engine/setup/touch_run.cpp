@@ -53,14 +53,13 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
                                   .frame_by_frame = true};
   setting.schedule.voice.pressure_pa = array.pressure_pa;
   setting.schedule.own_method = std::move(own_method);
-  const bool on_gpu = compute.backend == Backend::gpu;
-  if (on_gpu) check_points(input);
+  if (on_gpu(compute)) check_points(input);
   UsedDevice device(compute);
   session::Session session =
       device.get() ? session::Session(*device.get(), std::move(setting)) : session::Session(std::move(setting));
   times.emplace_back("setup", watch.lap_ms());
   const touch::Touch& found = input.cameras.empty() ? session.touch(input.points, 0) : session.touch(input.frames, 0);
-  if (on_gpu) times.emplace_back("submit to result", watch.lap_ms());
+  if (device.get()) times.emplace_back("submit to result", watch.lap_ms());
   for (const gpu::PassTime& pass : session.report().passes)
     times.emplace_back(pass.name, pass.ms);
   return {std::move(device), std::move(session), found};

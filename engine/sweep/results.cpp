@@ -112,6 +112,9 @@ Json parsed(const std::string& json) {
   return document;
 }
 
+/// What depends on the machine.
+constexpr std::array<std::string_view, 3> in_the_provenance{"backend", "backend_why", "timing_ms"};
+
 }  // namespace
 
 std::string path_fault(const std::string& path) {
@@ -119,7 +122,8 @@ std::string path_fault(const std::string& path) {
     return "results must be paths of at most 200 characters, such as \"contacts.count\"";
   for (const std::string& part : parts_of(path)) {
     if (part.empty()) return fmt::format("results: {} has an empty part", path);
-    if (part == "timing_ms") return fmt::format("results: {} is a time; times are in the provenance", path);
+    if (std::ranges::find(in_the_provenance, part) != in_the_provenance.end())
+      return fmt::format("results: {} does not belong to a case; times and backends are in the provenance", path);
   }
   return {};
 }
@@ -179,7 +183,10 @@ std::string name_fault(const std::string& json, const std::string& path) {
 
 std::string without_times(const std::string& json) {
   Json document = parsed(json);
-  if (document.is_object()) document.erase("timing_ms");
+  if (document.is_object()) {
+    for (const std::string_view part : in_the_provenance)
+      document.erase(std::string(part));
+  }
   return document.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -83,7 +83,7 @@ class Sweep {
     RunInfo info{{}, version(), commit(), plan_.command, sha256(plan_.text), {}, host_name(), bench_->device_name(),
                  {}};
     info.shard = task_.claim ? "claim" : fmt::format("{}/{}", task_.shard.index, task_.shard.count);
-    info.backend = task_.compute.backend == setup::Backend::cpu ? "cpu" : "gpu";
+    info.backend = setup::on_gpu(task_.compute) ? "gpu" : "cpu";
     info.started_s = seconds_now();
     writer_ = std::make_unique<StoreWriter>(task_.out, info);
     if (task_.claim) {

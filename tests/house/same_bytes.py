@@ -2,7 +2,7 @@
 """same_bytes.py BEFORE AFTER [WORD...]: what two builds of palpa compute from the same input, compared byte by byte.
 
 BEFORE and AFTER are folders with the programs (build/release/bin). For changes that are to leave every result as it is: each line says
-what was asked and whether both answered the same bytes; timing_ms and the backend's key are left out. Drives may differ by what a line
+what was asked and whether both answered the same bytes; timing_ms and the backend are left out. Drives may differ by what a line
 allows (--tolerance, as complex amplitudes), and the line says by how much they do. Without $PALPA_SHARED or ../shared, its recordings
 are not compared. With WORDs, only the cases whose name holds one of them. Exit code 1 where anything differs by more."""
 
@@ -22,7 +22,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OBJECTS = ["cube", "semi-sphere", "pyramid", "prism"]
 PRESS = ["--points", "assets/finger.ply", "--penetration", "3mm"]
 DATA = os.path.join(os.environ.get("PALPA_SHARED") or os.path.join(os.path.dirname(ROOT), "shared"), "data")
-LEFT_OUT = {"timing_ms", "backend"}
+LEFT_OUT = {"timing_ms", "backend", "backend_why"}
 
 
 def scene(name):

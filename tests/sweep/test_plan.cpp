@@ -109,7 +109,7 @@ TEST(SweepPlan, FaultsAreToldWithTheirLine) {
        "slot is set in [options] and in slot of [vary]: set it in one place"},
       {"command = \"drive\"\nresults = []\n", "line 2: results is empty"},
       {"command = \"drive\"\nresults = [\"a..b\"]\n", "line 2: results: a..b has an empty part"},
-      {"command = \"field\"\nresults = [\"timing_ms.total\"]\n", "is a time; times are in the provenance"},
+      {"command = \"field\"\nresults = [\"timing_ms.total\"]\n", "does not belong to a case; times and backends are in the provenance"},
       {"command = \"touch\"\nresults = [\"fingers\"]\n",
        "line 2: results: fingers is a list; name one of its entries, such as fingers.0, or fingers.count"},
       {"command = \"touch\"\nresults = [\"points\", \"fingers.12.schedule\"]\n",

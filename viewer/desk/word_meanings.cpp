@@ -48,6 +48,7 @@ constexpr Entry entries[] = {
     {"--hysteresis", "off", "each frame decides for itself what a finger is"},
     {"--predict", "auto", "foci sound where the finger will be at that time"},
     {"--predict", "off", "foci sound where the finger was seen"},
+    {"--backend", "auto", "a GPU if there is one, otherwise the processor"},
     {"--backend", "gpu", "a GPU, or a driver that does its work"},
     {"--backend", "cpu", "the processor, with the same results"},
     {"--validation", "off", "the driver trusts palpa"},

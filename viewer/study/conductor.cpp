@@ -73,12 +73,14 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
         try_study_link(plan, run, kinds);
       }) {
   record_.refuse_finished();
-  sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(),
-                                              study::Entry{.text = study::utc_now(),
-                                                           .version = version_and_commit(),
-                                                           .rehearsal = run.rehearse.has_value(),
-                                                           .masking = masking_->name()},
-                                              [this](const study::Entry& entry) { write(entry); });
+  sitting_ = std::make_unique<study::Sitting>(
+      plan, record_.agenda(),
+      study::Entry{.text = study::utc_now(),
+                   .version = version_and_commit(),
+                   .rehearsal = run.rehearse.has_value(),
+                   .masking = masking_->name(),
+                   .backend = std::string(word_of(setup::backend_words, setup::used_backend(run.common).backend))},
+      [this](const study::Entry& entry) { write(entry); });
   run_number_ = sitting_->agenda().starts();
   sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
   const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");

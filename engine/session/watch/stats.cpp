@@ -89,6 +89,7 @@ std::string to_text(const std::optional<sensing::Dropped>& dropped, std::uint64_
 std::string to_json(const LoopStats& stats) {
   JsonWriter json;
   json.begin_object(JsonWriter::Style::rows);
+  if (!stats.backend.empty()) json.member("backend", stats.backend).member("backend_why", stats.backend_why);
   json.key("frames").begin_object();
   json.member("captured", stats.captured).member("replaced", stats.replaced).member("missing", stats.missing);
   json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("unplayed", stats.unplayed);

@@ -319,10 +319,8 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
     finger = std::make_unique<FingerInSound>(std::move(body), layout, task.drive);
     result.aimed = aim(*finger, result.foci);
   }
-  drive_slot(
-      layout, schedule, options,
-      {.options = common.backend == Backend::gpu ? &common : nullptr, .finger = finger.get(), .touch = task.touch},
-      result);
+  drive_slot(layout, schedule, options,
+             {.options = on_gpu(common) ? &common : nullptr, .finger = finger.get(), .touch = task.touch}, result);
   if (!task.spread.text.empty()) {
     result.spread = spread_of_drive(layout, result.drive, result.foci, task.drive.medium, options.directivity,
                                     parse_spread(task.spread.text), draws_of(task.spread, common.seed));

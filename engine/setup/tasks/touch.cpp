@@ -79,6 +79,7 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   if (options.felt.spectrum) result.spectra = spectra_of(session);
   if (!options.array.layout.empty()) result.pressures = session::foci_pressures(session.plan(), session.setting());
   result.unreached = session::unreached(session.schedule(), session.solid_names());
+  result.computed = used_backend(options.compute);
   result.total_ms = whole.lap_ms();
   result.times = std::move(times);
   return result;
@@ -183,6 +184,7 @@ TouchValues values_of(const TouchResult& result) {
   values.points = result.points;
   values.spectra = result.spectra;
   values.pressures = result.pressures;
+  values.computed = result.computed;
   values.total_ms = result.total_ms;
   values.times = result.times;
   return values;
@@ -213,6 +215,10 @@ std::string to_json(const TouchValues& values) {
     add_finger(json, values, f);
   json.end_array();
   add_schedule(json, values.common);
+  if (values.computed) {
+    json.member("backend", word_of(backend_words, values.computed->backend));
+    json.member("backend_why", values.computed->why);
+  }
   json.key("timing_ms").begin_object().member("total", values.total_ms);
   for (const auto& [stage, ms] : values.times)
     json.member(stage, ms);

@@ -44,6 +44,7 @@ struct TouchResult {
   std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum, one for each finger; otherwise empty
   std::vector<std::vector<double>> pressures;  ///< Pa, with a layout: for each finger, for each focus of its voice
   std::optional<std::string> unreached;        ///< a sentence about a requested pressure that is not reached
+  UsedBackend computed;                        ///< what computed, and why
   double total_ms = 0;
   StepTimes times;
 
@@ -74,11 +75,13 @@ struct TouchValues {
   std::uint64_t points = 0;
   std::vector<acoustics::Spectrum> spectra;
   std::vector<std::vector<double>> pressures;
+  std::optional<UsedBackend> computed;
   double total_ms = 0;
   StepTimes times;
 };
 TouchValues values_of(const TouchResult& result);
-/// The same for a frame of any session that works frame by frame: without points, spectra, pressures and times.
+/// The same for a frame of any session that works frame by frame: without points, spectra, pressures, backend and
+/// times.
 TouchValues values_of(const session::Session& session, const touch::Touch& touch);
 
 /// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.

@@ -196,6 +196,7 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
       .member("LeastTrials", plan.counts.least_trials);
   if (start.rehearsal) json.member("Rehearsal", true);
   if (!start.masking.empty()) json.member("Masking", start.masking);
+  if (!start.backend.empty()) json.member("Backend", start.backend);
   if (ended) json.member("EventsCrc32", fmt::format("{:08x}", crc32_of(table)));
   for (const Entry& entry : run) {
     if (entry.kind != EntryKind::level) continue;

@@ -52,6 +52,7 @@ Entry entry_of(const Json& object) {
   entry.version = number_or<std::string>(object, "version", "");
   entry.rehearsal = number_or(object, "rehearsal", false);
   entry.masking = number_or<std::string>(object, "masking", "");
+  entry.backend = number_or<std::string>(object, "backend", "");
   entry.accepted = number_or(object, "accepted", false);
   entry.depth_frames = number_or(object, "depth_frames", false);
   entry.sounded_s = maybe_number(object, "sounded_s");
@@ -123,6 +124,7 @@ std::string entry_line(const Entry& entry, std::string_view before) {
   if (!entry.version.empty()) json.member("version", entry.version);
   if (entry.rehearsal) json.member("rehearsal", true);
   if (!entry.masking.empty()) json.member("masking", entry.masking);
+  if (!entry.backend.empty()) json.member("backend", entry.backend);
   if (entry.kind == EntryKind::consent)
     json.member("accepted", entry.accepted).member("depth_frames", entry.depth_frames);
   if (entry.sounded_s) json.member("sounded_s", *entry.sounded_s);

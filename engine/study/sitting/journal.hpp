@@ -85,6 +85,7 @@ struct Entry {
   std::string version{};                ///< of a start: palpa's
   bool rehearsal = false;               ///< of a start: nobody was there
   std::string masking{};                ///< of a start: the sound in the headphones, if there is an array
+  std::string backend{};                ///< of a start: what computed, "gpu" or "cpu"
   bool accepted = false;                ///< of consent
   bool depth_frames = false;            ///< of consent: depth images may be kept
   std::optional<double> deep_s{};       ///< of touched: how long nothing was played, because a point was too deep

@@ -22,7 +22,7 @@ struct TouchReport {
   std::vector<std::uint32_t> contacts;
   std::vector<double> depths;
   std::vector<TouchFinger> fingers;
-  std::string without_times;  ///< the document without timing_ms, which may differ from run to run
+  std::string without_times;  ///< the document without backend and timing_ms, which may differ from run to run
 };
 
 /// Reads the output of `palpa touch --json`. Checks keys, their order, types and every relation between values that the
