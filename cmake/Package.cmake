@@ -78,7 +78,7 @@ describe(palpa science "" "feel a 3-D model in mid-air: command line"
          "This package has the command, the process that holds an array's board, models\nand documentation.")
 describe(palpa-viewer science "palpa (= ${PROJECT_VERSION})" "feel a 3-D model in mid-air: viewer"
          "This package has the viewer, which shows a touch or a live run in a window or\nas a picture.")
-set(dev libvulkan-dev libglm-dev libfmt-dev libpng-dev zlib1g-dev libcli11-dev libdraco-dev libmeshoptimizer-dev libtomlplusplus-dev
+set(dev libvulkan-dev libvulkan-volk-dev libglm-dev libfmt-dev libpng-dev zlib1g-dev libcli11-dev libdraco-dev libmeshoptimizer-dev libtomlplusplus-dev
         nlohmann-json3-dev libqhull-dev libusb-1.0-0-dev liblz4-dev libmd-dev pkg-config)
 if(HDF5_FOUND)
   list(APPEND dev libhdf5-dev)

@@ -90,9 +90,13 @@ static void fields(python::Archive& a, ScheduledFinger& o) {
 }  // namespace palpa::session
 
 namespace palpa::setup {
+static void fields(python::Archive& a, UsedBackend& o) {
+  auto& [backend, why] = o;
+  a(backend, why);
+}
 static void fields(python::Archive& a, TouchValues& o) {
-  auto& [touch, schedule, common, fingers, solids, own, points, spectra, pressures, total, times] = o;
-  a(touch, schedule, common, fingers, solids, own, points, spectra, pressures, total, times);
+  auto& [touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total, times] = o;
+  a(touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total, times);
 }
 static void fields(python::Archive& a, DriveSpread& o) {
   auto& [draws, pressures, evenness] = o;

@@ -12,11 +12,12 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "gpu/commands.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/session.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {

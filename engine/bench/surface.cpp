@@ -18,10 +18,11 @@
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/surface/surface.hpp"
 #include "gpu/commands.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/synthetic.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
+#include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {

@@ -157,7 +157,7 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
     for (const DoctorSection& section : sections)
       append_text(text, section);
     text += written;
-    text += fmt::format("palpa {} run here. It computes on {}, because {}.\n", ok ? "can" : "can only partly",
+    text += fmt::format("palpa can run here{}. It computes on {}, because {}.\n", ok ? "" : ", except the viewer",
                         computes.backend == setup::Backend::cpu ? "the processor" : "a GPU", computes.why);
     write_file("-", text);
   }

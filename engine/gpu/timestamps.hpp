@@ -8,13 +8,9 @@
 
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
+#include "gpu/pass_time.hpp"
 
 namespace palpa::gpu {
-
-struct PassTime {
-  const char* name;  ///< the literal given to mark()
-  double ms;
-};
 
 /// The marks of one command buffer. Call `begin`, then `mark` after each pass, and `read` once the submit has
 /// completed.

@@ -22,7 +22,7 @@ UsedBackend choose_backend(const ComputeOptions& options, std::string_view envir
                            const std::function<std::optional<std::string>()>& find_gpu) {
   if (options.backend != Backend::automatic)
     return {options.backend, fmt::format("--backend {} was given", word_of(backend_words, options.backend))};
-  if (options.device || !options.gpu.empty()) return {Backend::gpu, "--gpu was given"};
+  if (!options.gpu.empty()) return {Backend::gpu, "--gpu was given"};
   if (options.validation) return {Backend::gpu, "--validation was given"};
   if (!environment.empty()) {
     const std::optional<Backend> named = value_of(backend_words, environment);
@@ -31,6 +31,7 @@ UsedBackend choose_backend(const ComputeOptions& options, std::string_view envir
   }
   if (const std::optional<std::string> name = find_gpu())
     return {Backend::gpu, fmt::format("there is a GPU, {}", *name)};
+  if (options.device) return {Backend::gpu, "its device is open"};
   return {Backend::cpu, "there is no GPU"};
 }
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <vector>
 
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 
 namespace palpa::touch {
 

@@ -7,6 +7,7 @@
 #include "touch/contacts/pixel_stride.hpp"
 #include "touch/points/device_points.hpp"
 #include "touch/points/host_points.hpp"
+#include "touch/points/passes.hpp"
 
 namespace palpa::touch {
 namespace {

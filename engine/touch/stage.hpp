@@ -15,18 +15,19 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/fingers/fingers.hpp"
-#include "touch/points/passes.hpp"
 #include "touch/points/points.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
+
+class Passes;
 
 /// One stream of frames, one frame at a time. Does not move.
 class Stage {

@@ -23,6 +23,8 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
     usable |= gpu["usable"].get<bool>();
   }
   EXPECT_EQ(report["ok"].get<bool>(), usable);
+  EXPECT_EQ(report["backend"], "gpu");
+  EXPECT_EQ(report["backend_why"], "PALPA_BACKEND is gpu");
   EXPECT_EQ(result.exit_code, usable ? 0 : 3);
   EXPECT_TRUE(report["validation"][0]["present"].is_boolean());
   const json& features = report["features"];

@@ -173,7 +173,7 @@ TEST(Help, SaysDefaults) {
   EXPECT_TRUE(row(all, "--method").ends_with("[default: cross-section]"));
   EXPECT_TRUE(row(all, "--constraint").ends_with("[default: normalise]"));
   EXPECT_TRUE(row(shared, "--log-level").ends_with("[default: warning]"));
-  EXPECT_TRUE(row(shared, "--backend").ends_with("gpu|cpu [default: gpu]"));
+  EXPECT_TRUE(row(shared, "--backend").ends_with("auto|gpu|cpu [default: auto]"));
 }
 
 TEST(Help, TheWordsAreExplained) {

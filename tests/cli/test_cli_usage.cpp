@@ -173,6 +173,24 @@ TEST(Usage, NoUsableDeviceIsExitCode3) {
   EXPECT_EQ(cpu.exit_code, 0) << cpu.err;
 }
 
+TEST(Usage, TheEnvironmentChoosesTheBackend) {
+  const std::vector<std::string> touch{
+      "touch", "--scene", source_file("assets/cube.glb"), "--points", source_file("assets/finger.ply"), "--json", "-"};
+  RunOptions options;
+  options.environment = {{"PALPA_BACKEND", "cpu"}, {"VK_DRIVER_FILES", "/nonexistent.json"}};
+  const Result cpu = palpa(touch, options);
+  EXPECT_EQ(cpu.exit_code, 0) << cpu.err;
+  EXPECT_CONTAINS(cpu.out, R"("backend": "cpu",)");
+  EXPECT_CONTAINS(cpu.out, R"("backend_why": "PALPA_BACKEND is cpu",)");
+  options.environment = {{"PALPA_BACKEND", ""}, {"VK_DRIVER_FILES", "/nonexistent.json"}};
+  const Result none = palpa(touch, options);
+  EXPECT_EQ(none.exit_code, 0) << none.err;
+  EXPECT_CONTAINS(none.out, R"("backend_why": "there is no GPU",)");
+  expect_failure(palpa(with(touch, {"--gpu", "0"}), options), 3, "does not exist");
+  options.environment = {{"PALPA_BACKEND", "cuda"}};
+  expect_failure(palpa(touch, options), 2, "PALPA_BACKEND is 'cuda': give auto, gpu or cpu");
+}
+
 TEST(Usage, AMisspeltValidationInTheEnvironmentIsBadUsage) {
   RunOptions options;
   options.environment = {{"PALPA_VALIDATION", "everything"}};

@@ -17,6 +17,7 @@
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/foci/method.hpp"
+#include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
+#include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::touch::test {

@@ -18,6 +18,7 @@
 #include "session/plan/planner.hpp"
 #include "session/predict/predictor.hpp"
 #include "touch/pass_watch.hpp"
+#include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::session {

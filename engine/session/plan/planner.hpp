@@ -8,7 +8,7 @@
 
 #include "base/math.hpp"
 #include "gpu/device.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
 #include "session/links/plan.hpp"

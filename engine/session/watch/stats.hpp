@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/json_writer.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/no_skin.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/watch/effort.hpp"

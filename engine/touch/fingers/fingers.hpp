@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "touch/contacts/prepared_solids.hpp"

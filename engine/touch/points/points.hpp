@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/math.hpp"
-#include "gpu/timestamps.hpp"
+#include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"

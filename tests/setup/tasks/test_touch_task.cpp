@@ -44,7 +44,7 @@ TEST(TouchTask, HasTheCommandsBytes) {
   options.compute.backend = setup::Backend::cpu;
   expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu"}));
   options.compute.backend = setup::Backend::gpu;
-  expect_same_json(to_json(touch(options, 3e-3)), command({}));
+  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "gpu"}));
   options.compute.backend = setup::Backend::cpu;
   options.array.layout = "openmpd";
   options.touch.method.method = touch::Method::multi_focus;

@@ -136,14 +136,15 @@ class SittingBench {
     const auto until = std::chrono::steady_clock::now() + time;
     goes_until([&] { return std::chrono::steady_clock::now() > until; }, false);
   }
-  /// A click of the participant on a button, or beside all of them.
-  void click(std::optional<std::size_t> button) {
+  /// A click of the participant on a button, or beside all of them, now or at another time. Returns its time.
+  std::chrono::nanoseconds click(std::optional<std::size_t> button,
+                                 std::optional<std::chrono::nanoseconds> at = std::nullopt) {
+    const std::chrono::nanoseconds time = at ? *at : std::chrono::steady_clock::now().time_since_epoch();
     viewer::WindowEvent event;
     event.kind = viewer::WindowEvent::Kind::press;
-    event.at_ns =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
+    event.at_ns = time.count();
     conductor_->participant(event, button);
+    return time;
   }
   void press(viewer::Key key, bool experimenter = false) {
     viewer::WindowEvent event;
