@@ -140,6 +140,15 @@ std::string write_found_rig(const DoctorOptions& options, const Extensions& exte
                      there.cameras.size() == 1 ? "it is" : "they are");
 }
 
+std::string conclusion(bool ok, const setup::UsedBackend& computes) {
+  if (computes.backend == setup::Backend::cpu) {
+    return fmt::format("palpa can run here{}. It computes on the processor, because {}.\n",
+                       ok ? "" : ", except palpa-viewer and palpa bench", computes.why);
+  }
+  return fmt::format("palpa {} here. It computes with Vulkan, because {}.\n", ok ? "can run" : "cannot compute",
+                     computes.why);
+}
+
 void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
   if (options.write_rig.empty() && !options.source.empty()) throw bad_usage("--source goes with --write-rig");
   setup::refuse_gpu_options(options.common, "palpa doctor looks at every GPU");
@@ -157,8 +166,7 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
     for (const DoctorSection& section : sections)
       append_text(text, section);
     text += written;
-    text += fmt::format("palpa can run here{}. It computes on {}, because {}.\n", ok ? "" : ", except the viewer",
-                        computes.backend == setup::Backend::cpu ? "the processor" : "a GPU", computes.why);
+    text += conclusion(ok, computes);
     write_file("-", text);
   }
   if (!ok) throw Error(Exit::no_device, fmt::format("no usable Vulkan device: {}", driver_advice()));

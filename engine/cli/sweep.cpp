@@ -142,7 +142,7 @@ void look(const SweepCommand& o, const sweep::Plan& plan) {
   const sweep::Inputs inputs(plan);
   const std::vector<sweep::Case> all = sweep::list_cases(plan, inputs, o.estimate || !o.shard.empty());
   const std::vector<sweep::Case> mine = o.shard.empty() ? all : sweep::deal(all, sweep::parse_shard(o.shard));
-  const setup::Backend backend = setup::used_backend(o.common).backend;
+  const setup::Backend backend = o.estimate ? setup::used_backend(o.common).backend : setup::Backend::cpu;
   const sweep::Forecast forecast = sweep::forecast_of(all, mine, o.out, backend);
   preparing.reset();
   if (o.estimate && !o.common.json.empty()) write_file(o.common.json, forecast_json(forecast));

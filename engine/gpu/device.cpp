@@ -221,6 +221,14 @@ std::uint64_t validation_errors() {
   return validation_error_count;
 }
 
+const DeviceDescription* best_of(std::span<const DeviceDescription> devices) {
+  const DeviceDescription* best = nullptr;
+  for (const DeviceDescription& device : devices) {
+    if (device.unusable.empty() && (!best || rank(device) < rank(*best))) best = &device;
+  }
+  return best;
+}
+
 bool validation_layer_present() {
   if (!load_vulkan()) return false;
   std::uint32_t count = 0;
@@ -371,7 +379,7 @@ void Device::create_instance(const DeviceOptions& options) {
 void Device::choose_physical(const DeviceOptions& options) {
   const auto devices = physical_devices(instance_);
   std::string reasons;
-  std::optional<DeviceDescription> best;
+  std::vector<DeviceDescription> descriptions;
   for (std::uint32_t i = 0; i < devices.size(); ++i) {
     DeviceDescription d = describe(devices[i], i);
     if (d.unusable.empty() && !options.window_extensions.empty() &&
@@ -383,10 +391,10 @@ void Device::choose_physical(const DeviceOptions& options) {
     }
     if (!d.unusable.empty()) {
       reasons += fmt::format("{}{} {} {}", reasons.empty() ? "" : "; ", i, d.name, d.unusable);
-    } else if (!best || rank(d) < rank(*best)) {
-      best = d;
     }
+    descriptions.push_back(std::move(d));
   }
+  const DeviceDescription* best = best_of(descriptions);
   if (!best) {
     throw Error(Exit::no_device, devices.empty() ? "no Vulkan device: " + driver_advice()
                                                  : fmt::format("no usable Vulkan device: {}", reasons));

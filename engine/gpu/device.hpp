@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -66,6 +67,8 @@ struct DeviceDescription {
 /// All physical devices in index order. Empty if there is no Vulkan loader or driver. Throws Error (Exit::no_device) if
 /// memory does not suffice to load the drivers; after that, no device can be used any more (gpu/handle.hpp).
 std::vector<DeviceDescription> list_devices();
+/// The device that is used if none is named: of the usable ones, the first of the fastest kind. Null if there is none.
+const DeviceDescription* best_of(std::span<const DeviceDescription> devices);
 bool validation_layer_present();
 
 /// Number of validation errors reported in this process so far. Tests and programs fail if it is not zero.

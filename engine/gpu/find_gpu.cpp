@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <vector>
 
-#include "base/error.hpp"
 #include "gpu/device.hpp"
 
 namespace palpa::gpu {
@@ -20,14 +20,11 @@ bool has_graphics_device() {
 
 }  // namespace
 
-std::optional<std::string> find_gpu() try {
+std::optional<std::string> find_gpu() {
   if (!has_graphics_device()) return std::nullopt;
-  for (const DeviceDescription& device : list_devices()) {
-    if (device.kind != "cpu" && device.unusable.empty()) return device.name;
-  }
-  return std::nullopt;
-} catch (const Error&) {
-  return std::nullopt;
+  const std::vector<DeviceDescription> devices = list_devices();
+  const DeviceDescription* best = best_of(devices);
+  return best && best->kind != "cpu" ? std::optional(best->name) : std::nullopt;
 }
 
 }  // namespace palpa::gpu

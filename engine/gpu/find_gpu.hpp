@@ -6,8 +6,9 @@
 
 namespace palpa::gpu {
 
-/// The name of the first usable device that is not a driver that computes on the processor; none if there is none, or
-/// if the drivers cannot be loaded. Takes tens of milliseconds if the system has a graphics device, otherwise none.
+/// The name of the GPU that a Device uses if none is named; none if it would use a driver that computes on the
+/// processor, or if there is no driver. Takes tens of milliseconds if the system has a graphics device. Throws as
+/// list_devices().
 std::optional<std::string> find_gpu();
 
 }  // namespace palpa::gpu

@@ -20,24 +20,28 @@ bool keeps_devices = false;
 
 UsedBackend choose_backend(const ComputeOptions& options, std::string_view environment,
                            const std::function<std::optional<std::string>()>& find_gpu) {
+  const auto gpu = [](const std::string& name) { return UsedBackend{Backend::gpu, "there is a GPU, " + name}; };
   if (options.backend != Backend::automatic)
-    return {options.backend, fmt::format("--backend {} was given", word_of(backend_words, options.backend))};
-  if (!options.gpu.empty()) return {Backend::gpu, "--gpu was given"};
-  if (options.validation) return {Backend::gpu, "--validation was given"};
+    return {options.backend, fmt::format("the backend {} was asked for", word_of(backend_words, options.backend))};
+  if (!options.gpu.empty()) return {Backend::gpu, "a GPU was named"};
+  if (options.validation.value_or(gpu::Validation::off) != gpu::Validation::off)
+    return {Backend::gpu, "validation was asked for"};
   if (!environment.empty()) {
     const std::optional<Backend> named = value_of(backend_words, environment);
     if (!named) throw bad_usage(fmt::format("PALPA_BACKEND is '{}': give {}", environment, one_of(backend_words)));
     if (*named != Backend::automatic) return {*named, fmt::format("PALPA_BACKEND is {}", environment)};
   }
-  if (const std::optional<std::string> name = find_gpu())
-    return {Backend::gpu, fmt::format("there is a GPU, {}", *name)};
-  if (options.device) return {Backend::gpu, "its device is open"};
+  if (options.device) return gpu(options.device->description().name);
+  if (const std::optional<std::string> name = find_gpu()) return gpu(*name);
   return {Backend::cpu, "there is no GPU"};
 }
 
 UsedBackend used_backend(const ComputeOptions& options) {
-  const char* environment = std::getenv("PALPA_BACKEND");
-  return choose_backend(options, environment ? environment : "", [] {
+  static const std::string environment = [] {
+    const char* value = std::getenv("PALPA_BACKEND");
+    return std::string(value ? value : "");
+  }();
+  return choose_backend(options, environment, [] {
     static const std::optional<std::string> name = gpu::find_gpu();
     return name;
   });

@@ -37,11 +37,13 @@ struct UsedBackend {
   Backend backend = Backend::gpu;
   std::string why;
 };
-/// The rule. `environment`: the value of $PALPA_BACKEND, or empty; it replaces `automatic`. `find_gpu`: see
-/// gpu::find_gpu(); called only if nothing else decides. Throws bad_usage if the environment names no backend.
+/// The rule. What decides first: a backend that is not automatic; a GPU or a validation that is asked for;
+/// `environment`, which is the value of $PALPA_BACKEND or empty; an open device; gpu::find_gpu(), which is called only
+/// if nothing else decides. Throws bad_usage if the environment names no backend.
 UsedBackend choose_backend(const ComputeOptions& options, std::string_view environment,
                            const std::function<std::optional<std::string>()>& find_gpu);
-/// The same for this process, which looks for a GPU once. Any thread.
+/// The same for this process, which looks for a GPU and at its environment once. Any thread. Throws also as
+/// gpu::find_gpu().
 UsedBackend used_backend(const ComputeOptions& options);
 bool on_gpu(const ComputeOptions& options);
 

@@ -210,7 +210,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
                     stats.prediction->distance_m.quantile(1) * 1e3, stats.prediction->latency_s.quantile(0.5) * 1e3);
   }
   if (!stats.backend.empty()) {
-    text += fmt::format("computed on {}, because {}\n", stats.backend == "cpu" ? "the processor" : "a GPU",
+    text += fmt::format("computed {}, because {}\n", stats.backend == "cpu" ? "on the processor" : "with Vulkan",
                         stats.backend_why);
   }
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +

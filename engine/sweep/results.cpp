@@ -123,7 +123,7 @@ std::string path_fault(const std::string& path) {
   for (const std::string& part : parts_of(path)) {
     if (part.empty()) return fmt::format("results: {} has an empty part", path);
     if (std::ranges::find(in_the_provenance, part) != in_the_provenance.end())
-      return fmt::format("results: {} does not belong to a case; times and backends are in the provenance", path);
+      return fmt::format("results: {} is a time or a backend, which depends on the machine; see the provenance", path);
   }
   return {};
 }

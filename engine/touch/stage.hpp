@@ -2,7 +2,7 @@
 // host), and from clusters to fingers with foci (fingers/fingers.hpp, always on the host).
 //
 //   touch::Stage stage(solids, cameras, setting);          // on the host
-//   touch::Passes passes(device);                          // or on a device; one for all its stages
+//   touch::Passes passes(device);                          // or on a device (points/passes.hpp); one for all stages
 //   touch::Stage stage(passes, solids, cameras, setting);
 //   ... for each frame:
 //   stage.start(images, time_s);                           // on a device, returns at once

@@ -6,6 +6,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {

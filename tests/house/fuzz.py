@@ -361,7 +361,7 @@ def observed(arguments, folder, more):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
 
-    environment = dict(os.environ, PALPA_CACHE="off", XDG_RUNTIME_DIR=str(folder), LP_NUM_THREADS="1", **more)
+    environment = dict(os.environ, PALPA_BACKEND="gpu", PALPA_CACHE="off", XDG_RUNTIME_DIR=str(folder), LP_NUM_THREADS="1", **more)
     with open(folder / "stdout", "wb") as out, open(folder / "stderr", "wb") as err:
         process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=folder, env=environment,
                                    preexec_fn=limits, start_new_session=True)

@@ -4,7 +4,7 @@
 # that fails. At the end, it prints the duration of each.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-export PALPA_BACKEND=${PALPA_BACKEND:-gpu}  # also on machines whose only device is the processor's
+export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 
 # Name, preset, the tests (a ctest label, - for all), environment. The faults that only this leg can show:
 #   threads-2     races between a dispatch's workgroups; subgroups of 16 lanes; memory that is shared, and read before it is

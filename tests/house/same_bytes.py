@@ -22,6 +22,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OBJECTS = ["cube", "semi-sphere", "pyramid", "prism"]
 PRESS = ["--points", "assets/finger.ply", "--penetration", "3mm"]
 DATA = os.path.join(os.environ.get("PALPA_SHARED") or os.path.join(os.path.dirname(ROOT), "shared"), "data")
+os.environ["PALPA_BACKEND"] = "gpu"  # of cases that name none
 LEFT_OUT = {"timing_ms", "backend", "backend_why"}
 
 

@@ -11,7 +11,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 preset=$1
 shift
-export PALPA_BACKEND=${PALPA_BACKEND:-gpu}  # also where the only device is lavapipe
+export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 export LP_NUM_THREADS=${LP_NUM_THREADS:-1} LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
 cache=$PWD/build/cache/$LP_NATIVE_VECTOR_WIDTH
 mkdir -p "$cache"

@@ -45,6 +45,7 @@ TEST_P(WithLittleMemory, IsEnoughOrIsSaid) {
       {"doctor", "--quiet"},
       drive,
       with(drive, {"--backend", "cpu"}),
+      with(drive, {"--backend", "auto"}),
       {"scatter", "--mesh", body, "--plane-wave", "0,0,1", "--quiet"},
       {"run", "--scene", cube, "--frames", "2", "--every-frame", "--quiet"},
   };

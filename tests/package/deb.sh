@@ -109,7 +109,7 @@ cp -r tests/package/consumer docs README.md "$root/srv/"
 step install 'apt-get -q update; apt-get -q -y install --no-install-recommends mesa-vulkan-drivers libopenblas0 /debs/palpa_*.deb /debs/palpa-viewer_*.deb
   test -f /usr/lib/udev/rules.d/70-palpa.rules; test -x /usr/libexec/palpa/palpa-guard; palpa --version; palpa-viewer --version'
 step touch 'cd /usr/share/palpa/assets; palpa touch --scene cube.glb --points finger.ply --penetration 3mm --json /var/tmp/t.json
-  grep -q "\"count\": 199" /var/tmp/t.json; palpa drive --layout paper --focus 0,0,0 --csv /var/tmp/d.csv; palpa simulate --scene cube.glb --finger finger.ply'
+  grep -q "\"count\": 199" /var/tmp/t.json; palpa drive --backend gpu --layout paper --focus 0,0,0 --csv /var/tmp/d.csv; palpa simulate --scene cube.glb --finger finger.ply'
 step viewer 'cd /usr/share/palpa/assets; palpa-viewer --scene cube.glb --points finger.ply --penetration 3mm --headless --screenshot /var/tmp/t.png
   test -s /var/tmp/t.png'
 step consumer 'apt-get -q -y install --no-install-recommends /debs/libpalpa-dev_*.deb cmake g++ make

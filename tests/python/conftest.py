@@ -4,7 +4,7 @@ import pathlib
 
 import pytest
 
-os.environ.setdefault("PALPA_BACKEND", "gpu")  # as in the tests of C++
+os.environ["PALPA_BACKEND"] = "gpu"  # as in the tests of C++
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 

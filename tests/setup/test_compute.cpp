@@ -1,6 +1,9 @@
 // What computes: the command line, the environment, or what the machine has, in this order.
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "gpu/device.hpp"
 #include "setup/compute.hpp"
 #include "support/thrown.hpp"
 
@@ -25,7 +28,7 @@ TEST(Backend, TakesAGpuWhereThereIsOne) {
 TEST(Backend, IsTheOneThatIsNamed) {
   for (const Found& gpu : {Found("Quick Card"), Found()}) {
     EXPECT_EQ(chosen({.backend = Backend::cpu}, "gpu", gpu).backend, Backend::cpu);
-    EXPECT_EQ(chosen({.backend = Backend::gpu}, "cpu", gpu).why, "--backend gpu was given");
+    EXPECT_EQ(chosen({.backend = Backend::gpu}, "cpu", gpu).why, "the backend gpu was asked for");
     EXPECT_EQ(chosen({}, "cpu", gpu).why, "PALPA_BACKEND is cpu");
     EXPECT_EQ(chosen({}, "gpu", gpu).backend, Backend::gpu);
     EXPECT_EQ(chosen({}, "auto", gpu).backend, gpu ? Backend::gpu : Backend::cpu);
@@ -33,8 +36,9 @@ TEST(Backend, IsTheOneThatIsNamed) {
 }
 
 TEST(Backend, OptionsOfAGpuImplyIt) {
-  EXPECT_EQ(chosen({.gpu = "llvmpipe"}, "cpu", {}).why, "--gpu was given");
-  EXPECT_EQ(chosen({.validation = gpu::Validation::core}, "cpu", {}).why, "--validation was given");
+  EXPECT_EQ(chosen({.gpu = "llvmpipe"}, "cpu", {}).why, "a GPU was named");
+  EXPECT_EQ(chosen({.validation = gpu::Validation::core}, "cpu", {}).why, "validation was asked for");
+  EXPECT_EQ(chosen({.validation = gpu::Validation::off}, "", {}).backend, Backend::cpu);
 }
 
 TEST(Backend, LooksForAGpuOnlyIfNothingElseDecides) {
@@ -45,6 +49,22 @@ TEST(Backend, LooksForAGpuOnlyIfNothingElseDecides) {
   choose_backend({.backend = Backend::gpu}, "", never);
   choose_backend({.gpu = "0"}, "", never);
   choose_backend({}, "cpu", never);
+}
+
+TEST(Backend, TheBestDeviceIsTheFirstUsableOneOfTheFastestKind) {
+  const auto device = [](const char* name, const char* kind, const char* unusable = "") {
+    return gpu::DeviceDescription{.name = name, .kind = kind, .unusable = unusable};
+  };
+  const auto best = [](const std::vector<gpu::DeviceDescription>& devices) {
+    const gpu::DeviceDescription* found = gpu::best_of(devices);
+    return found ? found->name : "none";
+  };
+  EXPECT_EQ(best({}), "none");
+  EXPECT_EQ(best({device("old", "discrete", "offers Vulkan 1.1")}), "none");
+  EXPECT_EQ(best({device("soft", "cpu"), device("small", "integrated"), device("large", "discrete")}), "large");
+  EXPECT_EQ(best({device("odd", "other"), device("soft", "cpu")}), "soft");
+  EXPECT_EQ(best({device("old", "discrete", "offers Vulkan 1.1"), device("soft", "cpu"), device("again", "cpu")}),
+            "soft");
 }
 
 TEST(Backend, RefusesAnEnvironmentThatNamesNone) {

@@ -72,8 +72,8 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   constexpr std::string_view of = "--of=";
   if (argc > 1 && std::string_view(argv[1]).starts_with(of) && !keep_tests_of(argv[1] + of.size())) return 2;
-  // Tests of passes and drivers need a device, on which most other tests compute, too.
-  setenv("PALPA_BACKEND", "gpu", 0);
+  // Most tests use the device, so that passes and drivers are tested wherever there is a driver.
+  setenv("PALPA_BACKEND", "gpu", 1);
   // No test depends on the results of an earlier one.
   setenv("PALPA_CACHE", "off", 1);
   // Property tests draw the same cases on every run, so that a failure repeats and no change fails by chance. Set

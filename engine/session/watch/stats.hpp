@@ -104,7 +104,7 @@ struct PassStats {
 };
 
 struct LoopStats {
-  std::string backend, backend_why;         ///< what computed, "gpu" or "cpu", and why; told by who chose it
+  std::string backend, backend_why;         ///< what computed, "gpu" or "cpu", and why; set by the caller, who chose it
   std::uint64_t captured = 0;               ///< frames that came from the source
   std::uint64_t replaced = 0;               ///< of these, skipped because a newer one had come
   std::uint64_t missing = 0;                ///< how often the source had no frame within the hold

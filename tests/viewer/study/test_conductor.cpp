@@ -92,6 +92,7 @@ TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
     EXPECT_NE(test::read_text(beh("_events.tsv", run)).find("\tvoid\t"), std::string::npos) << run;
   EXPECT_EQ(test::read_text(beh("_events.tsv", 3)).find("\tvoid\t"), std::string::npos);
   EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Masking"], "off");
+  EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Backend"], "cpu");
 }
 
 TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
