@@ -345,6 +345,7 @@ def main():
     # A shell that starts this in the background makes it ignore these signals. Loops would inherit that and play on.
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # running cases still end, so that no loop plays on
     begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107
                                                                                   # bytes
     programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
