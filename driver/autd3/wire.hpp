@@ -78,8 +78,8 @@ struct FixedPoint {
   std::int32_t x = 0, y = 0, z = 0;
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
-/// The highest sound speed that a device can be sent: 64ths of a metre per second in 16 bits.
-inline constexpr double sound_speed_steps = 64;  ///< per m/s
+inline constexpr double sound_speed_steps = 64;  ///< in which a device gets the sound speed, per m/s
+/// The highest sound speed that a device can be sent, in 16 bits.
 inline constexpr double most_sound_speed_m_s = 65535 / sound_speed_steps;
 /// How many foci one message takes.
 inline constexpr std::size_t most_foci = 72;
