@@ -145,8 +145,8 @@ std::string conclusion(bool ok, const setup::UsedBackend& computes) {
     return fmt::format("palpa can run here{}. It computes on the processor, because {}.\n",
                        ok ? "" : ", except palpa-viewer and palpa bench", computes.why);
   }
-  return fmt::format("palpa {} here. It computes with Vulkan, because {}.\n", ok ? "can run" : "cannot compute",
-                     computes.why);
+  return ok ? fmt::format("palpa can run here. It computes with Vulkan, because {}.\n", computes.why)
+            : fmt::format("palpa cannot compute here: it needs a Vulkan device, because {}.\n", computes.why);
 }
 
 void run_doctor(const DoctorOptions& options, const Extensions& extensions) {

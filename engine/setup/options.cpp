@@ -47,8 +47,8 @@ void add_common(CLI::App& app, CommonOptions& options) {
   group.text("--gpu", options.gpu, "NAME|INDEX",
              "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
   group.choice("--backend", options.backend, backend_words,
-               "what computes, a GPU or the processor; auto takes a GPU if there is one; the results are the same "
-               "[$PALPA_BACKEND, or auto]");
+               "what computes, a GPU or the processor; auto takes a GPU if there is one; $PALPA_BACKEND sets another "
+               "default");
   group.text("--json", options.json, "FILE|-", "writes the results as JSON into a file, or with - to stdout [no JSON]");
   group.flag("--quiet", options.quiet,
              "prints no summary, no progress, and no warnings except that palpa waits for a pipe's reader");
