@@ -15,7 +15,6 @@
 #include "driver/sources.hpp"
 #include "module.hpp"
 #include "placed.hpp"
-#include "session/links/gain_link.hpp"
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
@@ -100,16 +99,6 @@ void change_solids(Run& run, session::Session& session) {
   if (run.aim) session.set_aim(*std::exchange(run.aim, std::nullopt));
 }
 
-std::vector<session::LinkKind> links_with_gain(const std::atomic<double>& gain) {
-  std::vector<session::LinkKind> links = setup::with_builtin(driver::board_links());
-  for (session::LinkKind& kind : links) {
-    kind.open = [open = kind.open, &gain](const std::string& argument, const session::LinkSetting& setting) {
-      return std::make_unique<session::GainLink>(open(argument, setting), gain);
-    };
-  }
-  return links;
-}
-
 /// Loads everything. False: the run was stopped before it began.
 bool open(const setup::LiveOptions& options, std::span<const session::SourceKind> sources,
           std::span<const session::LinkKind> links, std::atomic<bool>& stop, std::optional<setup::LiveRun>& live) {
@@ -180,7 +169,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
 
 void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
-  const std::vector<session::LinkKind> links = links_with_gain(run.gain);
+  const std::vector<session::LinkKind> links = setup::with_builtin(driver::board_links());
   const Outputs outputs(setup::outputs_of(options, links));
   refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
   if (o.from_points()) {
@@ -349,6 +338,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   refuse_written(run);
   setup::LiveOptions options = o->options;
   options.frames = frames;
+  options.safety.ceiling_now = &run.ceiling;
   run.on_frame = callback_of("on_frame", on_frame);
   run.on_event = callback_of("on_event", on_event);
   run.points = o->from_points() ? std::make_shared<session::PushedPoints>() : nullptr;
@@ -432,7 +422,7 @@ void set_aim(SessionObject& o, const py::object& offset) {
 void set_gain(SessionObject& o, double gain) {
   if (!o.live()) throw bad_usage("set_gain is for sessions with a source: it changes the sound of a link");
   if (!(gain >= 0 && gain <= 1)) throw bad_usage(fmt::format("gain: {} is not within 0 to 1", gain));
-  o.run.gain = gain;
+  o.run.ceiling = o.options.safety.ceiling * gain;
 }
 
 }  // namespace palpa::python

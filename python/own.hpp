@@ -7,7 +7,7 @@
 #include <atomic>
 #include <exception>
 
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
 #include "setup/options.hpp"
 

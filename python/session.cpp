@@ -145,6 +145,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   take_solver(rest, made->own);
   made->options = session_options().read(rest).live;
   setup::LiveOptions& o = made->options;
+  made->run.ceiling = o.safety.ceiling;
   o.own_method = own_method(made->own);
   o.own_solver = own_solver(made->own);
   set_scene(*scene, o);

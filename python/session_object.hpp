@@ -49,7 +49,7 @@ struct StatsObject {
 /// What a run shares with the threads that watch and change it.
 struct Run {
   std::atomic<bool> stop{false};
-  std::atomic<double> gain{1};
+  std::atomic<double> ceiling{1};  ///< the option, times what set_gain() asks for
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<std::pair<std::uint32_t, Transform>> poses;  ///< for the next frame

@@ -39,6 +39,14 @@ std::vector<std::uint32_t> fill_order(std::uint32_t count, std::uint32_t stride)
   return order;
 }
 
+void reserve(Schedule& schedule, std::uint32_t voices, std::uint32_t foci) {
+  schedule.voices.resize(voices);
+  for (Voice& voice : schedule.voices) {
+    voice.foci.reserve(foci);
+    voice.order.reserve(foci);
+  }
+}
+
 Voice& Schedule::add_voice() {
   if (voice_count == voices.size()) voices.emplace_back();
   return voices[voice_count++];

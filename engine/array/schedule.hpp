@@ -82,6 +82,9 @@ struct Schedule {
   }
 };
 
+/// Reserves room for so many voices of so many foci.
+void reserve(Schedule& schedule, std::uint32_t voices, std::uint32_t foci);
+
 /// No array comes near this limit. Linear acoustics ends far below, at linear_pressure_pa: beyond that, the energy goes
 /// into harmonics.
 inline constexpr double most_pressure_pa = 1e5;

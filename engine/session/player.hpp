@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "array/schedule.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
 

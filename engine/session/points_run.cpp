@@ -9,7 +9,7 @@
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
 #include "session/clock.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/loop/output.hpp"
 #include "session/newest.hpp"
 #include "session/threads.hpp"

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "session/loop/loop.hpp"
 #include "session/plan/tuning_thread.hpp"
-#include "session/previews/live_fingers.hpp"
+#include "session/loop/live_fingers.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {

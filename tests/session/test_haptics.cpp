@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/plan/solid_haptics.hpp"
 #include "support/thrown.hpp"

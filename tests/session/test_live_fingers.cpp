@@ -20,7 +20,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/previews/live_fingers.hpp"
+#include "session/loop/live_fingers.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"

@@ -6,7 +6,7 @@
 
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
 #include "support/shared_data.hpp"
 #include "touch/stage.hpp"

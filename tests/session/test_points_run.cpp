@@ -12,7 +12,6 @@
 #include "fakes.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "session/links/gain_link.hpp"
 #include "session/points_run.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -119,32 +118,6 @@ TEST(PointsRun, NeedsAnArray) {
   test::SpyLink link;
   std::atomic<bool> stop{false};
   EXPECT_ERROR(run_points(session, source, link, stop), Exit::usage, "without an array cannot run from points");
-}
-
-TEST(GainLink, MultipliesPlansAndDrives) {
-  auto owned = std::make_unique<test::SpyLink>();
-  test::SpyLink& spy = *owned;
-  std::atomic<double> gain{1};
-  GainLink link(std::move(owned), gain);
-  const array::Drive drive{{1.0F, 0.5F}, {0.5F, -3.0F}, {0.0F, 3.0F}};
-  Plan touch;
-  touch.schedule = test::touching(Vec3(0, 0.15, 0));
-  touch.cycle.length = 1;
-  touch.drives = drive;
-  link.plan(played(touch, 3, 0, 60));
-  link.send(0, drive);
-  gain = 0.25;
-  link.plan(played(touch, 3, 1, 60));
-  link.send(1, drive);
-  link.finish();
-  ASSERT_EQ(spy.plans.size(), 2U);
-  EXPECT_EQ(spy.plans[0].schedule, &touch.schedule) << "at a gain of 1, nothing is copied";
-  EXPECT_EQ(spy.sent[0], drive.data());
-  EXPECT_EQ(spy.plans[0].gain, 1);
-  EXPECT_EQ(spy.plans[1].gain, 0.25);
-  EXPECT_EQ(spy.plans[1].loudest, 0.25F);
-  EXPECT_EQ(spy.loudest, (std::vector<float>{1.0F, 0.25F}));
-  EXPECT_TRUE(spy.finished);
 }
 
 TEST(OwnMethod, PlacesTheFociOfASession) {

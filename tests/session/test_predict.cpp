@@ -17,7 +17,7 @@
 #include "fakes.hpp"
 #include "hand_motion.hpp"
 #include "predict_chain.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/loop/loop.hpp"
 #include "session/predict/capture_times.hpp"
 #include "session/predict/predictor.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "support/thrown.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_twin.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gpu/device.hpp"
-#include "session/previews/beside.hpp"
+#include "session/beside.hpp"
 #include "viewer/sound/field_slice.hpp"
 #include "viewer/sound/sounding.hpp"
 

@@ -9,7 +9,7 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::viewer {

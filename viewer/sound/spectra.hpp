@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
-#include "session/previews/beside.hpp"
+#include "session/beside.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "touch/types.hpp"
 
 namespace palpa::session {
 namespace {
@@ -25,6 +26,21 @@ void keep_error(std::exception_ptr& first, Work work) {
   }
 }
 
+/// Multiplies the amplitude of every drive, or the gain and the pressures of every finger.
+void scale(std::span<array::TransducerDrive> drives, double factor) {
+  for (array::TransducerDrive& transducer : drives)
+    transducer.amplitude *= static_cast<float>(factor);
+}
+
+void scale(array::Schedule& schedule, double factor) {
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    array::Voice& voice = schedule.voices[v];
+    voice.gain *= factor;
+    voice.target_pa *= factor;
+    if (voice.reached_pa) *voice.reached_pa *= factor;
+  }
+}
+
 }  // namespace
 
 void check_safety(const Safety& safety) {
@@ -38,7 +54,6 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
                    std::function<void(bool, const HandOver&)> sent)
     : link_(link),
       safety_(safety),
-      transducers_(transducers),
       slot_s_(slot_s),
       sent_(std::move(sent)),
       silence_(transducers, {0.0f, 0.0f}) {
@@ -48,8 +63,10 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
   constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms despite rounding
   if (ramped())
     ramp_drives_ = static_cast<std::uint32_t>(std::max(1.0, std::ceil(safety.ramp_s / slot_s * (1 - rounding))));
-  reserve(kept_, transducers);
-  reserve(scaled_, transducers);
+  for (Sound* sound : {&kept_, &scaled_}) {
+    array::reserve(sound->schedule, touch::max_fingers, touch::max_foci);
+    sound->drives.reserve(most_cycle * transducers);
+  }
   scaled_drive_.reserve(transducers);
   last_ = silence_;
 }
@@ -123,7 +140,9 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   passed_factor_ = factor;
   passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
-  pass_on(played(scaled_, transducers_, from_slot, until_slot_));
+  pass_on({.schedule = scaled_.schedule,
+           .slots = {from_slot, until_slot_, scaled_.cycle},
+           .drives = scaled_.drives});
 }
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {

@@ -8,10 +8,11 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
-#include "session/links/plan.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::session {
 
@@ -76,7 +77,6 @@ class SafeLink final : public Link {
 
   Link& link_;
   Safety safety_;
-  std::size_t transducers_;
   double slot_s_;
   std::function<void(bool, const HandOver&)> sent_;
   array::Schedule nothing_;  ///< a schedule without voices, at the time of the last plan
@@ -85,8 +85,15 @@ class SafeLink final : public Link {
   Passed passed_;  ///< drives and plans that the link got
   bool ended_ = false;
 
+  /// What a plan has besides its slots.
+  struct Sound {
+    array::Schedule schedule;
+    Cycle cycle;
+    array::Drive drives;
+  };
+
   // Only if amplitudes change.
-  Plan kept_, scaled_;            ///< the last plan with voices: as it came, and as it was passed on
+  Sound kept_, scaled_;           ///< of the last plan with voices: as it came, and as it was passed on
   std::uint64_t until_slot_ = 0;  ///< end of the last plan with voices
   array::Drive scaled_drive_;
 

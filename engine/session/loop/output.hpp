@@ -8,7 +8,7 @@
 
 #include "array/drive.hpp"
 #include "session/clock.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/newest.hpp"
 #include "session/predict/slot_clock.hpp"

@@ -7,7 +7,7 @@
 
 #include "sensing/depth_source.hpp"
 #include "session/links/hand_over.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/planner.hpp"
 #include "session/watch/events.hpp"
 

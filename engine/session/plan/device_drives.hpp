@@ -8,7 +8,7 @@
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
 #include "gpu/timestamps.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
 
 namespace palpa::session {

@@ -64,7 +64,7 @@ class FramePlanner : public Planner {
       reserve(flight->plan, setting.live() ? setting.layout.transducers.size() : 0);
       flight->times.reserve(most_times);
     }
-    reserve(slot_work_.unmodulated);
+    array::reserve(slot_work_.unmodulated, touch::max_fingers, touch::max_foci);
     slot_work_.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
   }
 

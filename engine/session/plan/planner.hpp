@@ -11,7 +11,7 @@
 #include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/finger_sounds.hpp"
 #include "session/plan/setting.hpp"
 #include "session/predict/predictor.hpp"

@@ -13,7 +13,7 @@
 #include "geometry/solid.hpp"
 #include "sensing/camera.hpp"
 #include "sensing/surroundings.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/predict/prediction.hpp"
@@ -22,7 +22,7 @@
 
 namespace palpa::session {
 
-/// The finger on which foci are computed (previews/live_fingers.hpp): tip at the origin, body along +y.
+/// The finger on which foci are computed (loop/live_fingers.hpp): tip at the origin, body along +y.
 struct FollowedFinger {
   std::string name;     ///< its file, for messages
   geometry::Mesh body;  ///< as acoustics::body_mesh returns it

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
 
 namespace palpa::session {

@@ -9,7 +9,7 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/incident.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
 
 namespace palpa::session {

@@ -9,7 +9,7 @@
 #include "array/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "setup/experiment/observed_finger.hpp"
 #include "study/afferents/finger_place.hpp"
 #include "study/afferents/pressure_pattern.hpp"

@@ -17,7 +17,7 @@
 #include "base/log.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 #include "session/previews/skin_pressure.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/body.hpp"

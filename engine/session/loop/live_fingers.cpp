@@ -1,4 +1,4 @@
-#include "session/previews/live_fingers.hpp"
+#include "session/loop/live_fingers.hpp"
 
 #include <fmt/core.h>
 

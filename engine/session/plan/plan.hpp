@@ -47,17 +47,12 @@ struct Plan {
 /// are where they are in the middle of the first cycle; their drives are listed only for a link that plays them.
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until);
 
-/// Multiplies the amplitude of every drive, or the gain and the pressures of every finger, by a factor from 0 to 1.
-void scale(std::span<array::TransducerDrive> drives, double factor);
-void scale(array::Schedule& schedule, double factor);
-
 /// Resets it to a plan that has nothing to drive, before its slots are planned.
 void list_nothing(Plan& plan);
 
 /// Reserves the memory that a live frame can need, for any number of fingers and foci and most_cycle drives. The
 /// running loop then allocates nothing.
 void reserve(Plan& plan, std::size_t transducers);
-void reserve(array::Schedule& schedule);
 
 /// Scratch memory for planning slots; keeps its storage.
 struct SlotWork {

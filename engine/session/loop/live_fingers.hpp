@@ -33,8 +33,8 @@
 #include "session/plan/finger_sounds.hpp"
 #include "session/plan/planner.hpp"
 #include "session/plan/setting.hpp"
-#include "session/previews/beside.hpp"
-#include "session/previews/finger_fit.hpp"
+#include "session/beside.hpp"
+#include "session/loop/finger_fit.hpp"
 #include "session/watch/stats.hpp"
 
 namespace palpa::session {

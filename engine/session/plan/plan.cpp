@@ -1,18 +1,10 @@
-#include "session/links/plan.hpp"
+#include "session/plan/plan.hpp"
 
 #include <algorithm>
 
 #include "touch/types.hpp"
 
 namespace palpa::session {
-
-void reserve(array::Schedule& schedule) {
-  schedule.voices.resize(touch::max_fingers);
-  for (array::Voice& voice : schedule.voices) {
-    voice.foci.reserve(touch::max_foci);
-    voice.order.reserve(touch::max_foci);
-  }
-}
 
 namespace {
 
@@ -31,7 +23,7 @@ void list_advance(Plan& plan, bool lists_standing) {
 }  // namespace
 
 void reserve(Plan& plan, std::size_t transducers) {
-  reserve(plan.schedule);
+  array::reserve(plan.schedule, touch::max_fingers, touch::max_foci);
   plan.drives.reserve(most_cycle * transducers);
 }
 
@@ -104,20 +96,6 @@ PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from,
   return {.schedule = plan.schedule,
           .slots = {from, until, plan.cycle},
           .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
-}
-
-void scale(std::span<array::TransducerDrive> drives, double factor) {
-  for (array::TransducerDrive& transducer : drives)
-    transducer.amplitude *= static_cast<float>(factor);
-}
-
-void scale(array::Schedule& schedule, double factor) {
-  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
-    array::Voice& voice = schedule.voices[v];
-    voice.gain *= factor;
-    voice.target_pa *= factor;
-    if (voice.reached_pa) *voice.reached_pa *= factor;
-  }
 }
 
 void list_nothing(Plan& plan) {

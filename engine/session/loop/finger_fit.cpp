@@ -1,4 +1,4 @@
-#include "session/previews/finger_fit.hpp"
+#include "session/loop/finger_fit.hpp"
 
 #include <algorithm>
 #include <array>
