@@ -7,7 +7,7 @@
 
 namespace palpa::tuning {
 
-/// The names that shaders/touch/ gives to PALPA_TUNED.
+/// The names that touch/fingers/ gives to PALPA_TUNED.
 enum Name : std::size_t {
   valley,
   noise,

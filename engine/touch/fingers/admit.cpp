@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "touch/fingers/known.hpp"
-#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -17,14 +16,14 @@ struct Claims {
   std::array<Claim, max_fingers> of{};
   std::array<std::uint32_t, max_fingers> heir{};
 
-  Claims(const Sight& sight, const Known& known, const Touch& touch) {
+  Claims(const Known& known, const Touch& touch, const FingerSkins& skins) {
     heir.fill(none);
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
-      const SkinSamples samples = sample_skin(sight, touch, finger);
+      const SkinSamples& samples = skins[f].samples;
       const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
-      const std::uint32_t known_as = samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z})
-                                                     : known_majority(known_labels(known, finger.solid, samples));
+      const std::uint32_t known_as =
+          samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z}) : skins[f].known;
       of[f] = {known_as,
                known_nearby(known, finger.solid, samples),
                finger.contact_count,
@@ -47,9 +46,9 @@ struct Claims {
 
 }  // namespace
 
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
-                        Touch& out) {
-  const Claims claims(sight, known, out);
+ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownFingers& table, Touch& out,
+                        FingerSkins& skins) {
+  const Claims claims(known, out, skins);
   ClaimList stay{};
   std::array<Island, max_fingers> islands{};
   std::uint32_t islands_now = 0, kept = 0;
@@ -72,7 +71,10 @@ ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const 
       if (!stays) islands[islands_now++] = island;
     }
     if (!stays) continue;
-    if (kept != f) std::swap(out.fingers[kept], finger);
+    if (kept != f) {
+      std::swap(out.fingers[kept], finger);
+      skins[kept] = skins[f];
+    }
     stay[kept] = claims.of[f];
     if (claimed != none) {
       stay[kept].parting_us = next_parting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);

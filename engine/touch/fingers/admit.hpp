@@ -7,7 +7,6 @@
 #include <array>
 
 #include "touch/fingers/known_labels.hpp"
-#include "touch/fingers/sight.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -15,9 +14,9 @@ namespace palpa::touch {
 /// What each finger that stays has to do with the fingers of the frame before.
 using ClaimList = std::array<Claim, max_fingers>;
 
-/// Removes the clusters of `out` that are no fingers, and writes the frame's
-/// islands to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the table.
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
-                        Touch& out);
+/// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands to `table`, to
+/// which `known` also refers unless there are no known fingers. Ends the doubts of the table.
+ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownFingers& table, Touch& out,
+                        FingerSkins& skins);
 
 }  // namespace palpa::touch

@@ -4,41 +4,74 @@
 #include <array>
 #include <cmath>
 
-#include "touch/fingers/bridge_math.hpp"
+#include "base/inplace_vector.hpp"
 
 namespace palpa::touch {
 namespace {
 
+/// A cluster of contacts, which may be one patch of several.
 struct Patch {
-  SkinSamples samples;  ///< in the order of the hash
-  BridgePatch record{};
+  const SkinSamples* samples;
   std::uint32_t known = known_none;  ///< most of its samples belong to this known finger
+  Float3 low{}, high{}, mean{};      ///< box and mean of its samples
 };
 
-Patch make_patch(const Sight& sight, const Touch& touch, const Finger& finger) {
-  Patch patch{sample_skin(sight, touch, finger)};
-  if (patch.samples.empty()) return patch;
-  const Float3 first = patch.samples.front().position;
-  Float3 low = first, high = first, sum{0, 0, 0};
-  for (const SkinSample& sample : patch.samples) {
+Patch make_patch(const FingerSkin& skin) {
+  Patch patch{&skin.samples, skin.known};
+  if (skin.samples.empty()) return patch;
+  const Float3 first = skin.samples.front().position;
+  Float3 sum{0, 0, 0};
+  patch.low = patch.high = first;
+  for (const SkinSample& sample : skin.samples) {
     const Float3& p = sample.position;
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    patch.low = {std::min(patch.low.x, p.x), std::min(patch.low.y, p.y), std::min(patch.low.z, p.z)};
+    patch.high = {std::max(patch.high.x, p.x), std::max(patch.high.y, p.y), std::max(patch.high.z, p.z)};
     sum = plus(sum, minus(p, first));
   }
-  const auto count = static_cast<std::uint32_t>(patch.samples.size());
-  const Float3 mean = plus(first, scaled(sum, 1.0F / static_cast<float>(count)));
-  patch.record = {{low.x, low.y, low.z, 0}, {high.x, high.y, high.z, 0}, {mean.x, mean.y, mean.z, 0}, count};
+  patch.mean = plus(first, scaled(sum, 1.0F / static_cast<float>(skin.samples.size())));
   return patch;
 }
 
+float gap_between(float low_a, float high_a, float low_b, float high_b) {
+  return std::max({low_b - high_a, low_a - high_b, 0.0F});
+}
+
+/// Whether the patches' boxes are near enough that they can be one finger.
+bool near_enough(const Patch& a, const Patch& b, float finger_width) {
+  if (a.samples->empty() || b.samples->empty()) return false;
+  const Float3 gap{gap_between(a.low.x, a.high.x, b.low.x, b.high.x), gap_between(a.low.y, a.high.y, b.low.y, b.high.y),
+                   gap_between(a.low.z, a.high.z, b.low.z, b.high.z)};
+  return dot3(gap, gap) <= finger_width * finger_width;
+}
+
+/// Whether a camera has seen something clearly farther away in the direction of a place.
 bool is_seen_empty(const Sight& sight, const Float3& place) {
   for (std::size_t c = 0; c < sight.cameras.size(); ++c) {
-    const Appearance seen = appearance(sight.cameras[c], place);
-    if (seen.depth > 0 && sees_through(sight.cameras[c], raw_at(sight, c, seen.u, seen.v), seen.depth)) return true;
+    const SightCamera& camera = sight.cameras[c];
+    const Appearance at = appearance(camera, place);
+    if (!(at.depth > 0)) continue;
+    const std::uint32_t raw = raw_at(sight, c, at.u, at.v);
+    if (raw >= camera.first_depth && static_cast<float>(raw) * camera.depth_unit > at.depth + PALPA_TUNED(clear, 4e-3F))
+      return true;
   }
   return false;
 }
+
+/// The relation between two patches.
+struct Pair {
+  enum Kind {
+    unknown,  ///< nothing shows that they are one finger
+    one,      ///< patches of one finger
+    two,      ///< of two fingers, whatever a third patch shows
+  } kind = unknown;
+  float facing = 0;  ///< the smaller, the more certain: the sum of the cosines of face()
+};
+
+// The limits of patches that were one finger in the frame before are wider. That finger may be wider by the first
+// factor.
+constexpr float still_one = 1.2F;
+/// In place of the sum of cosines, for patches that are one only because they were one: less certain than any other.
+constexpr float held = 3;
 
 /// The line from a sample to the nearest one of the other patch.
 struct Way {
@@ -47,8 +80,8 @@ struct Way {
 
 Way way_across(const SkinSample& sample, const Patch& other) {
   float nearest = 3.0e38F;
-  const SkinSample* there = &other.samples.front();
-  for (const SkinSample& candidate : other.samples) {
+  const SkinSample* there = &other.samples->front();
+  for (const SkinSample& candidate : *other.samples) {
     const float square = square_apart(sample.position, candidate.position);
     if (square >= nearest) continue;
     nearest = square;
@@ -62,55 +95,66 @@ Way way_across(const SkinSample& sample, const Patch& other) {
 bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finger_width) {
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
-    for (const SkinSample& sample : patch->samples) {
+    for (const SkinSample& sample : *patch->samples) {
       const float along = dot3(sample.position, line);
       low = std::min(low, along);
       high = std::max(high, along);
     }
   }
-  return too_wide(low, high, dot3(line, line), finger_width);
+  return high - low > finger_width * std::sqrt(dot3(line, line));
 }
 
-/// Whether the lines between contacts that face each other go through a finger.
-BridgePair face(const Patch& a, const Patch& b, bool were_one) {
-  Evidence e = no_evidence();
-  InplaceVector<Way, bridge_samples> from_a, from_b;
-  for (const SkinSample& sample : a.samples) {
-    from_a.push_back(way_across(sample, b));
-    e = with_length(e, from_a.back().apart);
+/// Whether the lines between contacts that face each other go through a finger: they enter the skin at both ends.
+Pair face(const Patch& a, const Patch& b, bool were_one) {
+  InplaceVector<Way, 2 * most_samples> ways;  // `own` is the end in `a`
+  for (const SkinSample& sample : *a.samples)
+    ways.push_back(way_across(sample, b));
+  for (const SkinSample& sample : *b.samples) {
+    const Way way = way_across(sample, a);
+    ways.push_back({way.apart, way.other, way.own});
   }
-  for (const SkinSample& sample : b.samples) {
-    from_b.push_back(way_across(sample, a));
-    e = with_length(e, from_b.back().apart);
+  float nearest = 3.0e38F;
+  for (const Way& way : ways)
+    nearest = std::min(nearest, way.apart);
+  // Contacts that are farther apart than the nearest ones by this much no longer face each other.
+  const float farthest = nearest + PALPA_TUNED(nearest, 2e-3F);
+  float at_a = 0, at_b = 0;
+  std::uint32_t facing = 0;
+  for (const Way& way : ways) {
+    if (way.apart > farthest) continue;
+    at_a += way.own;
+    at_b += way.other;
+    ++facing;
   }
-  for (const Way& way : from_a)
-    e = with_way(e, way.apart, way.own, way.other);
-  for (const Way& way : from_b)
-    e = with_way(e, way.apart, way.other, way.own);
-  return facing_verdict(e, were_one);
+  const float mean_a = at_a / static_cast<float>(facing), mean_b = at_b / static_cast<float>(facing);
+  const float worse = std::max(mean_a, mean_b);
+  if (worse > (were_one ? 0.5F : PALPA_TUNED(towards, 0.3F))) return {Pair::two};
+  return {worse < (were_one ? 0.3F : PALPA_TUNED(away, -0.1F)) ? Pair::one : Pair::unknown, mean_a + mean_b};
 }
 
+/// Looks at chords through the space between two patches: from each sample of one patch to some sample of the other,
+/// in steps of an eighth. Their ends are left out, because pictures of rims are the least reliable there.
 bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool were_one) {
+  constexpr std::uint32_t first_step = 2, last_step = 6;
   std::uint32_t looked = 0, empty = 0;
-  for (std::uint32_t s = 0; s < a.samples.size(); ++s) {
-    const Float3& from = a.samples[s].position;
-    const Float3& to = b.samples[chord_end(s, b.record.samples)].position;
-    for (std::uint32_t k = bridge_first_step; k <= bridge_last_step; ++k) {
+  for (std::size_t s = 0; s < a.samples->size(); ++s) {
+    const Float3& from = (*a.samples)[s].position;
+    const Float3 way = minus((*b.samples)[(s * 37 + 11) % b.samples->size()].position, from);
+    for (std::uint32_t step = first_step; step <= last_step; ++step) {
       ++looked;
-      empty += is_seen_empty(sight, between(from, to, chord_share(k))) ? 1 : 0;
+      empty += is_seen_empty(sight, plus(from, scaled(way, static_cast<float>(step) * 0.125F))) ? 1 : 0;
     }
   }
-  return too_empty(empty, looked, were_one);
+  // In 64ths.
+  return empty * 64 > looked * (were_one ? 24U : PALPA_TUNED(empty, 6U));
 }
 
-BridgePair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
-  constexpr BridgePair two{bridge_two, 0};
-  if (were_one) finger_width = product(PALPA_BRIDGE_STILL_ONE, finger_width);
-  if (!near_enough(a.record, b.record, finger_width)) return two;
-  const auto mean = [](const Patch& p) { return Float3{p.record.mean.x, p.record.mean.y, p.record.mean.z}; };
-  if (is_too_wide(a, b, minus(mean(b), mean(a)), finger_width)) return two;
-  const BridgePair pair = face(a, b, were_one);
-  return pair.kind != bridge_two && is_empty_between(sight, a, b, were_one) ? two : pair;
+Pair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
+  if (were_one) finger_width *= still_one;
+  if (!near_enough(a, b, finger_width)) return {Pair::two};
+  if (is_too_wide(a, b, minus(b.mean, a.mean), finger_width)) return {Pair::two};
+  const Pair pair = face(a, b, were_one);
+  return pair.kind != Pair::two && is_empty_between(sight, a, b, were_one) ? Pair{Pair::two} : pair;
 }
 
 /// Which patches belong to one finger.
@@ -120,7 +164,7 @@ class Joining {
     for (std::uint32_t p = 0; p < count; ++p)
       head_[p] = p;
   }
-  BridgePair& pair(std::uint32_t a, std::uint32_t b) { return pairs_[a][b]; }
+  Pair& pair(std::uint32_t a, std::uint32_t b) { return pairs_[a][b]; }
   /// The finger's first patch.
   std::uint32_t head(std::uint32_t p) const { return head_[p]; }
 
@@ -131,12 +175,12 @@ class Joining {
 
  private:
   bool join_surest() {
-    const BridgePair* surest = nullptr;
+    const Pair* surest = nullptr;
     std::uint32_t keeps = 0, goes = 0;
     for (std::uint32_t a = 0; a < count_; ++a) {
       for (std::uint32_t b = a + 1; b < count_; ++b) {
-        const BridgePair& candidate = pair(a, b);
-        if (candidate.kind != bridge_one || head_[a] == head_[b] || strangers(head_[a], head_[b])) continue;
+        const Pair& candidate = pair(a, b);
+        if (candidate.kind != Pair::one || head_[a] == head_[b] || strangers(head_[a], head_[b])) continue;
         if (surest && candidate.facing >= surest->facing) continue;
         surest = &candidate;
         keeps = std::min(head_[a], head_[b]);
@@ -150,29 +194,27 @@ class Joining {
   bool strangers(std::uint32_t one, std::uint32_t other) {
     for (std::uint32_t a = 0; a < count_; ++a) {
       for (std::uint32_t b = 0; b < count_; ++b) {
-        if (head_[a] == one && head_[b] == other && pair(std::min(a, b), std::max(a, b)).kind == bridge_two)
-          return true;
+        if (head_[a] == one && head_[b] == other && pair(std::min(a, b), std::max(a, b)).kind == Pair::two) return true;
       }
     }
     return false;
   }
 
   std::uint32_t count_;
-  std::array<std::array<BridgePair, max_fingers>, max_fingers> pairs_{};
+  std::array<std::array<Pair, max_fingers>, max_fingers> pairs_{};
   InplaceVector<std::uint32_t, max_fingers> head_;
 };
 
 }  // namespace
 
-void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out) {
+void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out,
+                    FingerSkins& skins) {
   const std::uint32_t count = out.finger_count;
   if (count < 2) return;
   InplaceVector<Patch, max_fingers> patches;
-  for (std::uint32_t f = 0; f < count; ++f)
-    patches.push_back(make_patch(sight, out, out.fingers[f]));
-  if (known.has(known_together)) {
-    for (std::uint32_t f = 0; f < count; ++f)
-      patches[f].known = known_majority(known_labels(known, out.fingers[f].solid, patches[f].samples));
+  for (std::uint32_t f = 0; f < count; ++f) {
+    patches.push_back(make_patch(skins[f]));
+    if (!known.has(known_together)) patches[f].known = known_none;
   }
   Joining joining(count);
   const auto width = static_cast<float>(parameters.finger_width_m);
@@ -181,13 +223,12 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
       // Patches of a known finger stay one more easily, until it has looked like several fingers before.
       const bool same = patches[a].known != known_none && patches[a].known == patches[b].known;
       const bool were_one = same && !known.may_part(patches[a].known);
-      BridgePair& pair = joining.pair(a, b);
+      Pair& pair = joining.pair(a, b);
       pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
-                                                          : BridgePair{bridge_two, 0};
-      if (!same || pair.kind == bridge_one) continue;
+                                                          : Pair{Pair::two};
+      if (!same || pair.kind == Pair::one) continue;
       known.doubt(patches[a].known, doubt_one);
-      if (were_one && !patches[a].samples.empty() && !patches[b].samples.empty())
-        pair = {bridge_one, PALPA_BRIDGE_HELD};
+      if (were_one && !patches[a].samples->empty() && !patches[b].samples->empty()) pair = {Pair::one, held};
     }
   }
   joining.join();
@@ -198,15 +239,20 @@ void bridge_fingers(const Sight& sight, const Parameters& parameters, const Know
     Finger& finger = out.fingers[f];
     if (joining.head(f) == f) {
       place[f] = kept++;
-      if (place[f] != f) std::swap(out.fingers[place[f]], finger);
+      if (place[f] == f) continue;
+      std::swap(out.fingers[place[f]], finger);
+      skins[place[f]] = skins[f];
       continue;
     }
     std::vector<std::uint32_t>& all = out.fingers[place[joining.head(f)]].contacts;
     all.insert(all.end(), finger.contacts.begin(), finger.contacts.end());
   }
   for (std::uint32_t f = 0; f < kept; ++f) {
-    std::sort(out.fingers[f].contacts.begin(), out.fingers[f].contacts.end());
-    out.fingers[f].contact_count = static_cast<std::uint32_t>(out.fingers[f].contacts.size());
+    Finger& finger = out.fingers[f];
+    if (finger.contact_count == finger.contacts.size()) continue;  // nothing was joined to it
+    std::ranges::sort(finger.contacts);
+    finger.contact_count = static_cast<std::uint32_t>(finger.contacts.size());
+    skins[f] = look_at(sight, known, out, finger);
   }
   out.cluster_count -= count - kept;
   out.finger_count = kept;

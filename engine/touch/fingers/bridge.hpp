@@ -16,7 +16,8 @@
 
 namespace palpa::touch {
 
-/// Joins fingers of `out`. The points of their contacts are pixels of the pictures.
-void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out);
+/// Joins fingers of `out`, to which `skins` belong. The points of their contacts are pixels of the pictures.
+void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out,
+                    FingerSkins& skins);
 
 }  // namespace palpa::touch

@@ -2,7 +2,6 @@
 
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/bridge.hpp"
-#include "touch/fingers/bridge_cameras.hpp"
 #include "touch/fingers/depths.hpp"
 #include "touch/fingers/foci.hpp"
 #include "touch/fingers/keep.hpp"
@@ -14,7 +13,11 @@ namespace palpa::touch {
 
 Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> cameras,
                  const sensing::RayTables& tables, const PreparedSolids& solids)
-    : tables_(tables), solids_(solids), setting_(setting), bridge_cameras_(bridge_cameras(cameras, tables)) {
+    : tables_(tables),
+      solids_(solids),
+      setting_(setting),
+      cameras_(sight_cameras(cameras, tables)),
+      skins_(max_fingers) {
   if (setting.follow) tracks_.emplace();
   if (setting.glides()) homes_.emplace();
   if (setting.knows(!cameras.empty())) known_ = std::make_unique<KnownFingers>();
@@ -29,19 +32,19 @@ FingerReach Fingers::next(double time_s) {
 void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
                    std::vector<gpu::PassTime>& times) {
   PassWatch watch(times);
-  const bool cameras = !bridge_cameras_.empty();
-  const Sight sight{bridge_cameras_, tables_, images};
+  const bool cameras = !cameras_.empty();
+  const Sight sight{cameras_, tables_, images};
   ClaimList claims{};
   if (setting_.looks_again(cameras)) {
     const Known known{{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U},
                       has_before_ ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
-    split_fingers(sight, parameters, known, out, split_work_);
+    split_fingers(sight, parameters, known, out, skins_, split_work_);
     watch.mark("split");
-    bridge_fingers(sight, parameters, known, out);
+    bridge_fingers(sight, parameters, known, out, skins_);
     watch.mark("bridge");
     if (known_) {
-      claims = admit_fingers(sight, parameters, known, *known_, out);
+      claims = admit_fingers(parameters, known, *known_, out, skins_);
       watch.mark("admit");
     }
   }
@@ -52,7 +55,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
     watch.mark("follow");
   }
   if (known_) {
-    keep_fingers(sight, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
+    keep_fingers(skins_, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
     watch.mark("keep");
   }
   find_foci(parameters, solids_.foci_of, out);

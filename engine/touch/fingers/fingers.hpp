@@ -22,10 +22,11 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "touch/contacts/prepared_solids.hpp"
-#include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/glide.hpp"
 #include "touch/fingers/known.hpp"
+#include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/sight.hpp"
 #include "touch/fingers/split.hpp"
 #include "touch/points/points.hpp"
 #include "touch/stage_setting.hpp"
@@ -55,12 +56,13 @@ class Fingers {
   const sensing::RayTables& tables_;
   const PreparedSolids& solids_;
   StageSetting setting_;
-  std::vector<BridgeCamera> bridge_cameras_;
+  std::vector<SightCamera> cameras_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
   std::unique_ptr<KnownFingers> known_;  // the fingers of the frame before; null unless they decide
   std::uint32_t elapsed_us_ = 0;         // from the frame before to this one
   bool has_before_ = false;              // whether `known_` is of the frame before
+  FingerSkins skins_;
   SplitWork split_work_;
   std::vector<std::uint32_t> places_;  // scratch
 };

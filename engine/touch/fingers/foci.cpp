@@ -80,15 +80,14 @@ std::array<Border, max_foci> equal_arcs(const Plane& plane, std::span<const Bord
   corners[bins] = corners[0];
   std::array<float, bins + 1> way{};  // length along the outline to each corner, and of the complete outline
   for (std::uint32_t m = 0; m < bins; ++m)
-    way[m + 1] = plus(way[m], metres_between(corners[m], corners[m + 1], plane.scaling));
+    way[m + 1] = way[m] + metres_between(corners[m], corners[m + 1], plane.scaling);
   std::array<Border, max_foci> borders{};
   for (std::uint32_t n = 0; n < foci; ++n) {
     const float cut = cut_at(way[bins], n, foci);
     std::uint32_t side = 0;
     while (side + 1 < bins && way[side + 1] <= cut)
       ++side;
-    const Float2 at =
-        along_side(corners[side], corners[side + 1], less(cut, way[side]), less(way[side + 1], way[side]));
+    const Float2 at = along_side(corners[side], corners[side + 1], cut - way[side], way[side + 1] - way[side]);
     borders[n] = {at.x, at.y};
   }
   return borders;

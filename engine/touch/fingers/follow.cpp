@@ -105,7 +105,7 @@ void Follow::find_birth_costs() {
     for (std::uint32_t t = 0; t < known; ++t) {
       if (candidates[t].penalty == 0 && candidates[t].reach <= scale) continue;
       const float cost = cost_of(f, t);
-      if (cost < out_of_reach) birth_cost[f] = std::max(birth_cost[f], plus(cost, 1));
+      if (cost < out_of_reach) birth_cost[f] = std::max(birth_cost[f], cost + 1);
     }
   }
 }
@@ -134,7 +134,7 @@ void Follow::assign() {
       std::uint32_t best_column = none;
       for (const std::uint32_t column : std::span(order).first(width)) {
         if (visited[column]) continue;
-        const float reduced = less(less(cost_of(row, column), row_price[row]), price[column]);
+        const float reduced = cost_of(row, column) - row_price[row] - price[column];
         if (reduced < least[column]) {
           least[column] = reduced;
           way[column] = current;
@@ -146,13 +146,13 @@ void Follow::assign() {
       }
       for (const std::uint32_t column : std::span(order).first(width)) {
         if (visited[column]) {
-          row_price[row_of[column]] = plus(row_price[row_of[column]], best);
-          price[column] = less(price[column], best);
+          row_price[row_of[column]] += best;
+          price[column] -= best;
         } else {
-          least[column] = less(least[column], best);
+          least[column] -= best;
         }
       }
-      row_price[finger] = plus(row_price[finger], best);
+      row_price[finger] += best;
       current = best_column;
       visited[current] = true;
       row = row_of[current];
@@ -209,7 +209,7 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
   Candidate* other = &track;
   for (Candidate& c : tracks()) {
     if (!c.merged || c.owner != finger) continue;
-    total = plus(total, weight(c));
+    total += weight(c);
     other = &c;
   }
   Float3 mean{0, 0, 0};
@@ -226,12 +226,12 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
     const float share = weight(track) / total, other_share = weight(*other) / total;
     const Parting parting = parting_of(cluster, spread_of(track.old), spread_of(other->old), share, other_share,
                                        minus(other->place, track.place));
-    const float part = product(0.5F, parting.trust);
-    const float back = product(other_share, part), on = product(share, part);
+    const float part = 0.5F * parting.trust;
+    const float back = other_share * part, on = share * part;
     track.place = moved(track.place, parting.correction, -back);
     other->place = moved(other->place, parting.correction, on);
-    track.velocity = moved(track.velocity, parting.correction, -product(back, gain));
-    other->velocity = moved(other->velocity, parting.correction, product(on, gain));
+    track.velocity = moved(track.velocity, parting.correction, -back * gain);
+    other->velocity = moved(other->velocity, parting.correction, on * gain);
   }
   const bool looks = looks_merged(cluster, spread_of(track.old));
   for (Candidate& c : tracks()) {

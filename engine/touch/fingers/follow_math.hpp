@@ -299,8 +299,8 @@ inline Steady axes_across(Sym3 covariance, Principal2 plane, Float3 w3, Float3 c
   const float c1 = dot3(first, r.axes.w1);
   const float s1 = dot3(first, r.axes.w2);
   float norm = 1.0F / std::sqrt(c1 * c1 + s1 * s1);
-  r.cosine = product(c1, norm);
-  r.sine = product(s1, norm);
+  r.cosine = c1 * norm;
+  r.sine = s1 * norm;
   return r;
 }
 
@@ -321,7 +321,7 @@ inline Steady first_axes(PrincipalAxes principal, Float3 lean) {
   const Principal2 plane = principal_in_plane(covariance, carried, across);
   const Float3 w1 = moved(scaled(carried, plane.cosine), across, plane.sine);
   const float sign = largest_component(w1) < 0.0F ? -1.0F : 1.0F;
-  return axes_across(covariance, plane, w3, carried, across, product(sign, plane.cosine), product(sign, plane.sine));
+  return axes_across(covariance, plane, w3, carried, across, sign * plane.cosine, sign * plane.sine);
 }
 
 /// `old` turned towards a direction by a share of the angle, at most by most_turn_per_s.

@@ -2,15 +2,83 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "shaders/touch/contacts/reach.h"
+#include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/frame_clock.hpp"
-#include "touch/fingers/glide_math.hpp"
 #include "touch/fingers/nearest_filled.hpp"
 
 namespace palpa::touch {
 namespace {
+
+/// A sector that empties keeps its focus for this time.
+constexpr std::uint32_t hold_us = 50000U;
+
+constexpr float motion_s = 0.005F;  // the finger's own motion is that of its centroid, within this time
+constexpr float full_turn = 6.2831853F;
+constexpr float cutoff_hz = 4.0F;        // of the filter at rest,
+constexpr float cutoff_per_m = 500.0F;   // plus this much per m/s of a focus relative to the finger
+constexpr float speed_hz = 2.0F;         // cutoff for that speed
+constexpr float most_glide_mps = 0.05F;  // largest speed of a focus relative to the finger
+constexpr float astray_m = 0.01F;        // with no time between frames: a focus farther than this from its target
+                                         // restarts there
+
+/// The share of a step that a low-pass filter of this cutoff takes in a frame.
+float low_pass(float hz, float frame_s) {
+  float rate = full_turn * hz * frame_s;
+  float share = rate / (1.0F + rate);
+  return share;
+}
+
+/// The motion of a finger whose centroid went from one place to another: that of its velocity, plus most of the
+/// centroid's motion beyond that. With no time between frames, it is the centroid's motion.
+Float3 motion_of(Float3 from, Float3 to, Float3 velocity, float frame_s) {
+  const float coasting_s = shader::seconds_of(coasting_us);
+  const float coasts_s = frame_s < coasting_s ? frame_s : coasting_s;
+  const Float3 expected = scaled(velocity, coasts_s);
+  float most = frame_s / (frame_s + motion_s);
+  const float share = frame_s > 0.0F ? most : 1.0F;
+  return moved(expected, minus(minus(to, from), expected), share);
+}
+
+/// A vector that is fixed to a finger whose axes turn.
+Float3 turned_along(Float3 v, PrincipalAxes from, PrincipalAxes to) {
+  Float3 r = scaled(to.w1, dot3(from.w1, v));
+  r = moved(r, to.w2, dot3(from.w2, v));
+  return moved(r, to.w3, dot3(from.w3, v));
+}
+
+struct Gliding {
+  Float3 place, speed;
+};
+
+/// One step of the One Euro filter (Casiez, Roussel and Vogel, CHI 2012) for a focus that the finger's motion alone
+/// would have brought to `carried`, towards the place where its sector has it.
+Gliding glide(Float3 carried, Float3 speed, Float3 target, float frame_s) {
+  Gliding r;
+  r.place = carried;
+  r.speed = speed;
+  const Float3 way = minus(target, carried);
+  if (!(frame_s > 0.0F)) {
+    if (dot3(way, way) > astray_m * astray_m) r.place = target;
+    return r;
+  }
+  float rate = 1.0F / frame_s;
+  r.speed = moved(speed, minus(scaled(way, rate), speed), low_pass(speed_hz, frame_s));
+  float cutoff = cutoff_hz + cutoff_per_m * std::sqrt(dot3(r.speed, r.speed));
+  float share = low_pass(cutoff, frame_s);
+  float wanted = share * std::sqrt(dot3(way, way));
+  float most = most_glide_mps * frame_s;
+  if (wanted > most) {
+    float shorter = share * (most / wanted);
+    r.place = moved(carried, way, shorter);
+  } else {
+    r.place = moved(carried, way, share);
+  }
+  return r;
+}
 
 Float3 float3(const glm::vec3& v) {
   return {v.x, v.y, v.z};

@@ -1,10 +1,10 @@
 #include "touch/fingers/keep.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "touch/fingers/known.hpp"
-#include "touch/fingers/split_math.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -24,21 +24,21 @@ void add_reach(const SkinSamples& samples, const KnownFinger& finger, shader::Re
   if (!(dot3(normal, normal) > 0)) return;
   const Float3 inward = unit(normal);
   table.fingers[table.count++] = {.velocity = finger.velocity,
-                                  .centre = {centre.x, centre.y, centre.z, squared_reach(root_of(farthest, 1.0F))},
+                                  .centre = {centre.x, centre.y, centre.z, squared_reach(std::sqrt(farthest))},
                                   .inward = {inward.x, inward.y, inward.z, 0},
                                   .solid = finger.solid};
 }
 
 }  // namespace
 
-void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
+void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
                   std::uint32_t rules, Touch& touch, KnownFingers& table) {
   const auto width = static_cast<float>(parameters.finger_width_m);
   table.count = touch.finger_count;
   table.reach.count = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
-    const SkinSamples samples = sample_skin(sight, touch, finger);
+    const SkinSamples& samples = skins[f].samples;
     const auto in_shell = static_cast<std::uint32_t>(
         std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
     KnownFinger& kept = table.fingers[f];
@@ -57,7 +57,7 @@ void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks
       table.insides[f][0] = {first.x, first.y, first.z};
     }
     for (std::size_t s = 0; s < samples.size(); ++s)
-      table.insides[f][s] = inside_of(samples[s].position, samples[s].normal, width);
+      table.insides[f][s] = inside_of(samples[s], width);
   }
 }
 

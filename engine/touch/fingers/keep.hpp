@@ -7,15 +7,15 @@
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/fingers/known.hpp"
-#include "touch/fingers/sight.hpp"
+#include "touch/fingers/known_labels.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
-/// The fingers of `touch` become the known fingers. Sets Finger::holds.
+/// The fingers of `touch`, whose skin is given, become the known fingers. Sets Finger::holds.
 /// `tracks` are those of this frame, the fingers' first; `claims` come from admit_fingers(). The islands of the table
 /// stay. `rules`: bits of stage_setting.hpp.
-void keep_fingers(const Sight& sight, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
+void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
                   std::uint32_t rules, Touch& touch, KnownFingers& table);
 
 /// Removes the contacts that are beyond the shell's edges from the touch and from its fingers. `scratch` keeps its

@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "shaders/touch/contacts/reach.h"
-#include "touch/fingers/bridge_math.hpp"
 #include "touch/fingers/exact.hpp"
 #include "touch/fingers/frame_clock.hpp"
+#include "touch/fingers/sight.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
@@ -51,8 +51,8 @@ struct KnownFingers {
   std::array<std::uint32_t, max_fingers> doubts{};  ///< of the known fingers in this frame
   std::uint32_t islands = 0;
   std::array<Island, max_fingers> island{};
-  /// Per finger and sample: the point inside the finger, see split_math.hpp.
-  std::array<std::array<Float3, bridge_samples>, max_fingers> insides{};
+  /// Per finger and sample: inside_of().
+  std::array<std::array<Float3, most_samples>, max_fingers> insides{};
   shader::ReachTable reach{};  ///< the fingers that are about to end
 };
 
@@ -84,8 +84,8 @@ inline bool starves(std::uint32_t contacts, std::uint32_t min_points) {
 }
 
 inline float squared_reach(float farthest) {
-  const float reach = plus(farthest, known_around_m);
-  return product(reach, reach);
+  const float reach = farthest + known_around_m;
+  return reach * reach;
 }
 
 /// A known finger parts if it looks like several fingers in two frames that are no farther apart than the first time.
@@ -108,7 +108,7 @@ inline std::uint32_t next_meeting_us(const KnownFinger& finger, std::uint32_t do
 }
 
 inline bool same_island(const Island& a, const Island& b) {
-  return square_apart(a.place, b.place) <= product(island_reach_m, island_reach_m);
+  return square_apart(a.place, b.place) <= island_reach_m * island_reach_m;
 }
 
 /// A finger that leaves has fewer contacts in each frame, while those of a finger at rest go up and down. A finger

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "touch/fingers/known.hpp"
-#include "touch/fingers/split_math.hpp"
-
 namespace palpa::touch {
 namespace {
 
@@ -16,7 +13,7 @@ struct Nearest {
 
 /// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
 Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
-  Nearest best{known_none, product(reach, reach)};
+  Nearest best{known_none, reach * reach};
   const float elapsed_s = shader::seconds_of(known.elapsed_us);
   for (std::uint32_t k = 0; k < known.table->count; ++k) {
     const KnownFinger& finger = known.table->fingers[k];
@@ -31,11 +28,11 @@ Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& ins
 }
 
 Nearest nearest_known(const Known& known, std::uint32_t solid, const SkinSample& sample, float reach) {
-  return nearest_known(known, solid, inside_of(sample.position, sample.normal, known.finger_width), reach);
+  return nearest_known(known, solid, inside_of(sample, known.finger_width), reach);
 }
 
 float label_reach(const Known& known) {
-  return product(known_reach, known.finger_width);
+  return known_reach * known.finger_width;
 }
 
 }  // namespace
@@ -71,6 +68,13 @@ std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<co
     if (here.finger != known_none && here.square < best.square) best = here;
   }
   return best.finger;
+}
+
+FingerSkin look_at(const Sight& sight, const Known& known, const Touch& touch, const Finger& finger) {
+  FingerSkin skin{.samples = sample_skin(sight, touch, finger)};
+  skin.labels = known_labels(known, finger.solid, skin.samples);
+  skin.known = known_majority(skin.labels);
+  return skin;
 }
 
 }  // namespace palpa::touch

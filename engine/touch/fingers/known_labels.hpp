@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "touch/fingers/known.hpp"
 #include "touch/fingers/sight.hpp"
@@ -30,7 +31,7 @@ struct Known : KnownFrame {
 
 /// For each sample of skin in a solid, the known finger whose inside is nearest to the sample's, within
 /// known_reach finger widths; else known_none. Known fingers move on with their velocities.
-using KnownLabels = InplaceVector<std::uint32_t, bridge_samples>;
+using KnownLabels = InplaceVector<std::uint32_t, most_samples>;
 KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples);
 
 /// The same for a cluster without samples, from the place of its first contact.
@@ -43,5 +44,16 @@ std::uint32_t known_majority(std::span<const std::uint32_t> labels);
 /// The known finger of the solid whose inside is nearest to one of the samples', within a finger width; else
 /// known_none.
 std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
+
+/// What a frame shows of a finger, or of a cluster that may be one. Found once, and again if its contacts change.
+struct FingerSkin {
+  SkinSamples samples;
+  KnownLabels labels;                ///< known_labels()
+  std::uint32_t known = known_none;  ///< known_majority()
+};
+FingerSkin look_at(const Sight& sight, const Known& known, const Touch& touch, const Finger& finger);
+
+/// Of the fingers of a touch; room for max_fingers.
+using FingerSkins = std::vector<FingerSkin>;
 
 }  // namespace palpa::touch

@@ -36,15 +36,15 @@ Moments moments_of(const Finger& finger, const std::vector<Contact>& contacts, c
   for (std::size_t member = 0; member < finger.contacts.size(); ++member) {
     const Contact& contact = contacts[finger.contacts[member]];
     const Float3 d = local.from_centroid(contact.position);
-    const std::array<float, 9> products{product(d.x, d.x),
-                                        product(d.x, d.y),
-                                        product(d.x, d.z),
-                                        product(d.y, d.y),
-                                        product(d.y, d.z),
-                                        product(d.z, d.z),
-                                        product(d.x, contact.depth_m),
-                                        product(d.y, contact.depth_m),
-                                        product(d.z, contact.depth_m)};
+    const std::array<float, 9> products{d.x * d.x,
+                                        d.x * d.y,
+                                        d.x * d.z,
+                                        d.y * d.y,
+                                        d.y * d.z,
+                                        d.z * d.z,
+                                        d.x * contact.depth_m,
+                                        d.y * contact.depth_m,
+                                        d.z * contact.depth_m};
     for (std::size_t k = 0; k < products.size(); ++k)
       sums[k][member % lanes] = add(sums[k][member % lanes], products[k]);
   }

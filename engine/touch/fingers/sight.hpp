@@ -3,18 +3,43 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/inplace_vector.hpp"
+#include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
-#include "touch/fingers/bridge_math.hpp"
+#include "touch/fingers/exact.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
+/// A camera with the data to use its picture in both directions: pixel to point and point to pixel.
+struct SightCamera {
+  shader::vec4 pose_x;  // rows of T_world_camera
+  shader::vec4 pose_y;
+  shader::vec4 pose_z;
+  shader::vec4 view_x;  // rows of T_camera_world
+  shader::vec4 view_y;
+  shader::vec4 view_z;
+  shader::vec4 lens;        // fx, fy, cx, cy
+  shader::vec4 distortion;  // k1, k2, p1, p2
+  float k3;
+  float reach;                // the square of the longest ray of the picture: beyond it the lens model may fold back
+  float depth_unit;           // metres
+  std::uint32_t first_depth;  // raw depths below are no data
+  std::uint32_t width;
+  std::uint32_t height;
+  std::uint32_t pitch;        // pixels from row to row of the padded arrangement
+  std::uint32_t first_pixel;  // of the padded arrangement
+  std::uint32_t first_index;  // of the camera's skin points
+};
+
+std::vector<SightCamera> sight_cameras(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables);
+
 /// One picture per camera.
 struct Sight {
-  std::span<const BridgeCamera> cameras;  ///< bridge_cameras()
+  std::span<const SightCamera> cameras;
   const sensing::RayTables& tables;
   std::span<const sensing::DepthFrame> images;
 };
@@ -28,7 +53,23 @@ struct SeenPixel {
 };
 SeenPixel pixel_of(const Sight& sight, std::uint32_t point);
 
-/// The skin's outward normal at a contact's pixel; zero if its neighbours do not determine one.
+/// A place in a camera's coordinates.
+Float3 seen_from(const SightCamera& camera, const Float3& world);
+
+/// The pixel and depth at which a place in front of a camera appears. Outside the picture: depth 0.
+struct Appearance {
+  std::uint32_t u, v;
+  float depth;
+};
+Appearance appearance(const SightCamera& camera, const Float3& world);
+
+/// A larger step in depth than this is the edge of another object.
+inline float surface_step_m() {
+  return PALPA_TUNED(rim, 4e-3F);
+}
+
+/// The skin's outward normal at a contact's pixel. It is zero if the pixel's neighbours do not give one: such pixels
+/// lie on rims or float beside them.
 Float3 normal_at(const Sight& sight, std::uint32_t point);
 
 /// A contact that represents others, and the skin's outward normal at that contact.
@@ -36,12 +77,16 @@ struct SkinSample {
   Float3 position, normal;
 };
 
-/// At most bridge_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
+/// At most most_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
 /// give the same samples.
-using SampledContacts = InplaceVector<std::uint32_t, bridge_samples>;
+inline constexpr std::uint32_t most_samples = 64;
+using SampledContacts = InplaceVector<std::uint32_t, most_samples>;
 SampledContacts sample_contacts(const Finger& finger);
 /// The same samples with their normals; contacts without a normal are left out.
-using SkinSamples = InplaceVector<SkinSample, bridge_samples>;
+using SkinSamples = InplaceVector<SkinSample, most_samples>;
 SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
+
+/// The point inside a finger of that width, below its skin.
+Float3 inside_of(const SkinSample& sample, float finger_width);
 
 }  // namespace palpa::touch

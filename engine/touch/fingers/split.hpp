@@ -30,11 +30,14 @@ struct SplitWork {
   };
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> contacts;
-  std::vector<std::uint8_t> heads;  ///< of the contacts of a finger: the first sample of their part
+  std::vector<std::uint8_t> parts;  ///< of the contacts of a finger, see Parts
+  FingerSkins skins;
 };
 
 /// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their
 /// smallest contacts. Parts of fewer than min_points contacts are not fingers. With Cluster::inside, nothing is split.
-void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, SplitWork& work);
+/// Fills `skins` for the fingers that it leaves.
+void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, FingerSkins& skins,
+                   SplitWork& work);
 
 }  // namespace palpa::touch

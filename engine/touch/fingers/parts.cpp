@@ -1,0 +1,476 @@
+#include "touch/fingers/parts.hpp"
+
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace palpa::touch {
+namespace {
+
+template <typename T>
+using PerSample = std::array<T, most_samples>;
+using Set = std::uint64_t;  ///< of samples
+using Sets = PerSample<Set>;
+
+constexpr Set only(std::size_t s) {
+  return Set{1} << s;
+}
+std::uint32_t size_of(Set set) {
+  return static_cast<std::uint32_t>(std::popcount(set));
+}
+std::size_t first_of(Set set) {
+  return static_cast<std::size_t>(std::countr_zero(set));
+}
+/// `set` without its first sample. So `for (Set left = set; left != 0; left = rest_of(left))` visits first_of(left) for
+/// each sample, in order.
+constexpr Set rest_of(Set set) {
+  return set & (set - 1);
+}
+
+bool are_two_known(std::uint32_t one, std::uint32_t other) {
+  return one != known_none && other != known_none && one != other;
+}
+
+float square_of(float a) {
+  return a * a;
+}
+
+// ---- what one camera sees between two samples
+// ------------------------------------------------------------------------
+
+/// A sample as one camera sees it.
+struct View {
+  Float3 at;  ///< camera coordinates
+  int u, v;
+  bool seen;
+};
+
+View view_of(const Sight& sight, std::size_t c, const Float3& place) {
+  const SightCamera& camera = sight.cameras[c];
+  const Appearance a = appearance(camera, place);
+  const std::uint32_t raw = raw_at(sight, c, a.u, a.v);
+  const float step = static_cast<float>(raw) * camera.depth_unit - a.depth;
+  return {seen_from(camera, place), static_cast<int>(a.u), static_cast<int>(a.v),
+          a.depth > 0 && raw >= camera.first_depth && std::abs(step) <= surface_step_m()};
+}
+
+/// A walk over the picture from one sample to another: the skin's height towards the camera, above the straight line
+/// between the two. It looks for a valley.
+class Walk {
+ public:
+  Walk(const View& a, const View& b) : a_(a), b_(b) {
+    steps_ = std::min(std::max(std::abs(b.u - a.u), std::abs(b.v - a.v)), most_steps);
+    const Float3 way = minus(b.at, a.at);
+    const float lateral = way.x * way.x + way.y * way.y;
+    const float square = dot3(way, way);
+    tilt_ = square > 0 ? std::sqrt(lateral / square) : 0;
+    least_ = noise_at(std::max(a.at.z, b.at.z));
+    stride_ = steps_ > 0 ? std::sqrt(lateral) / static_cast<float>(steps_) : 0;
+  }
+
+  bool finds_valley(const Sight& sight, std::size_t c) {
+    if (steps_ == 0) return false;
+    const SightCamera& camera = sight.cameras[c];
+    for (int step = 0; step <= steps_ && state_ != State::valley; ++step) {
+      const std::uint32_t raw = raw_at(sight, c, pixel_between(a_.u, b_.u, step), pixel_between(a_.v, b_.v, step));
+      if (raw < camera.first_depth) {
+        pass_hole();
+      } else {
+        pass((line_depth(step) - static_cast<float>(raw) * camera.depth_unit) * tilt_);
+      }
+    }
+    return state_ == State::valley;
+  }
+
+ private:
+  static constexpr int most_steps = 64;
+  enum class State {
+    begun,
+    one,     ///< one height is known
+    top,     ///< `level_` is the highest
+    bottom,  ///< it has fallen by `least_`; `level_` is the lowest height since
+    valley,  ///< it has risen again by as much
+  };
+
+  /// The pixel at that step from `a` to `b`, rounded. Halves are added so that no rounding of the quotient matters.
+  std::uint32_t pixel_between(int a, int b, int step) const {
+    const float halves = static_cast<float>(2 * (b - a) * step + steps_) + 0.5F;
+    return static_cast<std::uint32_t>(a + static_cast<int>(std::floor(halves / static_cast<float>(2 * steps_))));
+  }
+
+  /// Depth of the straight line at that step.
+  float line_depth(int step) const {
+    const float share = static_cast<float>(step) / static_cast<float>(steps_);
+    return a_.at.z * b_.at.z / (b_.at.z + share * (a_.at.z - b_.at.z));
+  }
+
+  /// A gap without data also counts as a valley if it is wide.
+  void pass_hole() {
+    hole_ += stride_;
+    if (hole_ < PALPA_TUNED(hole, 2e-3F) || state_ >= State::bottom) return;
+    state_ = State::bottom;
+    level_ = -1;
+  }
+
+  /// The height at the next place of which the camera has data. Only two consecutive places make a height or a depth,
+  /// so a single pixel does not.
+  void pass(float height) {
+    const float high = std::min(before_, height), low = std::max(before_, height);
+    before_ = height;
+    hole_ = 0;
+    switch (state_) {
+      case State::begun:
+        state_ = State::one;
+        break;
+      case State::one:
+        level_ = high;
+        state_ = State::top;
+        break;
+      case State::top:
+        level_ = std::max(level_, high);
+        if (level_ - low < least_) break;
+        level_ = low;
+        state_ = State::bottom;
+        break;
+      case State::bottom:
+        level_ = std::min(level_, low);
+        if (high - level_ >= least_) state_ = State::valley;
+        break;
+      case State::valley:
+        break;
+    }
+  }
+
+  const View &a_, &b_;
+  int steps_;
+  State state_ = State::begun;
+  float tilt_;   ///< the part of a difference in depth that is across the line
+  float least_;  ///< depth of a valley
+  float stride_;
+  float level_ = 0;
+  float before_ = 0;  ///< the height before
+  float hole_ = 0;    ///< width of the hole that the walk is in
+};
+
+// ---- groups of samples ----------------------------------------------------------------------------------------------
+
+/// Whether skin at one of two samples is turned towards the other.
+bool face_each_other(const SkinSample& a, const SkinSample& b) {
+  const float least = PALPA_TUNED(facing, 0.4F);
+  return cosine_of_way(a.position, a.normal, b.position) > least ||
+         cosine_of_way(b.position, b.normal, a.position) > least;
+}
+
+/// How many of the pairs between two groups give evidence, and how many show two fingers.
+struct Evidence {
+  std::uint32_t known, two;
+};
+
+/// A group grows while less than 3/8 of the pairs show two fingers.
+bool can_grow(const Evidence& e) {
+  return e.known > 0 && 8 * e.two < PALPA_TUNED(grow, 3U) * e.known;
+}
+
+bool surer(const Evidence& e, const Evidence& other) {
+  return e.two * other.known < other.two * e.known;
+}
+
+/// Whether two parts are two fingers: their insides are that far apart, and a valley is seen between at least half of
+/// the pairs that one camera sees, which `valleys` counts. Parts that were two fingers in the frame before stay two
+/// with half of the evidence.
+bool are_fingers(const Evidence& valleys, float square, float finger_width, bool apart) {
+  if (square < square_of((apart ? 0.3F : PALPA_TUNED(apart, 0.45F)) * finger_width)) return false;
+  return apart ? 4 * valleys.two >= valleys.known
+               : valleys.two > 0 && 2 * valleys.two >= PALPA_TUNED(votes, valleys.known);
+}
+
+constexpr int vote_rounds = 2;
+
+/// Assigns the samples of a wide cluster to fingers.
+class Grouping {
+ public:
+  /// `labels`: the samples' known fingers.
+  Grouping(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
+           const Known& known)
+      : samples_(samples), labels_(labels), fingers_(known), count_(samples.size()), width_(finger_width) {
+    for (std::size_t c = 0; c < sight.cameras.size(); ++c)
+      look(sight, c);
+    known_ = looked_;
+    two_ = valley_;
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = 0; b < count_; ++b) {
+        if (labels_[a] == known_none) continue;
+        if (labels_[b] == labels_[a]) kin_[a] |= only(b);
+        if (labels_[b] != labels_[a] && labels_[b] != known_none) strangers_[a] |= only(b);
+      }
+    }
+    compare();
+    for (std::size_t s = 0; s < count_; ++s)
+      members_[s] = only(s);
+    grow();
+    for (int round = 0; round < vote_rounds; ++round)
+      vote();
+    settle();
+    hold();
+    return_home();
+  }
+
+  Parts result() const {
+    Parts parts{.insides = insides_};
+    for (std::size_t s = 0; s < count_; ++s)
+      parts.part.push_back(static_cast<std::uint8_t>(head(s)));
+    for (std::size_t h = 0; h < count_; ++h)
+      parts.known[h] = members_[h] != 0 && label_of(h) != known_none;
+    return parts;
+  }
+
+ private:
+  /// The group of a sample: its first sample.
+  std::size_t head(std::size_t s) const {
+    std::size_t h = 0;
+    while ((members_[h] & only(s)) == 0)
+      ++h;
+    return h;
+  }
+
+  void look(const Sight& sight, std::size_t c) {
+    PerSample<View> views{};
+    for (std::size_t s = 0; s < count_; ++s)
+      views[s] = view_of(sight, c, samples_[s].position);
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (!views[a].seen || !views[b].seen) continue;
+        looked_[a] |= only(b);
+        looked_[b] |= only(a);
+        // One camera that sees a valley is enough.
+        if ((valley_[a] & only(b)) != 0 || !Walk(views[a], views[b]).finds_valley(sight, c)) continue;
+        valley_[a] |= only(b);
+        valley_[b] |= only(a);
+      }
+    }
+  }
+
+  /// Adds the evidence of the samples' normals to that of the skin seen between them.
+  void compare() {
+    for (std::size_t s = 0; s < count_; ++s)
+      insides_[s] = inside_of(samples_[s], width_);
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        const bool same = square_apart(insides_[a], insides_[b]) <= square_of(PALPA_TUNED(same, 0.3F) * width_);
+        // Samples of two known fingers are evidence for two.
+        if (!same && (strangers_[a] & only(b)) == 0 && !face_each_other(samples_[a], samples_[b])) continue;
+        for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
+          known_[one] |= only(other);
+          two_[one] = same ? two_[one] & ~only(other) : two_[one] | only(other);
+          same_[one] |= same ? only(other) : 0;
+        }
+      }
+    }
+  }
+
+  Evidence link_between(std::size_t a, std::size_t b, const Sets& known, const Sets& two) const {
+    Evidence link{0, 0};
+    for (Set left = members_[a]; left != 0; left = rest_of(left)) {
+      link.known += size_of(known[first_of(left)] & members_[b]);
+      link.two += size_of(two[first_of(left)] & members_[b]);
+    }
+    return link;
+  }
+
+  /// The known finger of most samples of a group; if two have equally many, that of the first sample.
+  std::uint32_t label_of(std::size_t head) const {
+    std::uint32_t most_kin = 0, label = known_none;
+    for (Set left = members_[head]; left != 0; left = rest_of(left)) {
+      const std::size_t s = first_of(left);
+      const std::uint32_t kin = size_of(members_[head] & kin_[s]);
+      if (kin <= most_kin) continue;
+      most_kin = kin;
+      label = labels_[s];
+    }
+    return label;
+  }
+  /// label_of() of each group.
+  PerSample<std::uint32_t> labels_of_groups() const {
+    PerSample<std::uint32_t> labels{};
+    for (std::size_t h = 0; h < count_; ++h)
+      labels[h] = members_[h] != 0 ? label_of(h) : known_none;
+    return labels;
+  }
+
+  void join(std::size_t a, std::size_t b) {
+    members_[a] |= members_[b];
+    members_[b] = 0;
+  }
+
+  /// Grows groups of samples, the most certain pair first.
+  void grow() {
+    PerSample<PerSample<Evidence>> links{};
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b)
+        links[a][b] = links[b][a] = link_between(a, b, known_, two_);
+    }
+    for (;;) {
+      const Evidence* surest = nullptr;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          if (!can_grow(links[a][b]) || (surest && !surer(links[a][b], *surest))) continue;
+          surest = &links[a][b];
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!surest) return;
+      join(keeps, goes);
+      for (std::size_t other = 0; other < count_; ++other) {
+        Evidence& link = links[keeps][other];
+        link = {link.known + links[goes][other].known, link.two + links[goes][other].two};
+        links[other][keeps] = link;
+      }
+    }
+  }
+
+  /// Moves each sample to the group that has most of the samples with the same inside.
+  void vote() {
+    Sets chosen{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      std::size_t best = head(s);
+      std::uint32_t most_same = size_of(same_[s] & members_[best]);
+      for (std::size_t h = 0; h < count_; ++h) {
+        const std::uint32_t size = size_of(same_[s] & members_[h]);
+        if (size <= most_same) continue;
+        most_same = size;
+        best = h;
+      }
+      chosen[best] |= only(s);
+    }
+    name_by_first(chosen);
+  }
+
+  /// Moves each sample of a known finger to the part of most of that finger's samples, if there is only one. So the
+  /// border between two known fingers does not depend on which contacts happen to be samples.
+  void return_home() {
+    std::array<std::uint32_t, max_fingers> parts{};
+    std::array<std::size_t, max_fingers> part{};
+    const PerSample<std::uint32_t> labels = labels_of_groups();
+    for (std::size_t h = count_; h-- > 0;) {
+      if (labels[h] == known_none) continue;
+      ++parts[labels[h]];
+      part[labels[h]] = h;
+    }
+    Sets chosen{};
+    for (std::size_t s = 0; s < count_; ++s) {
+      const std::uint32_t label = labels_[s];
+      chosen[label != known_none && parts[label] == 1 ? part[label] : head(s)] |= only(s);
+    }
+    name_by_first(chosen);
+  }
+
+  /// Names each group by its first sample.
+  void name_by_first(const Sets& groups) {
+    members_ = {};
+    for (const Set set : groups) {
+      if (set != 0) members_[first_of(set)] = set;
+    }
+  }
+
+  /// The means of the groups' insides.
+  PerSample<Float3> means_inside() const {
+    PerSample<Float3> means{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      Float3 sum{0, 0, 0};
+      for (Set left = members_[h]; left != 0; left = rest_of(left))
+        sum = plus(sum, minus(insides_[first_of(left)], insides_[0]));
+      means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
+    }
+    return means;
+  }
+
+  /// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a
+  /// known finger that may not part are joined.
+  void hold() {
+    const PerSample<Float3> means = means_inside();
+    const PerSample<std::uint32_t> label = labels_of_groups();
+    std::array<std::uint32_t, max_fingers> parts{};
+    std::array<std::size_t, max_fingers> part{};
+    for (std::size_t h = count_; h-- > 0;) {
+      if (label[h] == known_none) continue;
+      ++parts[label[h]];
+      part[label[h]] = h;
+    }
+    for (std::size_t a = 0; a < count_; ++a) {
+      for (std::size_t b = a + 1; b < count_; ++b) {
+        if (!are_two_known(label[a], label[b])) continue;
+        if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
+        fingers_.doubt(label[a], doubt_apart);
+        fingers_.doubt(label[b], doubt_apart);
+      }
+    }
+    Sets chosen{};
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] == 0) continue;
+      std::size_t to = h;
+      if (label[h] != known_none && parts[label[h]] > 1) {
+        fingers_.doubt(label[h], doubt_one);
+        if (!fingers_.may_part(label[h])) to = part[label[h]];
+      }
+      chosen[to] |= members_[h];
+    }
+    name_by_first(chosen);
+  }
+
+  /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
+  void settle() {
+    for (;;) {
+      const PerSample<Float3> means = means_inside();
+      const PerSample<std::uint32_t> label = labels_of_groups();
+      std::optional<float> nearest;
+      std::size_t keeps = 0, goes = 0;
+      for (std::size_t a = 0; a < count_; ++a) {
+        for (std::size_t b = a + 1; b < count_ && members_[a] != 0; ++b) {
+          if (members_[b] == 0) continue;
+          const float square = square_apart(means[a], means[b]);
+          const bool apart = are_two_known(label[a], label[b]);
+          if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
+          if (apart && !(fingers_.may_meet(label[a]) && fingers_.may_meet(label[b]))) continue;
+          if (nearest && square >= *nearest) continue;
+          nearest = square;
+          keeps = a;
+          goes = b;
+        }
+      }
+      if (!nearest) return;
+      join(keeps, goes);
+    }
+  }
+
+  const SkinSamples& samples_;
+  const KnownLabels& labels_;
+  const Known& fingers_;  ///< of the frame before
+  std::size_t count_;
+  float width_;
+  PerSample<Float3> insides_{};
+  /// Sets of other samples, per sample. looked_: a camera that sees both gives evidence. valley_: a camera sees a
+  /// valley between both. After all evidence, known_: there is any evidence; two_: the evidence says two fingers.
+  /// same_: both have the same inside.
+  Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
+  Sets kin_{}, strangers_{};  ///< of the same known finger, of another known finger
+  Sets members_{};            ///< members of the group that begins with that sample
+};
+
+}  // namespace
+
+float noise_at(float depth) {
+  // Metres, and an addition per square metre of distance.
+  return PALPA_TUNED(valley, 1e-3F) + PALPA_TUNED(noise, 5e-3F) * depth * depth;
+}
+
+Parts find_parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
+                 const Known& known) {
+  return Grouping(sight, samples, finger_width, labels, known).result();
+}
+
+}  // namespace palpa::touch

@@ -1,0 +1,33 @@
+// The parts of a wide cluster: which of its samples belong to one finger. The rules are in docs/touch.md.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/sight.hpp"
+
+namespace palpa::touch {
+
+/// Each sample belongs to one part, which has the number of its first sample.
+struct Parts {
+  InplaceVector<std::uint8_t, most_samples> part;  ///< per sample
+  std::array<Float3, most_samples> insides{};      ///< per sample: inside_of()
+  /// Per part: whether most of its samples with a known finger have the same one.
+  std::array<bool, most_samples> known{};
+
+  bool several() const {
+    return std::ranges::any_of(part, [](std::uint8_t p) { return p != 0; });
+  }
+};
+
+/// `labels`: the samples' known fingers. Notes in `known` which fingers of the frame before this frame contradicts.
+Parts find_parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
+                 const Known& known);
+
+/// How much two depths at this distance from a camera may differ on one surface, metres: a depth camera's noise grows
+/// with the distance. A valley is at least as deep.
+float noise_at(float depth);
+
+}  // namespace palpa::touch
