@@ -55,6 +55,30 @@ View view_of(const Sight& sight, std::size_t c, const Float3& place) {
           a.depth > 0 && raw >= camera.first_depth && std::abs(step) <= surface_step_m()};
 }
 
+/// The pixels from one to another in equal steps, rounded to the nearest, halves up.
+class PixelSteps {
+ public:
+  PixelSteps(int from, int to, int steps) : pixel_(from), rest_(steps), parts_(2 * steps) {
+    const int way = 2 * (to - from);
+    whole_ = way / parts_ - (way % parts_ < 0 ? 1 : 0);
+    part_ = way - whole_ * parts_;
+  }
+  std::uint32_t next() {
+    const int pixel = pixel_;
+    pixel_ += whole_;
+    rest_ += part_;
+    if (rest_ >= parts_) {
+      rest_ -= parts_;
+      ++pixel_;
+    }
+    return static_cast<std::uint32_t>(pixel);
+  }
+
+ private:
+  int pixel_, rest_;  // the place is pixel_ + rest_ / parts_ - 1/2
+  int parts_, whole_, part_;
+};
+
 /// A walk over the picture from one sample to another: the skin's height towards the camera, above the straight line
 /// between the two. It looks for a valley.
 class Walk {
@@ -72,12 +96,14 @@ class Walk {
   bool finds_valley(const Sight& sight, std::size_t c) {
     if (steps_ == 0) return false;
     const SightCamera& camera = sight.cameras[c];
+    const std::array<float, most_steps + 1> line = line_depths();
+    PixelSteps u(a_.u, b_.u, steps_), v(a_.v, b_.v, steps_);
     for (int step = 0; step <= steps_ && state_ != State::valley; ++step) {
-      const std::uint32_t raw = raw_at(sight, c, pixel_between(a_.u, b_.u, step), pixel_between(a_.v, b_.v, step));
+      const std::uint32_t raw = raw_at(sight, c, u.next(), v.next());
       if (raw < camera.first_depth) {
         pass_hole();
       } else {
-        pass((line_depth(step) - static_cast<float>(raw) * camera.depth_unit) * tilt_);
+        pass((line[static_cast<std::size_t>(step)] - static_cast<float>(raw) * camera.depth_unit) * tilt_);
       }
     }
     return state_ == State::valley;
@@ -93,16 +119,13 @@ class Walk {
     valley,  ///< it has risen again by as much
   };
 
-  /// The pixel at that step from `a` to `b`, rounded. Halves are added so that no rounding of the quotient matters.
-  std::uint32_t pixel_between(int a, int b, int step) const {
-    const float halves = static_cast<float>(2 * (b - a) * step + steps_) + 0.5F;
-    return static_cast<std::uint32_t>(a + static_cast<int>(std::floor(halves / static_cast<float>(2 * steps_))));
-  }
-
-  /// Depth of the straight line at that step.
-  float line_depth(int step) const {
-    const float share = static_cast<float>(step) / static_cast<float>(steps_);
-    return a_.at.z * b_.at.z / (b_.at.z + share * (a_.at.z - b_.at.z));
+  /// Depths of the straight line, step by step.
+  std::array<float, most_steps + 1> line_depths() const {
+    std::array<float, most_steps + 1> depths;
+    const float a = a_.at.z, b = b_.at.z, steps = static_cast<float>(steps_);
+    for (int step = 0; step <= most_steps; ++step)
+      depths[static_cast<std::size_t>(step)] = a * b / (b + static_cast<float>(step) / steps * (a - b));
+    return depths;
   }
 
   /// A gap without data also counts as a valley if it is wide.
@@ -217,7 +240,7 @@ class Grouping {
   }
 
   Parts result() const {
-    Parts parts{.insides = insides_};
+    Parts parts{.insides = insides_, .doubts = doubts_};
     for (std::size_t s = 0; s < count_; ++s)
       parts.part.push_back(static_cast<std::uint8_t>(head(s)));
     for (std::size_t h = 0; h < count_; ++h)
@@ -405,8 +428,8 @@ class Grouping {
       for (std::size_t b = a + 1; b < count_; ++b) {
         if (!are_two_known(label[a], label[b])) continue;
         if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
-        fingers_.doubt(label[a], doubt_apart);
-        fingers_.doubt(label[b], doubt_apart);
+        doubts_[label[a]] |= doubt_apart;
+        doubts_[label[b]] |= doubt_apart;
       }
     }
     Sets chosen{};
@@ -414,7 +437,7 @@ class Grouping {
       if (members_[h] == 0) continue;
       std::size_t to = h;
       if (label[h] != known_none && parts[label[h]] > 1) {
-        fingers_.doubt(label[h], doubt_one);
+        doubts_[label[h]] |= doubt_one;
         if (!fingers_.may_part(label[h])) to = part[label[h]];
       }
       chosen[to] |= members_[h];
@@ -459,6 +482,7 @@ class Grouping {
   Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
   Sets kin_{}, strangers_{};  ///< of the same known finger, of another known finger
   Sets members_{};            ///< members of the group that begins with that sample
+  std::array<std::uint8_t, max_fingers> doubts_{};
 };
 
 }  // namespace

@@ -16,13 +16,15 @@ struct Parts {
   std::array<Float3, most_samples> insides{};      ///< per sample: inside_of()
   /// Per part: whether most of its samples with a known finger have the same one.
   std::array<bool, most_samples> known{};
+  /// Per finger of the frame before: how this frame contradicts it; bits, see KnownFingers::doubts.
+  std::array<std::uint8_t, max_fingers> doubts{};
 
   bool several() const {
     return std::ranges::any_of(part, [](std::uint8_t p) { return p != 0; });
   }
 };
 
-/// `labels`: the samples' known fingers. Notes in `known` which fingers of the frame before this frame contradicts.
+/// `labels`: the samples' known fingers. Several threads may call it.
 Parts find_parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
                  const Known& known);
 

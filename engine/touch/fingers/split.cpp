@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "touch/fingers/known.hpp"
 #include "touch/fingers/parts.hpp"
 
@@ -67,12 +68,17 @@ float splitting_width(const Parameters& parameters) {
 
 using PerPart = std::array<std::uint32_t, most_samples>;
 
-/// The part of each contact of a finger: that of its nearest sample. Returns how many contacts each part has.
-PerPart assign_contacts(const Sight& sight, const Touch& touch, const Finger& finger, const SkinSamples& samples,
-                        const Parts& parts, bool by_insides, float width, std::vector<std::uint8_t>& part_of) {
-  PerPart counts{};
-  part_of.clear();
-  for (const std::uint32_t i : finger.contacts) {
+/// Finds the parts of a wide cluster, and the part of each of its contacts: that of its nearest sample.
+void find_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, const Known& known, float width,
+                SplitWork::Wide& wide) {
+  const bool by_insides = (known.rules & known_apart) != 0;
+  const SkinSamples& samples = skin.samples;
+  wide.parts =
+      find_parts(sight, samples, width, by_insides ? skin.labels : KnownLabels(samples.size(), known_none), known);
+  wide.counts = {};
+  wide.part_of.clear();
+  if (!wide.parts.several()) return;
+  for (const std::uint32_t i : touch.fingers[wide.finger].contacts) {
     const glm::vec3& position = touch.contacts[i].position;
     SkinSample here{{position.x, position.y, position.z}, {0, 0, 0}};
     if (by_insides) here.normal = normal_at(sight, touch.contacts[i].point);
@@ -81,15 +87,14 @@ PerPart assign_contacts(const Sight& sight, const Touch& touch, const Finger& fi
     std::size_t nearest = 0;
     float nearest_square = 3.0e38F;
     for (std::size_t s = 0; s < samples.size(); ++s) {
-      const float square = square_apart(p, has_inside ? parts.insides[s] : samples[s].position);
+      const float square = square_apart(p, has_inside ? wide.parts.insides[s] : samples[s].position);
       if (square >= nearest_square) continue;
       nearest_square = square;
       nearest = s;
     }
-    part_of.push_back(parts.part[nearest]);
-    ++counts[parts.part[nearest]];
+    wide.part_of.push_back(wide.parts.part[nearest]);
+    ++wide.counts[wide.parts.part[nearest]];
   }
-  return counts;
 }
 
 /// Sorts the contacts of a finger by their parts, to the end of `sorted`. Returns where each part begins.
@@ -110,7 +115,7 @@ PerPart sort_by_parts(const Finger& finger, const PerPart& counts, const std::ve
 
 }  // namespace
 
-SplitWork::SplitWork() : skins(max_fingers) {
+SplitWork::SplitWork() : skins(max_fingers), wide(max_fingers) {
   clusters.reserve(std::size_t{max_fingers} * most_samples);
 }
 
@@ -119,40 +124,52 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   const float width = splitting_width(parameters);
   const std::uint32_t count = out.finger_count;
   const bool apart = (known.rules & known_apart) != 0;
+  enum class Fate : std::uint8_t { goes, stays, may_split };
+  std::array<Fate, max_fingers> fates{};
+  std::uint32_t wide_count = 0;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
+    const bool is_known = skin.known != known_none;
+    if (!is_supported(sight, out, out.fingers[f], known.has(known_few) && is_known)) continue;
+    fates[f] = Fate::stays;
+    const float widest = apart && is_known ? known_wide * width : width;
+    if (!(width > 0) || !(is_wide(skin.samples, widest) || (apart && holds_several(skin.labels)))) continue;
+    fates[f] = Fate::may_split;
+    work.wide[wide_count++].finger = f;
+  }
+  const auto find = [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin))
+      find_parts(sight, out, skins[wide.finger], known, width, wide);
+  };
+  wide_count > 1 ? parallel_chunks(wide_count, 1, find) : find(0, 0, wide_count);
+
   bool changed = false;
+  std::uint32_t next_wide = 0;
   work.clusters.clear();
   work.contacts.clear();
   for (std::uint32_t f = 0; f < count; ++f) {
     const Finger& finger = out.fingers[f];
-    const FingerSkin& skin = skins[f] = look_at(sight, known, out, finger);
-    const bool is_known = skin.known != known_none;
-    if (!is_supported(sight, out, finger, known.has(known_few) && is_known)) {
+    if (fates[f] == Fate::goes) {
       changed = true;
       continue;
     }
-    const auto stays = [&] {
+    const SplitWork::Wide* const wide = fates[f] == Fate::may_split ? &work.wide[next_wide++] : nullptr;
+    if (wide == nullptr || !wide->parts.several()) {
       work.clusters.push_back({finger.contacts.front(), finger.solid, f, 0, finger.contact_count});
-    };
-    const float widest = apart && is_known ? known_wide * width : width;
-    if (!(width > 0) || !(is_wide(skin.samples, widest) || (apart && holds_several(skin.labels)))) {
-      stays();
-      continue;
-    }
-    const Parts parts = find_parts(sight, skin.samples, width,
-                                   apart ? skin.labels : KnownLabels(skin.samples.size(), known_none), known);
-    if (!parts.several()) {
-      stays();
       continue;
     }
     changed = true;
-    const auto counts = assign_contacts(sight, out, finger, skin.samples, parts, apart, width, work.parts);
-    const auto begins = sort_by_parts(finger, counts, work.parts, work.contacts);
+    const auto begins = sort_by_parts(finger, wide->counts, wide->part_of, work.contacts);
     for (std::size_t part = 0; part < most_samples; ++part) {
-      if (counts[part] == 0) continue;
-      const bool goes_on = known.has(known_few) && parts.known[part];
-      if (counts[part] < least_contacts(parameters.min_points, goes_on)) continue;
-      work.clusters.push_back(
-          {work.contacts[begins[part]], finger.solid, SplitWork::is_part, begins[part], counts[part]});
+      const std::uint32_t size = wide->counts[part];
+      const bool goes_on = known.has(known_few) && wide->parts.known[part];
+      if (size == 0 || size < least_contacts(parameters.min_points, goes_on)) continue;
+      work.clusters.push_back({work.contacts[begins[part]], finger.solid, SplitWork::is_part, begins[part], size});
+    }
+  }
+  for (const SplitWork::Wide& wide : std::span(work.wide).first(wide_count)) {
+    for (std::uint32_t k = 0; k < max_fingers; ++k) {
+      if (wide.parts.doubts[k] != 0) known.doubt(k, wide.parts.doubts[k]);
     }
   }
   if (!changed) return;

@@ -7,10 +7,12 @@
 //   how): along the way from contact to contact in a picture, the skin falls off and rises again.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "touch/fingers/known_labels.hpp"
+#include "touch/fingers/parts.hpp"
 #include "touch/fingers/sight.hpp"
 #include "touch/types.hpp"
 
@@ -30,8 +32,15 @@ struct SplitWork {
   };
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> contacts;
-  std::vector<std::uint8_t> parts;  ///< of the contacts of a finger, see Parts
   FingerSkins skins;
+  /// A cluster that may be several fingers.
+  struct Wide {
+    std::uint32_t finger = 0;
+    Parts parts;
+    std::vector<std::uint8_t> part_of;                 ///< of its contacts
+    std::array<std::uint32_t, most_samples> counts{};  ///< contacts of each part
+  };
+  std::vector<Wide> wide;  ///< room for max_fingers
 };
 
 /// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their
