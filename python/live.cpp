@@ -125,23 +125,27 @@ void drop_callbacks(Run& run) {
 }
 
 /// Calls the caller's functions for this session.
-session::RunOptions observers_of(SessionObject& o, session::Session& session) {
-  Run& run = o.run;
-  session::RunOptions looking;
-  looking.planned = [&o, &run, &session, solids = session.solid_names(), common = session.scheduler().common_voice()](
-                        const session::FrameReport& report, const session::Plan& plan) {
-    change_solids(run, session);
-    if (run.on_frame)
-      call_back(o, run.on_frame, [&] { return frame_of(report, plan, solids, common, bool{o.own.method}); });
-  };
-  if (run.on_event) {
-    looking.events = [&o, &run, solids = session.solid_names()](std::span<const session::Event> events) {
-      for (EventObject& event : events_of(events, solids))
-        call_back(o, run.on_event, [&] { return std::move(event); });
-    };
+class Callbacks final : public session::RunObserver {
+ public:
+  Callbacks(SessionObject& o, session::Session& session) : o_(o), session_(session) {}
+
+  void planned(const session::FrameReport& report, const session::Plan& plan) override {
+    change_solids(o_.run, session_);
+    if (!o_.run.on_frame) return;
+    call_back(o_, o_.run.on_frame, [&] {
+      return frame_of(report, plan, session_.solid_names(), session_.scheduler().common_voice(), bool{o_.own.method});
+    });
   }
-  return looking;
-}
+  void events(std::span<const session::Event> events) override {
+    if (!o_.run.on_event) return;
+    for (EventObject& event : events_of(events, session_.solid_names()))
+      call_back(o_, o_.run.on_event, [&] { return std::move(event); });
+  }
+
+ private:
+  SessionObject& o_;
+  session::Session& session_;
+};
 
 /// A run whose frames are pushed.
 session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std::span<const session::LinkKind> links) {
@@ -160,9 +164,9 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
   o.run.written = setup::outputs_of(options, links);
-  session::RunOptions looking = observers_of(o, session);
-  looking.frames = options.frames;
-  session::LoopStats stats = session::run_points(session, *o.run.points, *link, o.run.stop, looking);
+  Callbacks callbacks(o, session);
+  session::LoopStats stats = session::run_points(session, *o.run.points, *link, o.run.stop,
+                                                 {.frames = options.frames, .observer = &callbacks});
   setup::tell_backend(options.common, stats);
   return stats;
 }
@@ -180,7 +184,8 @@ void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   std::optional<setup::LiveRun> live;
   if (!open(options, sources, links, run.stop, live)) return;
   run.written = setup::outputs_of(options, links);
-  run.stats = std::make_shared<StatsObject>(StatsObject{live->run(observers_of(o, live->session()))});
+  Callbacks callbacks(o, live->session());
+  run.stats = std::make_shared<StatsObject>(StatsObject{live->run(callbacks)});
 }
 
 /// The whole of a run, on its own thread.

@@ -118,14 +118,22 @@ class Shown {
 };
 
 /// Applies the keys to the array. Keys arrive by time, on a separate thread, and frames use the resulting state.
-class Hand {
+class Hand final : public session::RunObserver {
  public:
-  Hand(Nudge& nudge, std::atomic<bool>& stop, bool quiet) : nudge_(&nudge), stop_(&stop), shown_(quiet) {}
+  /// Of `script`, one key is pressed with each frame that has a finger.
+  Hand(session::Session& session, Nudge& nudge, std::vector<setup::KeyPress> script, std::atomic<bool>& stop,
+       bool quiet)
+      : session_(&session), script_(std::move(script)), nudge_(&nudge), stop_(&stop), shown_(quiet) {}
 
-  /// There is a frame, so keys from now on have an effect that can be felt.
-  void begin() {
-    const std::lock_guard lock(mutex_);
-    begun_ = true;
+  void planned(const session::FrameReport& frame, const session::Plan&) override {
+    begin();
+    if (next_ < script_.size() && frame.touch->finger_count > 0) {
+      press(script_[next_++]);
+      show();
+      if (next_ == script_.size()) *stop_ = true;
+    }
+    const Vec3 wanted = offset();
+    if (wanted != std::exchange(aim_, wanted)) session_->set_aim(wanted);
   }
   void press(const setup::KeyPress& press) {
     const std::lock_guard lock(mutex_);
@@ -139,12 +147,22 @@ class Hand {
     const std::lock_guard lock(mutex_);
     if (begun_) shown_.show(nudge_->line());
   }
+
+ private:
+  /// There is a frame, so keys from now on have an effect that can be felt.
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    begun_ = true;
+  }
   Vec3 offset() const {
     const std::lock_guard lock(mutex_);
     return nudge_->offset();
   }
 
- private:
+  session::Session* session_;
+  std::vector<setup::KeyPress> script_;
+  std::size_t next_ = 0;  ///< key of the script
+  Vec3 aim_{0};           ///< of the session
   mutable std::mutex mutex_;
   Nudge* nudge_;
   std::atomic<bool>* stop_;
@@ -208,28 +226,13 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   const log::Relay relay;
   const setup::Interrupt interrupt(
       "ended without finishing, one second after the signal: a link, device or file did not answer");
-  Hand hand(nudge, stop, o.common.quiet);
-  std::optional<Typing> typing;
   std::vector<setup::KeyPress> script;
-  if (o.keys.empty()) {
-    typing.emplace(hand);
-  } else {
-    script = setup::parse_keys("--keys", o.keys);
-  }
+  if (!o.keys.empty()) script = setup::parse_keys("--keys", o.keys);
+  Hand hand(live.session(), nudge, std::move(script), stop, o.common.quiet);
+  std::optional<Typing> typing;
+  if (o.keys.empty()) typing.emplace(hand);
   log::release_warnings();
-  session::RunOptions looking;
-  looking.planned = [&, first = true, next = std::size_t{0}, aim = Vec3(0)](const session::FrameReport& frame,
-                                                                            const session::Plan&) mutable {
-    if (std::exchange(first, false)) hand.begin();
-    if (next < script.size() && frame.touch->finger_count > 0) {
-      hand.press(script[next++]);
-      hand.show();
-      if (next == script.size()) stop = true;
-    }
-    const Vec3 wanted = hand.offset();
-    if (wanted != std::exchange(aim, wanted)) live.session().set_aim(wanted);
-  };
-  live.run(looking);
+  live.run(hand);
 }
 
 }  // namespace

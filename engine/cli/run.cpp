@@ -68,6 +68,26 @@ bool mixes_with_events(const RunCommand& o) {
   return o.events == "-" && isatty(STDOUT_FILENO) != 0;
 }
 
+/// Says that the run is being prepared, until the first frame, and then shows its line.
+class ShownRun final : public session::RunObserver {
+ public:
+  ShownRun(const RunCommand& o, bool no_line)
+      : preparing_(std::in_place, o.common.quiet), line_(o.link, o.frames, no_line) {}
+
+  void planned(const session::FrameReport& frame, const session::Plan&) override {
+    preparing_.reset();
+    setup::warn_of_left_out_fingers(*frame.touch, warned_);
+    line_.planned(frame);
+  }
+  void sent(bool sounds, const session::HandOver& counts) override { line_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { line_.recording_rest(frames); }
+
+ private:
+  std::optional<setup::Preparing> preparing_;
+  setup::RunLine line_;
+  bool warned_ = false;  ///< of fingers that were left out
+};
+
 void run_live(const Extensions& extensions, const RunCommand& given) {
   check(given);
   RunCommand o = given;
@@ -79,19 +99,9 @@ void run_live(const Extensions& extensions, const RunCommand& given) {
   std::optional<log::Relay> relay(std::in_place);
   std::optional<setup::Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
-  std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);  // ends with the first frame
-  std::optional<setup::RunLine> line(std::in_place, o.link, o.frames, no_line);
-  session::RunOptions looking;
-  looking.planned = [&, warned = false](const session::FrameReport& frame, const session::Plan&) mutable {
-    preparing.reset();
-    setup::warn_of_left_out_fingers(*frame.touch, warned);
-    line->planned(frame);
-  };
-  looking.sent = [&](bool sounds, const session::HandOver& counts) { line->sent(sounds, counts); };
-  looking.recording_rest = [&](std::uint64_t frames) { line->recording_rest(frames); };
-  const session::LoopStats stats = live.run(looking);
-  preparing.reset();
-  line.reset();
+  std::optional<ShownRun> shown(std::in_place, o, no_line);
+  const session::LoopStats stats = live.run(*shown);
+  shown.reset();
   interrupt.reset();
   relay.reset();  // its last lines must not be mixed with those of the results
   report(o, outputs, stats);

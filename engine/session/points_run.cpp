@@ -9,9 +9,9 @@
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
 #include "session/clock.hpp"
-#include "session/plan/plan.hpp"
 #include "session/loop/output.hpp"
 #include "session/newest.hpp"
+#include "session/plan/plan.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::session {
@@ -20,11 +20,13 @@ namespace {
 /// How often the computing thread looks whether it is to end.
 constexpr double between_looks_s = 0.02;
 
-void check_points_session(const SessionSetting& setting) {
+void check_points_session(const SessionSetting& setting, const RunObserver& observer) {
   if (!setting.cameras.empty() || setting.layout.transducers.empty())
     throw bad_usage("a session with cameras or without an array cannot run from points");
   if (setting.schedule.tune == Tune::all)
     throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
+  if (observer.needs_events() && !setting.events)
+    throw bad_usage("a session whose setting has no events cannot report any");
 }
 
 }  // namespace
@@ -51,7 +53,8 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
                      const RunOptions& options) {
   const log::Relay relay;  // log messages of any thread do not block any thread
   const SessionSetting& setting = session.setting();
-  check_points_session(setting);
+  RunObserver& observer = *options.observer;
+  check_points_session(setting, observer);
   session.warm_up();
   LoopStats stats;
   stats.solids = session.solid_names();
@@ -66,7 +69,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   std::thread player = start_thread("the link", [&] {
     go_first();  // drives leave on time
     try {
-      play(link, plans, output, clock, ending, stats.output, options.sent);
+      play(link, plans, output, clock, ending, stats.output, observer);
     } catch (...) {
       link_fault = std::current_exception();
       stop = true;
@@ -81,8 +84,8 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       if (!source.take(points, time_s, between_looks_s)) {
         if (alive && clock.now() >= last_captured_s + setting.hold_s) {
           alive = false;
-          if (options.expired) options.expired();
-          if (options.events) options.events(session.expire());
+          observer.expired();
+          if (setting.events) observer.events(session.expire());
         }
         continue;
       }
@@ -104,9 +107,9 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       stats.frame_to_plan_s.add(report.planned_s - captured_s);
       stats.add_passes(report.passes);
       stats.seconds = report.planned_s;
-      if (options.planned) options.planned(report, plan);
+      observer.planned(report, plan);
       if (plans.publish()) ++stats.unplayed;
-      if (options.events) options.events(session.events());
+      if (setting.events) observer.events(session.events());
     }
   } catch (...) {
     fault = std::current_exception();
@@ -117,7 +120,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   const std::exception_ptr first = link_fault ? link_fault : fault;
   if (first) stop = true;
   try {
-    if (options.events) options.events(session.end());
+    if (setting.events) observer.events(session.end());
   } catch (const std::exception&) {
     if (!first) throw;  // the first error is the one to report
   }

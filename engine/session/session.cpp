@@ -4,12 +4,13 @@
 
 #include <exception>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/error.hpp"
+#include "session/loop/live_fingers.hpp"
 #include "session/loop/loop.hpp"
 #include "session/plan/tuning_thread.hpp"
-#include "session/loop/live_fingers.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
@@ -41,6 +42,44 @@ struct TunedBeside {
   ~TunedBeside() { scheduler.tune_beside(nullptr); }
   TunedBeside(const TunedBeside&) = delete;
   TunedBeside& operator=(const TunedBeside&) = delete;
+};
+
+/// Passes a run on to the caller's observer, with what a session adds to it.
+class SessionObserver final : public RunObserver {
+ public:
+  /// `fingers` and `tracker`: nullptr without them.
+  SessionObserver(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker, RunObserver& caller)
+      : pressures_(solids), fingers_(fingers), tracker_(tracker), caller_(caller) {}
+
+  void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
+  void started(const SkinFrame& frame) override {
+    if (fingers_) fingers_->saw(frame.images, frame.sequence);
+    caller_.started(frame);
+  }
+  void planned(const FrameReport& report, const Plan& plan) override {
+    pressures_.planned(plan.schedule);
+    if (fingers_) fingers_->planned(report, plan.schedule);
+    caller_.planned(report, plan);
+    if (tracker_) caller_.events(tracker_->update(*report.touch, report.time_s));
+  }
+  void expired() override {
+    caller_.expired();
+    if (tracker_) caller_.events(tracker_->expire());
+  }
+  void sent(bool sounds, const HandOver& counts) override { caller_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
+
+  /// The run is over.
+  void end() {
+    if (tracker_) caller_.events(tracker_->end());
+  }
+  const PressureLog& pressures() const { return pressures_; }
+
+ private:
+  PressureLog pressures_;
+  LiveFingers* fingers_;
+  EventTracker* tracker_;
+  RunObserver& caller_;
 };
 
 }  // namespace
@@ -135,27 +174,12 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (s.fingers && options.every_frame) {
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
-  const bool tells = options.events != nullptr;
-  if (tells && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
-  PressureLog pressures(s.names);
+  if (options.observer->needs_events() && !s.setting.events)
+    throw bad_usage("a session whose setting has no events cannot report any");
+  SessionObserver observer(s.names, s.fingers.get(), s.setting.events ? &s.tracker : nullptr, *options.observer);
   RunOptions loop = options;
-  loop.planned = [&](const FrameReport& report, const Plan& plan) {
-    pressures.planned(plan.schedule);
-    if (s.fingers) s.fingers->planned(report, plan.schedule);
-    if (options.planned) options.planned(report, plan);
-    if (tells) options.events(s.tracker.update(*report.touch, report.time_s));
-  };
-  if (s.fingers) {
-    s.fingers->begin();
-    loop.started = [&](const SkinFrame& frame) {
-      s.fingers->saw(frame.images, frame.sequence);
-      if (options.started) options.started(frame);
-    };
-  }
-  loop.expired = [&] {
-    if (options.expired) options.expired();
-    if (tells) options.events(s.tracker.expire());
-  };
+  loop.observer = &observer;
+  if (s.fingers) s.fingers->begin();
   LoopStats stats;
   if (drops_points(s.setting)) stats.dropped.emplace();
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
@@ -170,18 +194,18 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   } catch (...) {
     const std::exception_ptr fault = std::current_exception();
     try {
-      if (tells) options.events(s.tracker.end());
+      observer.end();
     } catch (const std::exception&) {  // the first error is the one to report
     }
     std::rethrow_exception(fault);
   }
-  if (tells) options.events(s.tracker.end());
+  observer.end();
   if (s.setting.schedule.tune == Tune::stride) {
     const TuningThread* const tuning = s.scheduler.tuning();
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
   if (s.fingers) stats.finger_sounds = s.fingers->stats();
-  stats.fingers = pressures.fingers();
+  stats.fingers = observer.pressures().fingers();
   stats.solids = s.names;
   return stats;
 }

@@ -89,11 +89,11 @@ class Session {
 
   /// Moves a solid for the frames that follow: T_world_rest takes it from its place in the scene to its current place.
   /// It must be a rigid transform; nothing is rebuilt. A solid that is moved by more than touch::out_of_reach_m is not
-  /// touched, and costs nothing. During run(), call it only from RunOptions::planned.
+  /// touched, and costs nothing. During run(), call it only from RunObserver::planned.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
 
   /// The foci of the frames that follow sound at this offset from where they are seen, metres in the world. During
-  /// run(), call it only from RunOptions::planned.
+  /// run(), call it only from RunObserver::planned.
   void set_aim(const Vec3& offset);
 
   /// To be called if no frame has come for the setting's hold: returns the releases of fingers that do not come back in

@@ -25,16 +25,29 @@ namespace {
 /// Room for frames that wait for the recorder: a few seconds of the paper's cameras.
 constexpr std::uint64_t most_waiting_bytes = std::uint64_t{1} << 30;
 
-/// Calls both, one after the other; only `first` if there is no second.
-template <typename... Arguments>
-std::function<void(Arguments...)> both(std::function<void(Arguments...)> first,
-                                       std::function<void(Arguments...)> second) {
-  if (!first || !second) return first ? first : second;
-  return [first = std::move(first), second = std::move(second)](Arguments... arguments) {
-    first(arguments...);
-    second(arguments...);
-  };
-}
+/// Passes a run on to the caller's observer, and its events first to the sink.
+class SinkObserver final : public session::RunObserver {
+ public:
+  SinkObserver(session::EventSink& sink, session::RunObserver& caller) : sink_(sink), caller_(caller) {}
+
+  void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
+  void started(const session::SkinFrame& frame) override { caller_.started(frame); }
+  void planned(const session::FrameReport& report, const session::Plan& plan) override {
+    caller_.planned(report, plan);
+  }
+  void expired() override { caller_.expired(); }
+  void sent(bool sounds, const session::HandOver& counts) override { caller_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
+  void events(std::span<const session::Event> events) override {
+    sink_.write(events);
+    caller_.events(events);
+  }
+  bool needs_events() const override { return true; }
+
+ private:
+  session::EventSink& sink_;
+  session::RunObserver& caller_;
+};
 
 LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own) {
   const std::vector<session::LinkKind> links = with_builtin(own);
@@ -151,18 +164,20 @@ void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
   stats.backend_why = used.why;
 }
 
-session::LoopStats LiveRun::run(const session::RunOptions& looking) {
-  session::RunOptions options = looking;
-  options.frames = options_.frames;
-  options.every_frame = options_.every_frame;
+session::LoopStats LiveRun::run(session::RunObserver& observer,
+                                const std::function<void(const sensing::FrameSet&)>& record) {
+  session::RunOptions options{
+      .frames = options_.frames, .every_frame = options_.every_frame, .observer = &observer, .record = record};
   std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
-  std::function<void(std::span<const session::Event>)> write_events;
-  std::function<void(const sensing::FrameSet&)> write_frames;
-  if (sink_) write_events = [&](std::span<const session::Event> events) { sink_->write(events); };
-  if (recorder_) write_frames = [&](const sensing::FrameSet& set) { out_of_order += recorder_->write(set) ? 0 : 1; };
-  options.events = both(std::move(write_events), looking.events);
-  options.record = both(std::move(write_frames), looking.record);
-  if (recorder_) options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
+  std::optional<SinkObserver> with_sink;
+  if (sink_) options.observer = &with_sink.emplace(*sink_, observer);
+  if (recorder_) {
+    options.record = [&](const sensing::FrameSet& set) {
+      out_of_order += recorder_->write(set) ? 0 : 1;
+      if (record) record(set);
+    };
+    options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
+  }
   session::LoopStats stats;
   try {
     stats = session().run(source(), *link_, *stop_, options);

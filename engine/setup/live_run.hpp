@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,9 +12,11 @@
 #include <vector>
 
 #include "base/outputs.hpp"
+#include "sensing/depth_source.hpp"
 #include "sensing/recording.hpp"
 #include "session/links/link.hpp"
 #include "session/links/sources.hpp"
+#include "session/loop/run_observer.hpp"
 #include "session/session.hpp"
 #include "session/watch/event_sink.hpp"
 #include "setup/frames.hpp"
@@ -58,9 +61,11 @@ class LiveRun {
   session::Session& session() { return *prepared_.session; }
   sensing::DepthSource& source() { return *prepared_.source; }
 
-  /// Calls Session::run; may be called only once. The functions in `looking` are called in addition to those of the
-  /// options, after them. Warns of frames that were not recorded. Throws as Session::run, the sink and the recorder do.
-  session::LoopStats run(const session::RunOptions& looking = {});
+  /// Calls Session::run; may be called only once. `observer` and `record` (see RunOptions) get events and frames after
+  /// the outputs that the options name. Warns of frames that were not recorded. Throws as Session::run, the sink and
+  /// the recorder do.
+  session::LoopStats run(session::RunObserver& observer = session::no_observer,
+                         const std::function<void(const sensing::FrameSet&)>& record = {});
 
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);

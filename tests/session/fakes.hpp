@@ -1,7 +1,8 @@
-// A source, a planner and a link that the test controls.
+// A source, a planner, a link and an observer that the test controls.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <span>
@@ -11,6 +12,7 @@
 #include "sensing/depth_source.hpp"
 #include "session/clock.hpp"
 #include "session/links/link.hpp"
+#include "session/loop/run_observer.hpp"
 #include "session/plan/planner.hpp"
 
 namespace palpa::test {
@@ -79,6 +81,36 @@ struct SpyLink : session::Link {
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
   void finish() override { finished = true; }
   bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }
+};
+
+/// An observer made of functions; one that is missing is not called.
+struct Watcher final : session::RunObserver {
+  std::function<void(std::uint64_t sequence)> on_arrived;
+  std::function<void(const session::FrameReport&, const session::Plan&)> on_planned;
+  std::function<void()> on_expired;
+  std::function<void(bool sounds, const session::HandOver&)> on_sent;
+  std::function<void(std::uint64_t frames)> on_recording_rest;
+  std::function<void(std::span<const session::Event>)> on_events;
+
+  void arrived(std::uint64_t sequence) override {
+    if (on_arrived) on_arrived(sequence);
+  }
+  void planned(const session::FrameReport& report, const session::Plan& plan) override {
+    if (on_planned) on_planned(report, plan);
+  }
+  void expired() override {
+    if (on_expired) on_expired();
+  }
+  void sent(bool sounds, const session::HandOver& counts) override {
+    if (on_sent) on_sent(sounds, counts);
+  }
+  void recording_rest(std::uint64_t frames) override {
+    if (on_recording_rest) on_recording_rest(frames);
+  }
+  void events(std::span<const session::Event> events) override {
+    if (on_events) on_events(events);
+  }
+  bool needs_events() const override { return on_events != nullptr; }
 };
 
 }  // namespace palpa::test

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "array/schedule.hpp"
+#include "fakes.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
@@ -242,11 +243,12 @@ LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::L
   const auto source = sensing::make_synthetic_source(cameras, {std::move(ply.positions), std::move(ply.triangles)}, {},
                                                      {.motion = motion, .paced = true, .frames = frames});
   LiveRun run;
+  Watcher watcher;
+  watcher.on_planned = [&](const session::FrameReport& report, const session::Plan& plan) {
+    run.begun += plan.schedule.voice_count > report.touch->finger_count ? 1 : 0;
+  };
   std::atomic<bool> stop{false};
-  run.stats =
-      session.run(*source, link, stop, {.planned = [&](const session::FrameReport& report, const session::Plan& plan) {
-        run.begun += plan.schedule.voice_count > report.touch->finger_count ? 1 : 0;
-      }});
+  run.stats = session.run(*source, link, stop, {.observer = &watcher});
   return run;
 }
 

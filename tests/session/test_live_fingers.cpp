@@ -282,14 +282,14 @@ TEST(LiveFingers, ARunUsesThemAndReportsTheGain) {
   const auto source = sensing::make_synthetic_source(rig().cameras, blunt_finger(), {}, {.frames = 900});
   test::SpyLink link;
   std::atomic<bool> stop = false;
-  RunOptions options;
+  test::Watcher watcher;
   int with = 0;
-  options.planned = [&](const FrameReport& report, const Plan&) {
+  watcher.on_planned = [&](const FrameReport& report, const Plan&) {
     with += std::ranges::any_of(report.passes,
                                 [](const auto& pass) { return std::string_view(pass.name) == "drives on fingers"; });
     if (with >= 10) stop = true;
   };
-  const LoopStats stats = session.run(*source, link, stop, options);
+  const LoopStats stats = session.run(*source, link, stop, {.observer = &watcher});
   EXPECT_TRUE(link.ended_silent());
   ASSERT_TRUE(stats.finger_sounds.has_value());
   EXPECT_GE(stats.finger_sounds->touching, 1U);

@@ -27,12 +27,13 @@ struct Loop {
   LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}};
   std::atomic<bool> stop{false};
   LoopStats stats;
-  RunOptions options;
+  test::Watcher watcher;
+  RunOptions options{.observer = &watcher};
 
   Loop() { source.clock = &clock; }
   void run() { run_loop(source, planner, link, setting, stop, options, stats, clock); }
   void stop_at(double time_s) {
-    options.sent = [this, time_s](bool, const HandOver&) {
+    watcher.on_sent = [this, time_s](bool, const HandOver&) {
       if (clock.now() >= time_s) stop = true;
     };
   }
@@ -140,7 +141,7 @@ TEST(Loop, DrivesLeaveWhileAFrameIsLate) {
     late = true;
     loop.clock.sleep(0.2);
   };
-  loop.options.planned = [&](const FrameReport&, const Plan&) { loop.stop = late.load(); };
+  loop.watcher.on_planned = [&](const FrameReport&, const Plan&) { loop.stop = late.load(); };
   loop.run();
   ASSERT_TRUE(late);
   EXPECT_GE(loop.stats.output.drives - loop.stats.output.silent_drives, 133u) << "200 ms are 133 slots";
@@ -195,8 +196,8 @@ TEST(Loop, TellsThatFramesStoppedComingUnlessTheyWaitForIt) {
     };
     int expired = 0;
     std::uint64_t planned = 0, planned_before = 0;
-    loop.options.planned = [&](const FrameReport&, const Plan&) { ++planned; };
-    loop.options.expired = [&] {
+    loop.watcher.on_planned = [&](const FrameReport&, const Plan&) { ++planned; };
+    loop.watcher.on_expired = [&] {
       EXPECT_GT(planned, planned_before) << "once after a frame";
       planned_before = planned;
       ++expired;
@@ -210,11 +211,11 @@ TEST(Loop, TellsOfEachFrameThatHasComeBeforeItIsPlanned) {
   Loop loop;
   loop.source.count = 30;
   std::atomic<std::uint64_t> arrived{0};
-  loop.options.arrived = [&](std::uint64_t sequence) {
+  loop.watcher.on_arrived = [&](std::uint64_t sequence) {
     loop.clock.sleep(1e-3);
     EXPECT_EQ(sequence, arrived++);
   };
-  loop.options.planned = [&](const FrameReport& report, const Plan&) { EXPECT_LT(report.sequence, arrived); };
+  loop.watcher.on_planned = [&](const FrameReport& report, const Plan&) { EXPECT_LT(report.sequence, arrived); };
   loop.run();
   EXPECT_EQ(arrived, 30u);
 }
@@ -227,7 +228,7 @@ TEST(Loop, FallsSilentWhenTheHandLeaves) {
   loop.options.every_frame = true;
   loop.stop = false;
   std::size_t silent_from = 0;
-  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
     if (report.sequence == 20) silent_from = plan.schedule.voice_count;
     if (report.sequence == 59) loop.stop = true;
   };
@@ -286,7 +287,7 @@ TEST(Loop, GoesDownTheRampBeforeItEndsButNotAfterAnError) {
         if (up()) throw failure("the planner broke");
       };
     } else {
-      loop.options.planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
+      loop.watcher.on_planned = [&](const FrameReport&, const Plan&) { loop.stop = up(); };
     }
     EXPECT_EQ(loop.fault(), breaks ? "the planner broke" : "");
     const std::vector<float>& heard = loop.link.loudest;
@@ -338,7 +339,7 @@ TEST(Loop, FramesWaitForASlowRecorderIfThereIsRoom) {
     loop.clock.sleep(10e-3);
     written.push_back(set.sequence);
   };
-  loop.options.recording_rest = [&](std::uint64_t frames) { rest.push_back(frames); };
+  loop.watcher.on_recording_rest = [&](std::uint64_t frames) { rest.push_back(frames); };
   loop.run();
   EXPECT_EQ(loop.stats.unrecorded, 0u);
   ASSERT_EQ(written.size(), 40u);
@@ -395,7 +396,7 @@ TEST(Loop, FollowsASourceWhoseClockRunsSlow) {
   loop.source.count = 500;
   loop.source.clock_rate = 1 - 8e-4;  // in one second as far off as 50 parts in a million in 16 s
   double youngest_s = 1;
-  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
     if (report.sequence > 250) youngest_s = std::min(youngest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();
@@ -407,7 +408,7 @@ TEST(Loop, SoundsOnWhenTheSourcesClockIsReset) {
   loop.source.count = 100;
   loop.source.reset_at = 20;
   double oldest_s = 0;
-  loop.options.planned = [&](const FrameReport& report, const Plan& plan) {
+  loop.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
     oldest_s = std::max(oldest_s, report.arrived_s - plan.captured_s);
   };
   loop.run();

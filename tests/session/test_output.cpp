@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
@@ -222,11 +221,13 @@ TEST(Output, AReservedScratchNeverGrows) {
   }
 }
 
-/// To be called for each drive: asks for the end from `time_s` on.
-std::function<void(bool, const HandOver&)> stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
-  return [=, &clock, &stop](bool, const HandOver&) {
+/// Asks for the end with the first drive from `time_s` on.
+test::Watcher stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
+  test::Watcher watcher;
+  watcher.on_sent = [=, &clock, &stop](bool, const HandOver&) {
     if (clock.now() >= time_s) stop = true;
   };
+  return watcher;
 }
 
 TEST(Output, SendsSilenceLastWhenStopped) {
@@ -238,7 +239,8 @@ TEST(Output, SendsSilenceLastWhenStopped) {
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.06, clock, stop));
+  test::Watcher watcher = stops_at(0.06, clock, stop);
+  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
   EXPECT_EQ(link.slots.size(), 42u) << "of slots 0 to 40, and the silence";
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
@@ -260,7 +262,8 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.08, clock, stop));
+  test::Watcher watcher = stops_at(0.08, clock, stop);
+  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
   ASSERT_EQ(link.plans.size(), 3u) << "the plan, that it expired, the end";
   const test::SpyLink::Played& played = link.plans[0];
   EXPECT_EQ(played.voices, 1u);
@@ -291,7 +294,8 @@ TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
   plans.publish();
   std::atomic<bool> stop{false};
   OutputStats stats;
-  play(link, plans, out.setting, clock, Ending{stop}, stats, stops_at(0.15, clock, stop));
+  test::Watcher watcher = stops_at(0.15, clock, stop);
+  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
   ASSERT_GT(link.slots.size(), 12u);
   EXPECT_EQ(link.slots[11] - link.slots[10], 40u) << "60 ms are 40 slots";
   EXPECT_EQ(stats.skipped_slots, 39u);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -40,21 +41,18 @@ struct PointsPlay {
   std::vector<std::uint32_t> fingers;
 
   LoopStats play(std::uint64_t frames) {
-    return run_points(session, source, link, stop,
-                      {.frames = frames,
-                       .events =
-                           [&](std::span<const Event> events) {
-                             for (const Event& event : events)
-                               kinds.push_back(event.kind);
-                           },
-                       .planned =
-                           [&](const FrameReport& frame, const Plan&) {
-                             fingers.push_back(frame.touch->finger_count);
-                             while (link.most == 0 && frame.touch->finger_count > 0 && fingers.size() > 1 && !stop)
-                               std::this_thread::yield();
-                             if (fingers.size() < 3)
-                               source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
-                           }});
+    test::Watcher watcher;
+    watcher.on_events = [&](std::span<const Event> events) {
+      for (const Event& event : events)
+        kinds.push_back(event.kind);
+    };
+    watcher.on_planned = [&](const FrameReport& frame, const Plan&) {
+      fingers.push_back(frame.touch->finger_count);
+      while (link.most == 0 && frame.touch->finger_count > 0 && fingers.size() > 1 && !stop)
+        std::this_thread::yield();
+      if (fingers.size() < 3) source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
+    };
+    return run_points(session, source, link, stop, {.frames = frames, .observer = &watcher});
   }
 };
 
@@ -85,14 +83,14 @@ TEST(PointsRun, ReleasesAFingerWhenNoFrameComes) {
   run.source.push(pushed_finger(-0.001), 0);
   std::vector<EventKind> kinds;
   int expired = 0;
-  run_points(run.session, run.source, run.link, run.stop,
-             {.events =
-                  [&](std::span<const Event> events) {
-                    for (const Event& event : events)
-                      kinds.push_back(event.kind);
-                    if (!kinds.empty() && kinds.back() == EventKind::release) run.stop = true;
-                  },
-              .expired = [&] { ++expired; }});
+  test::Watcher watcher;
+  watcher.on_events = [&](std::span<const Event> events) {
+    for (const Event& event : events)
+      kinds.push_back(event.kind);
+    if (!kinds.empty() && kinds.back() == EventKind::release) run.stop = true;
+  };
+  watcher.on_expired = [&] { ++expired; };
+  run_points(run.session, run.source, run.link, run.stop, {.observer = &watcher});
   ASSERT_GE(kinds.size(), 2U);
   EXPECT_EQ(kinds.front(), EventKind::touch);
   EXPECT_EQ(kinds.back(), EventKind::release);
@@ -118,6 +116,16 @@ TEST(PointsRun, NeedsAnArray) {
   test::SpyLink link;
   std::atomic<bool> stop{false};
   EXPECT_ERROR(run_points(session, source, link, stop), Exit::usage, "without an array cannot run from points");
+}
+
+TEST(PointsRun, ReportsNoEventsIfItsSettingHasNone) {
+  Session session({.solids = touchable_cube(), .layout = test::small_layout(), .events = std::nullopt});
+  PushedPoints source;
+  test::SpyLink link;
+  std::atomic<bool> stop{false};
+  test::Watcher watcher;
+  watcher.on_events = [](std::span<const Event>) {};
+  EXPECT_ERROR(run_points(session, source, link, stop, {.observer = &watcher}), Exit::usage, "has no events");
 }
 
 TEST(OwnMethod, PlacesTheFociOfASession) {

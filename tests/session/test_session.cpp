@@ -257,10 +257,13 @@ struct Live {
   std::atomic<bool> stop{false};
   std::vector<Event> told;
   std::uint64_t planned = 0;
-  RunOptions options{.every_frame = true,
-                     .events = [this](auto events) { told.insert(told.end(), events.begin(), events.end()); },
-                     .planned = [this](const FrameReport& report, const Plan&) { planned = report.sequence + 1; }};
+  test::Watcher watcher;
+  RunOptions options{.every_frame = true, .observer = &watcher};
 
+  Live() {
+    watcher.on_events = [this](auto events) { told.insert(told.end(), events.begin(), events.end()); };
+    watcher.on_planned = [this](const FrameReport& report, const Plan&) { planned = report.sequence + 1; };
+  }
   LoopStats run() {
     Session session(setting);
     return run(session);
@@ -322,11 +325,11 @@ TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {
 TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
   Live live;
   Session session(palpa::test::test_device(), live.setting);
-  const RunOptions all = live.options;
-  live.options.planned = [&](const FrameReport& report, const Plan&) { live.stop = report.sequence == 3; };
+  const auto counts = live.watcher.on_planned;
+  live.watcher.on_planned = [&](const FrameReport& report, const Plan&) { live.stop = report.sequence == 3; };
   EXPECT_LT(live.run(session).planned, 12U);
   live.stop = false;
-  live.options = all;
+  live.watcher.on_planned = counts;
   std::uint64_t written = 0;
   live.options.record = [&](const sensing::FrameSet&) { ++written; };
   EXPECT_EQ(live.run(session).planned, 12U);
@@ -342,7 +345,7 @@ TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
 
 TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
   Live live;
-  live.options.planned = [](const FrameReport& report, const Plan&) {
+  live.watcher.on_planned = [](const FrameReport& report, const Plan&) {
     if (report.sequence == 8) throw failure("the disk is full");
   };
   try {
@@ -362,7 +365,7 @@ TEST(SessionRuns, OnlyWithAllThatItNeeds) {
   EXPECT_ERROR(blind.run(), Exit::usage, "without an array");
   deaf.setting.events.reset();
   EXPECT_ERROR(deaf.run(), Exit::usage, "a session whose setting has no events");
-  deaf.options.events = nullptr;
+  deaf.watcher.on_events = nullptr;
   EXPECT_EQ(deaf.run().planned, 12U);
   Live tuned;
   tuned.setting.schedule.tune = Tune::all;

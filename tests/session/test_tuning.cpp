@@ -275,10 +275,12 @@ struct Live {
   test::SpyLink link;
   std::atomic<bool> stop{false};
   std::vector<std::uint32_t> strides;  ///< frame by frame
-  RunOptions options{
-      .planned = [this](const FrameReport&, const Plan& plan) { strides.push_back(stride_of(plan.schedule)); }};
+  test::Watcher watcher;
+  RunOptions options{.observer = &watcher};
 
-  explicit Live(std::uint64_t frames) : source(frames) {}
+  explicit Live(std::uint64_t frames) : source(frames) {
+    watcher.on_planned = [this](const FrameReport&, const Plan& plan) { strides.push_back(stride_of(plan.schedule)); };
+  }
   bool changed() const { return std::ranges::adjacent_find(strides, std::not_equal_to()) != strides.end(); }
   LoopStats run() { return Session(setting).run(source, link, stop, options); }
 };
@@ -287,7 +289,7 @@ TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
   Live live(2000);
   live.setting.hold_s = 10;  // no frame is late: with fewer foci, strides would differ
   Steady::time_point stopped;
-  live.options.planned = [&, look = live.options.planned](const FrameReport& report, const Plan& plan) {
+  live.watcher.on_planned = [&, look = live.watcher.on_planned](const FrameReport& report, const Plan& plan) {
     look(report, plan);
     if (!live.changed() || live.stop) return;
     live.stop = true;

@@ -76,14 +76,9 @@ void LiveSession::work() {
     session_ = &run.session();
     follow_poses(run.session());
     log::release_warnings();
-    session::RunOptions looking;
-    looking.arrived = [this](std::uint64_t sequence) { gaps_.arrived(sequence); };
-    looking.planned = [this](const session::FrameReport& report, const session::Plan& plan) { planned(report, plan); };
-    looking.sent = [this](bool sounds, const session::HandOver& counts) { link_.count(sounds, counts); };
-    looking.record = [this](const sensing::FrameSet& set) { saw(set); };
     state_ = LiveState::running;
     wake_();
-    stats = run.run(looking);
+    stats = run.run(*this, [this](const sensing::FrameSet& set) { saw(set); });
   } catch (const WaitEnded&) {
     // The run's pipe had found no reader before the user ended the run.
   } catch (const std::exception& error) {

@@ -20,6 +20,7 @@
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
 #include "setup/live_run.hpp"
 #include "viewer/live/frame_gaps.hpp"
@@ -56,7 +57,7 @@ struct Patience {
   std::chrono::milliseconds beginning{60000};
 };
 
-class LiveSession {
+class LiveSession final : session::RunObserver {
  public:
   /// Kinds of sources and links in addition to palpa's own.
   struct Kinds {
@@ -69,7 +70,7 @@ class LiveSession {
   LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
               Patience patience = {});
   /// Calls all_off() and waits for the end, also that of loading.
-  ~LiveSession();
+  ~LiveSession() override;
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
@@ -135,7 +136,9 @@ class LiveSession {
   }
   void work();
   void publish_scene(setup::LiveRun& run);
-  void planned(const session::FrameReport& report, const session::Plan& plan);
+  void arrived(std::uint64_t sequence) override { gaps_.arrived(sequence); }
+  void planned(const session::FrameReport& report, const session::Plan& plan) override;
+  void sent(bool sounds, const session::HandOver& counts) override { link_.count(sounds, counts); }
   void publish_snapshot(const session::FrameReport& report, const session::Plan& plan);
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);

@@ -131,7 +131,7 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue*
       if (options.every_frame) wait_until_empty(*recorded, stopped);
       if (recorded->add(next.set)) ++stats.unrecorded;
     }
-    if (options.arrived) options.arrived(next.set.sequence);
+    options.observer->arrived(next.set.sequence);
     if (frames.publish()) ++stats.replaced;
   }
 }
@@ -151,7 +151,7 @@ std::uint64_t record(FrameQueue& frames, const std::atomic<bool>& stop, const Cl
     if (stopped_s && clock.now() > *stopped_s + most_recording_after_stop_s) {
       lost += 1 + frames.discard();
     } else {
-      if (options.recording_rest && frames.closed()) options.recording_rest(frames.waiting() + 1);
+      if (frames.closed()) options.observer->recording_rest(frames.waiting() + 1);
       options.record(set);
     }
   }
@@ -241,7 +241,7 @@ bool Compute::start() {
                           .arrived_s = frame.arrived_s,
                           .slots = options.every_frame ? nullptr : &slots};
   planner.start(started);
-  if (options.started) options.started(started);
+  options.observer->started(started);
   return true;
 }
 
@@ -268,7 +268,7 @@ bool Compute::step() {
   report.effort = effort.now();
   report.outdated = !options.every_frame && report.planned_s - plans.back().captured_s >= effort.hold_s();
   shed(report, plans.back().captured_s);
-  if (options.planned) options.planned(report, plans.back());
+  options.observer->planned(report, plans.back());
   watch_solver(report);
   last_captured_s = plans.back().captured_s;
   if (effort.exhausted()) overload.planned(report.planned_s - last_captured_s);
@@ -309,7 +309,7 @@ double Compute::run() {
     if (frames.closed()) break;
     if (alive && !options.every_frame && clock.now() >= last_captured_s + effort.hold_s()) {
       alive = false;
-      if (options.expired) options.expired();
+      options.observer->expired();
     }
   }
   shed_report.end(effort);
@@ -356,7 +356,7 @@ void run_loop(sensing::DepthSource& source, Planner& planner, Link& link, const 
       const EndFlag ended(output_ended);
       go_first();  // drives leave on time
       try {
-        play(link, plans, output, clock, ending, stats.output, options.sent);
+        play(link, plans, output, clock, ending, stats.output, *options.observer);
       } catch (...) {
         fail();
         throw;

@@ -69,11 +69,12 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
 }
 
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats, const std::function<void(bool, const HandOver&)>& sent) {
+          OutputStats& stats, RunObserver& observer) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
   const std::size_t transducers = setting.layout.transducers.size();
-  SafeLink safe(link, transducers, setting.safety, setting.slot_s, sent);
+  SafeLink safe(link, transducers, setting.safety, setting.slot_s,
+                [&](bool sounds, const HandOver& counts) { observer.sent(sounds, counts); });
   SlotScratch scratch;
   scratch.reserve(setting);
   array::Schedule nothing;

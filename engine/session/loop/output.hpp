@@ -4,13 +4,13 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 
 #include "array/drive.hpp"
 #include "session/clock.hpp"
-#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
+#include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
+#include "session/plan/plan.hpp"
 #include "session/predict/slot_clock.hpp"
 #include "session/watch/stats.hpp"
 
@@ -39,9 +39,9 @@ struct Ending {
 /// one. Silence comes at once if something failed, or if the link or anything else throws (the error is rethrown
 /// afterwards). The slot counter starts at 0 and never restarts. Slots that the thread missed by a whole slot are
 /// skipped. However long a slot is, its sound ends when its plan expires or the end is requested, and a ramp does not
-/// exceed its time. Waits only for the clock and the link. `sent`: see RunOptions.
+/// exceed its time. Waits only for the clock and the link. Of `observer`, calls sent().
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
-          OutputStats& stats, const std::function<void(bool sounds, const HandOver& counts)>& sent = {});
+          OutputStats& stats, RunObserver& observer = no_observer);
 
 /// Scratch memory for the drive of a slot that the plan does not list; kept from slot to slot.
 struct SlotScratch {

@@ -9,6 +9,16 @@
 
 #include "session/session.hpp"
 
+/// Hands over the events of a run, on the thread that runs it.
+struct Events final : palpa::session::RunObserver {
+  std::function<void(const palpa::session::Event&)> handle;
+
+  void events(std::span<const palpa::session::Event> events) override {
+    for (const palpa::session::Event& event : events)
+      handle(event);
+  }
+};
+
 /// Until the source ends or `stop` becomes true: your handler of SIGINT, SIGTERM, SIGHUP and SIGTSTP sets it.
 inline palpa::session::LoopStats run_live(palpa::sensing::DepthSource& source, palpa::session::Link& link,
                                           std::vector<palpa::geometry::Solid> solids, palpa::array::Layout layout,
@@ -16,9 +26,7 @@ inline palpa::session::LoopStats run_live(palpa::sensing::DepthSource& source, p
                                           const std::function<void(const palpa::session::Event&)>& handle) {
   palpa::session::Session session(
       {.solids = std::move(solids), .cameras = source.cameras(), .layout = std::move(layout)});
-  const auto tell = [&](std::span<const palpa::session::Event> events) {
-    for (const palpa::session::Event& event : events)
-      handle(event);
-  };
-  return session.run(source, link, stop, {.every_frame = every_frame, .events = tell});
+  Events events;
+  events.handle = handle;
+  return session.run(source, link, stop, {.every_frame = every_frame, .observer = &events});
 }
