@@ -201,23 +201,51 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
   rows.push_back(row);
 }
 
-void measure_points(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
-                    const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
+/// Skin is points or, for cameras, images.
+template <typename Skin>
+void measure_stage(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                   std::span<const sensing::Camera> cameras, const touch::StageSetting& setting, const Skin& skin,
+                   std::vector<Row>& rows) {
   touch::Touch found, expected;
-  const std::vector<sensing::SkinPoint> skin = sensing::numbered(points);
   touch::Passes passes(context.device);
-  touch::Stage stage(passes, solids), host(solids);
+  touch::Stage stage(passes, solids, cameras, setting), host(solids, cameras, setting);
   host.touch(skin, expected);
   stage.touch(skin, found);
   if (!same_foci(found, expected)) wrong(name);
-  measure_runs(context, "touch", name, rows, [&](std::uint32_t) {
-    stage.touch(skin, found);
+  measure_runs(context, "touch", name, rows, [&](std::uint32_t run) {
+    stage.touch(skin, found, run / 90.0);
     return stage.times();
   });
-  measure_runs(context, "touch", name + on_host, rows, [&](std::uint32_t) {
-    host.touch(skin, expected);
+  measure_runs(context, "touch", name + on_host, rows, [&](std::uint32_t run) {
+    host.touch(skin, expected, run / 90.0);
     return host.times();
   });
+}
+
+void measure_points(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
+                    const std::vector<glm::vec3>& points, std::vector<Row>& rows) {
+  measure_stage(context, name, solids, {}, {}, sensing::numbered(points), rows);
+}
+
+/// As many clusters as there may be fingers, each wider than a finger: flat patches that face the cameras below.
+void measure_wide_patches(const Context& context, std::vector<Row>& rows) {
+  constexpr double side = 20e-3, apart = 26e-3, below_top = 0.7e-3;
+  geometry::Mesh patches;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 corner((i % 8 - 4) * apart, -below_top, (i / 8 - 4) * apart);
+    const auto first = static_cast<std::uint32_t>(patches.positions.size());
+    for (const Vec3& way : {Vec3(0), Vec3(side, 0, 0), Vec3(side, 0, side), Vec3(0, 0, side)})
+      patches.positions.push_back(corner + way);
+    patches.triangles.push_back({first, first + 1, first + 2});
+    patches.triangles.push_back({first, first + 2, first + 3});
+  }
+  const setup::PosedRig set_up = setup::load_posed_rig({});
+  sensing::SyntheticRig rig(set_up.rig.cameras, {}, sensing::Noise::d415, 1);
+  sensing::FrameSet frame;
+  const sensing::Posed posed{&patches, Transform(1.0)};
+  rig.render(std::span(&posed, 1), 0, frame);
+  measure_stage(context, "64 wide patches", box_solid(Vec3(-0.2, -0.05, -0.2), Vec3(0.2, 0, 0.2)), set_up.rig.cameras,
+                {.follow = true, .hysteresis = touch::Hysteresis::on}, frame.frames, rows);
 }
 
 }  // namespace
@@ -274,6 +302,7 @@ void measure_touch(const Context& context, std::vector<Row>& rows) {
     patches.emplace_back(0.02 * (i % 8) + across(random), -deep(random), 0.02 * (i / 8 % 8) + across(random));
   measure_points(context, "64 fingers, 20000 contacts", box_solid(Vec3(-0.05, -0.1, -0.05), Vec3(0.25, 0, 0.25)),
                  patches, rows);
+  measure_wide_patches(context, rows);
 }
 
 }  // namespace palpa::bench
