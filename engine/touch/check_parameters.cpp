@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
-#include "shaders/touch/fingers/fingers.h"
 
 namespace palpa::touch {
 

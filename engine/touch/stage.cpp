@@ -1,7 +1,5 @@
 #include "touch/stage.hpp"
 
-#include <algorithm>
-
 #include "base/error.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/pixel_stride.hpp"

@@ -1,7 +1,6 @@
 // The arithmetic that makes decisions, in the pieces that all passes share. The shaders and their twins include it, so
-// that both give the same answer to "in reach?", "which cell?", "which axes?" and "which sector?". PALPA_EXACT keeps a
-// compiler from fusing or reordering; the C++ side is built with -ffp-contract=off. The code uses only what both C++
-// and GLSL understand.
+// that both give the same answer to "in reach?" and "which cell?". PALPA_EXACT keeps a compiler from fusing or
+// reordering; the C++ side is built with -ffp-contract=off. The code uses only what both C++ and GLSL understand.
 #ifndef PALPA_SHADERS_EXACT_MATH_H
 #define PALPA_SHADERS_EXACT_MATH_H
 #include "shaders/shared/shared.h"
@@ -11,8 +10,6 @@
 #include <cmath>
 #define PALPA_EXACT
 PALPA_SHADER_BEGIN
-using std::abs;
-using std::floor;
 using std::sqrt;
 inline uint floatBitsToUint(float value) {
   return std::bit_cast<uint>(value);
@@ -21,10 +18,6 @@ inline uint floatBitsToUint(float value) {
 #define PALPA_EXACT precise
 PALPA_SHADER_BEGIN
 #endif
-
-struct Float2 {
-  float x, y;
-};
 
 struct Float3 {
   float x, y, z;
@@ -49,16 +42,6 @@ PALPA_FN float product(float a, float b) {
   return p;
 }
 
-PALPA_FN float plus(float a, float b) {
-  PALPA_EXACT float sum = a + b;
-  return sum;
-}
-
-PALPA_FN float less(float a, float b) {
-  PALPA_EXACT float difference = a - b;
-  return difference;
-}
-
 // Checks the bits: a compiler may assume that comparisons never meet a NaN.
 PALPA_FN bool is_finite(float value) {
   return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u;
@@ -78,11 +61,6 @@ PALPA_FN Float3 cross3(Float3 a, Float3 b) {
   r.y = a.z * b.x - a.x * b.z;
   r.z = a.x * b.y - a.y * b.x;
   return r;
-}
-
-PALPA_FN Float3 unit(Float3 a) {
-  PALPA_EXACT float factor = 1.0f / sqrt(dot3(a, a));
-  return scaled(a, factor);
 }
 
 // r turned by the unit quaternion (q, w). The identity (0, 0, 0, 1) leaves every bit as it is.

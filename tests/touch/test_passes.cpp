@@ -6,22 +6,22 @@
 #include <map>
 
 #include "gpu/barrier.hpp"
+#include "shaders/touch/clusters/clusters.h"
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
+#include "spirv/clusters_blocks.comp.hpp"
+#include "spirv/clusters_collect.comp.hpp"
+#include "spirv/clusters_crowded.comp.hpp"
+#include "spirv/clusters_gather.comp.hpp"
+#include "spirv/clusters_insert.comp.hpp"
+#include "spirv/clusters_label.comp.hpp"
+#include "spirv/clusters_link.comp.hpp"
+#include "spirv/clusters_place.comp.hpp"
+#include "spirv/clusters_prepare.comp.hpp"
+#include "spirv/clusters_select.comp.hpp"
+#include "spirv/clusters_undecided.comp.hpp"
 #include "spirv/contacts_find.comp.hpp"
 #include "spirv/contacts_pack.comp.hpp"
 #include "spirv/contacts_surface.comp.hpp"
-#include "spirv/fingers_blocks.comp.hpp"
-#include "spirv/fingers_collect.comp.hpp"
-#include "spirv/fingers_crowded.comp.hpp"
-#include "spirv/fingers_gather.comp.hpp"
-#include "spirv/fingers_insert.comp.hpp"
-#include "spirv/fingers_label.comp.hpp"
-#include "spirv/fingers_link.comp.hpp"
-#include "spirv/fingers_place.comp.hpp"
-#include "spirv/fingers_prepare.comp.hpp"
-#include "spirv/fingers_select.comp.hpp"
-#include "spirv/fingers_undecided.comp.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "touch/harness.hpp"
@@ -48,9 +48,9 @@ struct Guarded {
         parents(device, std::size_t{room.clustered()} * 4),
         clusters(device, std::size_t{room.clustered()} * 8),
         header(device, sizeof(shader::TouchHeader)),
-        fingers(device, std::size_t{max_fingers} * sizeof(shader::FingerRecord)),
+        selected(device, std::size_t{max_fingers} * sizeof(shader::ClusterRecord)),
         contacts_scratch(device, ContactsPass::scratch(room)),
-        fingers_scratch(device, FingersPass::scratch(room)),
+        clusters_scratch(device, ClustersPass::scratch(room)),
         solid_texels(device, solids.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids"),
         contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
@@ -61,21 +61,21 @@ struct Guarded {
 
   Room room;
   GuardedBuffer points, length, solids, cells, planes, total, contacts, deep_total, deep, parents, clusters, header,
-      fingers;
-  palpa::test::GuardedScratch contacts_scratch, fingers_scratch;
+      selected;
+  palpa::test::GuardedScratch contacts_scratch, clusters_scratch;
   gpu::TexelView solid_texels, contact_texels;
 
   bool intact() {
     bool all = true;
     int place = 0;
     for (GuardedBuffer* buffer : {&points, &length, &solids, &cells, &planes, &total, &contacts, &deep_total, &deep,
-                                  &parents, &clusters, &header, &fingers}) {
+                                  &parents, &clusters, &header, &selected}) {
       const bool one = buffer->intact();
       EXPECT_TRUE(one) << "guard words of buffer " << place;
       all = all && one;
       ++place;
     }
-    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &fingers_scratch}) {
+    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &clusters_scratch}) {
       const bool one = scratch->intact();
       EXPECT_TRUE(one) << "guard words of scratch " << place;
       all = all && one;
@@ -87,9 +87,9 @@ struct Guarded {
 
 void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& solids, const Parameters& parameters) {
   static ContactsPass contacts(palpa::test::test_device());
-  static FingersPass fingers(palpa::test::test_device());
+  static ClustersPass clusters(palpa::test::test_device());
   contacts.prepare(solids, parameters);
-  fingers.prepare(parameters);
+  clusters.prepare(parameters);
   contacts.record(commands,
                   {.points = b.points.ref(),
                    .length = b.length.ref(),
@@ -102,18 +102,18 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
                    .deep = b.deep.ref()},
                   b.contacts_scratch, b.room, solids, parameters);
   gpu::compute_to_compute(commands);
-  fingers.record(commands,
-                 {.length = b.length.ref(),
-                  .solids = b.solid_texels.ref(),
-                  .total = b.total.ref(),
-                  .contacts = b.contact_texels.ref(),
-                  .parents = b.parents.ref(),
-                  .clusters = b.clusters.ref(),
-                  .header = b.header.ref(),
-                  .fingers = b.fingers.ref(),
-                  .deep_total = b.deep_total.ref(),
-                  .deep = b.deep.ref()},
-                 b.fingers_scratch, b.room, parameters);
+  clusters.record(commands,
+                  {.length = b.length.ref(),
+                   .solids = b.solid_texels.ref(),
+                   .total = b.total.ref(),
+                   .contacts = b.contact_texels.ref(),
+                   .parents = b.parents.ref(),
+                   .clusters = b.clusters.ref(),
+                   .header = b.header.ref(),
+                   .selected = b.selected.ref(),
+                   .deep_total = b.deep_total.ref(),
+                   .deep = b.deep.ref()},
+                  b.clusters_scratch, b.room, parameters);
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
@@ -142,11 +142,11 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
     EXPECT_EQ(header.points, c.points);
     EXPECT_EQ(header.clusters, twin.cluster_count);
     const auto contacts = guarded.contacts.read<shader::ContactRecord>();
-    const auto fingers = guarded.fingers.read<shader::FingerRecord>();
+    const auto selected = guarded.selected.read<shader::ClusterRecord>();
     const auto parents = guarded.parents.read<std::uint32_t>();
     std::map<std::uint32_t, int> finger_of_root;
-    for (std::uint32_t f = 0; f < header.fingers; ++f)
-      finger_of_root[parents[fingers[f].first]] = static_cast<int>(f);
+    for (std::uint32_t f = 0; f < header.selected; ++f)
+      finger_of_root[parents[selected[f].first]] = static_cast<int>(f);
     const auto finger = finger_of_contacts(twin);
     for (std::uint32_t i = 0; i < c.room; ++i) {
       ASSERT_EQ(contacts[i].point, i);
@@ -233,34 +233,34 @@ TEST(TouchShaders, LayOutTheirStructsAsCppDoes) {
   expect_struct(find, "ReachTable", sizeof(shader::ReachTable),
                 {MEMBER(ReachTable, count), MEMBER(ReachTable, fingers)}, false);
   // contacts_pack writes them as vectors.
-  const auto select = palpa::test::read_spirv(spirv::fingers_select_comp);
+  const auto select = palpa::test::read_spirv(spirv::clusters_select_comp);
   expect_struct(select, "ContactRecord", sizeof(shader::ContactRecord),
                 {MEMBER(ContactRecord, x), MEMBER(ContactRecord, point), MEMBER(ContactRecord, solid),
-                 MEMBER(ContactRecord, depth), MEMBER(ContactRecord, finger)},
+                 MEMBER(ContactRecord, depth), MEMBER(ContactRecord, deep)},
                 true);
-  const auto link = palpa::test::read_spirv(spirv::fingers_link_comp);
-  const auto crowded = palpa::test::read_spirv(spirv::fingers_crowded_comp);
+  const auto link = palpa::test::read_spirv(spirv::clusters_link_comp);
+  const auto crowded = palpa::test::read_spirv(spirv::clusters_crowded_comp);
   expect_struct(crowded, "CrowdedPair", sizeof(shader::CrowdedPair),
                 {MEMBER(CrowdedPair, first_a), MEMBER(CrowdedPair, first_b), MEMBER(CrowdedPair, cells_a),
                  MEMBER(CrowdedPair, cells_b)},
                 true);
-  expect_struct(link, "FingersWork", sizeof(shader::FingersWork),
-                {MEMBER(FingersWork, collect_x), MEMBER(FingersWork, cells), MEMBER(FingersWork, blocks_x),
-                 MEMBER(FingersWork, blocks), MEMBER(FingersWork, links_x), MEMBER(FingersWork, links),
-                 MEMBER(FingersWork, crowded_x), MEMBER(FingersWork, crowded), MEMBER(FingersWork, undecided_x),
-                 MEMBER(FingersWork, undecided), MEMBER(FingersWork, rest_x), MEMBER(FingersWork, large)},
+  expect_struct(link, "ClustersWork", sizeof(shader::ClustersWork),
+                {MEMBER(ClustersWork, collect_x), MEMBER(ClustersWork, cells), MEMBER(ClustersWork, blocks_x),
+                 MEMBER(ClustersWork, blocks), MEMBER(ClustersWork, links_x), MEMBER(ClustersWork, links),
+                 MEMBER(ClustersWork, crowded_x), MEMBER(ClustersWork, crowded), MEMBER(ClustersWork, undecided_x),
+                 MEMBER(ClustersWork, undecided), MEMBER(ClustersWork, rest_x), MEMBER(ClustersWork, large)},
                 false);
-  expect_struct(link, "FingersPush", sizeof(shader::FingersPush),
-                {MEMBER(FingersPush, cells_per_metre), MEMBER(FingersPush, limit), MEMBER(FingersPush, most_contacts),
-                 MEMBER(FingersPush, min_points)},
+  expect_struct(link, "ClustersPush", sizeof(shader::ClustersPush),
+                {MEMBER(ClustersPush, cells_per_metre), MEMBER(ClustersPush, limit),
+                 MEMBER(ClustersPush, most_contacts), MEMBER(ClustersPush, min_points)},
                 false);
   expect_struct(select, "Cluster", sizeof(shader::Cluster), {MEMBER(Cluster, smallest), MEMBER(Cluster, size)}, true);
   expect_struct(select, "TouchHeader", sizeof(shader::TouchHeader),
-                {MEMBER(TouchHeader, fingers), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
+                {MEMBER(TouchHeader, selected), MEMBER(TouchHeader, clusters), MEMBER(TouchHeader, contacts),
                  MEMBER(TouchHeader, points)},
                 false);
-  expect_struct(select, "FingerRecord", sizeof(shader::FingerRecord),
-                {MEMBER(FingerRecord, first), MEMBER(FingerRecord, solid), MEMBER(FingerRecord, contacts)}, true);
+  expect_struct(select, "ClusterRecord", sizeof(shader::ClusterRecord),
+                {MEMBER(ClusterRecord, first), MEMBER(ClusterRecord, solid), MEMBER(ClusterRecord, contacts)}, true);
 }
 
 TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
@@ -269,15 +269,15 @@ TEST(TouchShaders, HaveTheWorkgroupsThatTheirHeadersName) {
   EXPECT_EQ(size_of(spirv::contacts_surface_comp), shader::contacts_group);
   EXPECT_EQ(size_of(spirv::contacts_pack_comp), shader::contacts_group);
   for (const gpu::Kernel* kernel :
-       {&spirv::fingers_gather_comp, &spirv::fingers_prepare_comp, &spirv::fingers_insert_comp,
-        &spirv::fingers_collect_comp, &spirv::fingers_place_comp, &spirv::fingers_label_comp}) {
+       {&spirv::clusters_gather_comp, &spirv::clusters_prepare_comp, &spirv::clusters_insert_comp,
+        &spirv::clusters_collect_comp, &spirv::clusters_place_comp, &spirv::clusters_label_comp}) {
     EXPECT_EQ(size_of(*kernel), shader::contact_group) << kernel->name;
   }
-  for (const gpu::Kernel* kernel : {&spirv::fingers_blocks_comp, &spirv::fingers_link_comp,
-                                    &spirv::fingers_crowded_comp, &spirv::fingers_undecided_comp}) {
+  for (const gpu::Kernel* kernel : {&spirv::clusters_blocks_comp, &spirv::clusters_link_comp,
+                                    &spirv::clusters_crowded_comp, &spirv::clusters_undecided_comp}) {
     EXPECT_EQ(size_of(*kernel), shader::blocks_group) << kernel->name;
   }
-  EXPECT_EQ(size_of(spirv::fingers_select_comp), shader::fingers_select_group);
+  EXPECT_EQ(size_of(spirv::clusters_select_comp), shader::clusters_select_group);
 }
 
 }  // namespace

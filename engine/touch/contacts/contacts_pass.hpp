@@ -34,7 +34,7 @@ struct ContactsBindings {
   /// out: shader::ScanTotal: the contacts found, including those for which there was no room. Its groups are those of
   /// the passes over contacts: shader::contact_group each, at least one and at most shader::contacts_most_groups
   gpu::BufferRef total;
-  gpu::BufferRef contacts;  ///< out: shader::ContactRecord[room.contacts], in input order, `finger` unset
+  gpu::BufferRef contacts;  ///< out: shader::ContactRecord[room.contacts], in input order
   // Needed only if a solid is looked up by its surface or its parts; then all of them are bound, even empty ones.
   SurfaceBindings surface = {};  ///< in
   gpu::BufferRef parts = {};     ///< in: PreparedSolids::parts, uvec4[], with a view of R32G32B32A32_UINT texels

@@ -17,7 +17,7 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/clusters/clusters.h"
 #include "touch/contacts/contact_iterations.hpp"
 #include "touch/contacts/parts_table.hpp"
 #include "touch/contacts/plane_cells.hpp"
@@ -203,7 +203,7 @@ double half_size(const shader::SolidRecord& solid) {
 
 double least_finger_gap(const shader::SolidRecord& solid) {
   return half_size(solid) * std::numbers::sqrt3 /
-         (2e-3 * shader::fingers_cell_thousandths * shader::fingers_most_blocks);
+         (2e-3 * shader::clusters_cell_thousandths * shader::clusters_most_blocks);
 }
 
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {

@@ -1,5 +1,6 @@
-// The arithmetic that fingers share with the kernels (shaders/shared/exact_math.h). Decisions are made in single
-// precision, and no compiler fuses a product with a sum: the engine is built with -ffp-contract=off.
+// The arithmetic of fingers: what they share with the kernels (shaders/shared/exact_math.h), and more of the same.
+// Decisions are made in single precision, and no compiler fuses a product with a sum: the engine is built with
+// -ffp-contract=off.
 #pragma once
 
 #include <cmath>
@@ -13,8 +14,15 @@
 
 namespace palpa::touch {
 
-using shader::Float2;
 using shader::Float3;
+
+struct Float2 {
+  float x, y;
+};
+
+inline Float3 unit(Float3 a) {
+  return scaled(a, 1.0F / std::sqrt(dot3(a, a)));
+}
 
 inline Float3 plus(Float3 a, Float3 b) {
   Float3 r;

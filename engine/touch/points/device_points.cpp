@@ -10,8 +10,8 @@
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "shaders/shared/scan.h"
+#include "shaders/touch/clusters/clusters.h"
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
 
 namespace palpa::touch {
 namespace {
@@ -96,11 +96,11 @@ void DevicePoints::make(const Room& room) {
   deep_ = gpu::Readback(device, deep * sizeof(shader::ContactRecord), "deep points");
   deep_total_ = gpu::Readback(device, sizeof(shader::ScanTotal), "deep total");
   contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(room), "contacts");
-  parents_ = gpu::Readback(device, clustered * 4, "finger parents");
-  clusters_ = gpu::Buffer(device, clustered * sizeof(shader::Cluster), "finger clusters");
+  parents_ = gpu::Readback(device, clustered * 4, "cluster parents");
+  clusters_ = gpu::Buffer(device, clustered * sizeof(shader::Cluster), "clusters");
   header_ = gpu::Readback(device, sizeof(shader::TouchHeader), "touch header");
-  fingers_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::FingerRecord), "fingers");
-  fingers_scratch_ = gpu::Scratch(device, FingersPass::scratch(room), "fingers");
+  selected_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::ClusterRecord), "selected clusters");
+  clusters_scratch_ = gpu::Scratch(device, ClustersPass::scratch(room), "clusters");
 }
 
 void DevicePoints::set(std::span<const sensing::SkinPoint> points) {
@@ -184,18 +184,18 @@ void DevicePoints::record(VkCommandBuffer commands, const Skin& skin) {
                            contacts_scratch_, room_, solids_, skin.parameters, &times_,
                            reaches ? skin.reach.elapsed_us : shader::reach_none);
   gpu::compute_to_compute(commands);
-  passes_.fingers_.record(commands,
-                          {.length = length,
-                           .solids = pose_texels_.ref(),
-                           .total = total_.ref(),
-                           .contacts = contact_texels_.ref(),
-                           .parents = parents_.ref(),
-                           .clusters = clusters_.ref(),
-                           .header = header_.ref(),
-                           .fingers = fingers_.ref(),
-                           .deep_total = deep_total_.ref(),
-                           .deep = deep_.ref()},
-                          fingers_scratch_, room_, skin.clustering, &times_);
+  passes_.clusters_.record(commands,
+                           {.length = length,
+                            .solids = pose_texels_.ref(),
+                            .total = total_.ref(),
+                            .contacts = contact_texels_.ref(),
+                            .parents = parents_.ref(),
+                            .clusters = clusters_.ref(),
+                            .header = header_.ref(),
+                            .selected = selected_.ref(),
+                            .deep_total = deep_total_.ref(),
+                            .deep = deep_.ref()},
+                           clusters_scratch_, room_, skin.clustering, &times_);
   record_readback(commands);
 }
 
@@ -205,7 +205,7 @@ void DevicePoints::record_readback(VkCommandBuffer commands) const {
   parents_.record(commands, first * sizeof(std::uint32_t));
   if (tables_.pixels != 0) dropped_.record(commands);
   header_.record(commands);
-  fingers_.record(commands);
+  selected_.record(commands);
   if (!setting_.parameters.wants_deep()) return;
   deep_.record(commands, std::min<std::uint64_t>(first_read, room_.deep) * sizeof(shader::ContactRecord));
   deep_total_.record(commands);
@@ -260,12 +260,12 @@ void DevicePoints::finish(Touch& out, std::vector<gpu::PassTime>& times) {
     out.deep.push_back(contact_of(record));
 
   out.cluster_count = header.clusters;
-  out.finger_count = header.fingers;
-  if (out.fingers.size() < header.fingers) out.fingers.resize(header.fingers);
+  out.finger_count = header.selected;
+  if (out.fingers.size() < header.selected) out.fingers.resize(header.selected);
   const auto parents = parents_.as<std::uint32_t>();
   std::array<std::uint32_t, max_fingers> roots{};  // of the fingers
-  for (std::uint32_t f = 0; f < header.fingers; ++f) {
-    const shader::FingerRecord& record = fingers_.as<shader::FingerRecord>()[f];
+  for (std::uint32_t f = 0; f < header.selected; ++f) {
+    const shader::ClusterRecord& record = selected_.as<shader::ClusterRecord>()[f];
     Finger& finger = out.fingers[f];
     roots[f] = parents[record.first];
     finger.solid = record.solid;
@@ -273,7 +273,7 @@ void DevicePoints::finish(Touch& out, std::vector<gpu::PassTime>& times) {
     finger.contacts.clear();
     finger.contacts.reserve(record.contacts);
   }
-  const auto own = std::span(roots).first(header.fingers);
+  const auto own = std::span(roots).first(header.selected);
   out.contacts.clear();
   out.contacts.reserve(header.contacts);
   std::uint32_t f = 0;  // most contacts belong to the finger of the one before

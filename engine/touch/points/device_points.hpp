@@ -3,8 +3,8 @@
 //   SkinPass      skin_count, scan, skin_scatter: pixels -> points (world x, y, z, pixel) and their total
 //   ContactsPass  contacts_find or contacts_surface (by the scene's solids), contacts_pack: points -> contacts,
 //                 Eq. (1), and deep points if requested
-//   FingersPass   fingers_*: contacts -> parents (per contact its cluster), header (how many clusters, points and
-//                 contacts), fingers (per cluster its first contact, solid, contacts)
+//   ClustersPass  clusters_*: contacts -> parents (per contact its cluster), header (how many clusters, points and
+//                 contacts), selected (per cluster that may be a finger: its first contact, solid, contacts)
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ class DevicePoints : public Points {
   /// Copies images and points. Allocates nothing unless there are more points than before. Throws bad_usage for images
   /// that do not fit the cameras, or for more points than there is room for.
   void start(const Skin& skin) override;
-  /// The names of the passes' times: those of SkinPass (depth frames only), ContactsPass and FingersPass. Allocates
+  /// The names of the passes' times: those of SkinPass (depth frames only), ContactsPass and ClustersPass. Allocates
   /// only if `out` grows. Throws failure if the device is lost, or if the frame has more points, contacts or deep
   /// points than there is room for.
   void finish(Touch& out, std::vector<gpu::PassTime>& times) override;
@@ -71,8 +71,8 @@ class DevicePoints : public Points {
   gpu::Upload poses_;              // of the solids
   gpu::Buffer seen_, seen_total_;  // skin points of depth frames
   gpu::Buffer total_, clusters_;
-  gpu::Scratch skin_scratch_, contacts_scratch_, fingers_scratch_;
-  gpu::Readback contacts_, parents_, deep_, deep_total_, header_, fingers_;
+  gpu::Scratch skin_scratch_, contacts_scratch_, clusters_scratch_;
+  gpu::Readback contacts_, parents_, deep_, deep_total_, header_, selected_;
   gpu::TexelView contact_texels_, pose_texels_;
   gpu::Timestamps times_;
   std::vector<gpu::PassTime> read_times_;

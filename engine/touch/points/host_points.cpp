@@ -2,7 +2,7 @@
 
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/pass_watch.hpp"
-#include "touch/points/fingers_twin.hpp"
+#include "touch/points/clusters_twin.hpp"
 
 namespace palpa::touch {
 
@@ -18,8 +18,8 @@ void HostPoints::finish(Touch& out, std::vector<gpu::PassTime>& times) {
   }
   find_contacts(points, solids_, frame_.parameters, frame_.reach, out);
   watch.mark("contacts");
-  find_fingers(frame_.clustering, solids_, out);
-  watch.mark("fingers");
+  find_clusters(frame_.clustering, solids_, out);
+  watch.mark("clusters");
 }
 
 }  // namespace palpa::touch

@@ -6,7 +6,7 @@
 #include "sensing/skin_pass.hpp"
 #include "touch/contacts/contacts_pass.hpp"
 #include "touch/contacts/prepared_solids.hpp"
-#include "touch/points/fingers_pass.hpp"
+#include "touch/points/clusters_pass.hpp"
 #include "touch/stage_setting.hpp"
 
 namespace palpa::touch {
@@ -31,7 +31,7 @@ class Passes {
   std::mutex making_;
   sensing::SkinPass skin_;
   ContactsPass contacts_;
-  FingersPass fingers_;
+  ClustersPass clusters_;
 };
 
 }  // namespace palpa::touch

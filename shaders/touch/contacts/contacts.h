@@ -15,7 +15,6 @@ PALPA_CONST contacts_chunks = 64u;
 PALPA_CONST contacts_most_iterations = 60000u;
 PALPA_CONST contacts_most_words = 2048u;  // of 32 points each, in a chunk
 PALPA_CONST contacts_most_points = 4000000u;
-PALPA_CONST no_finger = 0xffffffffu;
 
 // Passes over contacts: threads stride over them in at most contacts_most_groups groups.
 PALPA_CONST contact_group = 128u;
@@ -94,14 +93,14 @@ struct ContactRecord {
   uint point;
   uint solid;
   float depth;
-  uint finger;  // index, or no_finger
+  uint deep;    // 1: a deep point, in the list of both that clusters_gather makes
   uint beyond;  // 1: it is beyond an edge of the shell, for a known finger that is about to end
 };
 PALPA_CHECK_SIZE(ContactRecord, 32);
 PALPA_CHECK_OFFSET(ContactRecord, point, 12);
 PALPA_CHECK_OFFSET(ContactRecord, solid, 16);
 PALPA_CHECK_OFFSET(ContactRecord, depth, 20);
-PALPA_CHECK_OFFSET(ContactRecord, finger, 24);
+PALPA_CHECK_OFFSET(ContactRecord, deep, 24);
 
 PALPA_SHADER_END
 #endif

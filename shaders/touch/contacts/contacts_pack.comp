@@ -65,7 +65,7 @@ void main() {
       const uvec4 point = points[i];
       const Hit hit = hits[i];
       contacts[2u * place] = point;
-      contacts[2u * place + 1u] = uvec4(hit.solid & ~hit_beyond, floatBitsToUint(hit.depth), no_finger, hit.solid / hit_beyond);
+      contacts[2u * place + 1u] = uvec4(hit.solid & ~hit_beyond, floatBitsToUint(hit.depth), 0u, hit.solid / hit_beyond);
       ++place;
     }
   }

@@ -5,7 +5,7 @@
 #include "shaders/shared/exact_math.h"
 PALPA_SHADER_BEGIN
 
-PALPA_CONST reach_most_fingers = 64u;  // as fingers_most
+PALPA_CONST reach_most_fingers = 64u;  // as touch::max_fingers
 // No finger; and in ContactsPush::elapsed_us: there is no table.
 PALPA_CONST reach_none = 0xffffffffu;
 // How far beyond the edges, in metres.

@@ -63,7 +63,7 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   EXPECT_EQ(stats["frames"]["captured"], 60);
   EXPECT_GT(stats["frames"]["touching"], 0);
   EXPECT_GT(stats["timing_ms"]["frame_to_plan"]["median"], 0);
-  for (const char* pass : {"skin count", "fingers", "foci", "drives"})
+  for (const char* pass : {"skin count", "clusters", "foci", "drives"})
     EXPECT_TRUE(stats["passes_ms"].contains(pass)) << pass;
 
   const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");

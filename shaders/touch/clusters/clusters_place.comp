@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/clusters/clusters.h"
 #include "shaders/shared/scan.h"
 
 // Puts every contact into its cell's list, after the first. The lists' order may differ from run to run.
@@ -15,18 +15,18 @@ layout(set = 0, binding = 3) uniform usamplerBuffer tiles;
 layout(set = 0, binding = 4) uniform usamplerBuffer bases;
 layout(set = 0, binding = 5) uniform usamplerBuffer places;
 layout(std430, set = 0, binding = 6) writeonly buffer Parents { uint parents[]; };
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
 
 void main() {
   const uint count = min(found.total, push.most_contacts);
   const uint threads = gl_NumWorkGroups.x * contact_group;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
     const uint place = texelFetch(places, int(i)).x;
-    const int slot = int((place & ~fingers_first) >> 6u);
+    const int slot = int((place & ~clusters_first) >> 6u);
     const uint cell = texelFetch(bases, slot).x + count_below(texelFetch(tiles, slot).zw, place & 63u);
-    const bool first = (place & fingers_first) != 0u;
+    const bool first = (place & clusters_first) != 0u;
     const uint node = first ? cell : push.most_contacts + i;
     const uvec3 point = texelFetch(contacts, int(2u * i)).xyz;
     whole_nodes[node].xyz = point;

@@ -1,7 +1,7 @@
 // The hash table of tiles: open addressing, a slot per tile that holds contacts. The 4x4x4 tiles of a cube have
-// adjacent slots, so neighbours are looked up in memory that is already near. Needs fingers_math.h.
+// adjacent slots, so neighbours are looked up in memory that is already near. Needs clusters_math.h.
 
-// A tile's coordinates from the solid's centre, biased by 2^14, 15 bits each, and the solid. Never fingers_nothing.
+// A tile's coordinates from the solid's centre, biased by 2^14, 15 bits each, and the solid. Never clusters_nothing.
 struct TileKey {
   uint xy;
   uint z_solid;

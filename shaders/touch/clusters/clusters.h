@@ -1,60 +1,60 @@
-// Shared by engine/touch/fingers/fingers_pass.cpp and shaders/touch/fingers/fingers_*.comp.
-#ifndef PALPA_SHADERS_FINGERS_H
-#define PALPA_SHADERS_FINGERS_H
+// Shared by engine/touch/points/clusters_pass.cpp and shaders/touch/clusters/clusters_*.comp.
+#ifndef PALPA_SHADERS_CLUSTERS_H
+#define PALPA_SHADERS_CLUSTERS_H
 #include "shaders/shared/shared.h"
 PALPA_SHADER_BEGIN
 
-PALPA_CONST fingers_select_group = 256u;  // a single group
-PALPA_CONST fingers_most = 64u;
-PALPA_CONST fingers_nothing = 0xffffffffu;
+PALPA_CONST clusters_select_group = 256u;  // a single group
+PALPA_CONST clusters_most_selected = 64u;
+PALPA_CONST clusters_nothing = 0xffffffffu;
 
 // The side of a cell, in thousandths of the finger gap. Up to 1/sqrt(3) = 0.577, two contacts of one cell are always
 // within the gap. Above 0.5, contacts three cells apart are always beyond it. 0.52 leaves room for rounding on both
-// sides, up to fingers_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that do not
-// touch are beyond the gap. A tile is 2x2x2 blocks. Both are numbered along x, then y, then z.
-PALPA_CONST fingers_cell_thousandths = 520u;
-PALPA_CONST fingers_most_blocks = 30000u;
+// sides, up to clusters_most_blocks blocks from a solid's centre. A block is 2x2x2 cells: contacts of blocks that do
+// not touch are beyond the gap. A tile is 2x2x2 blocks. Both are numbered along x, then y, then z.
+PALPA_CONST clusters_cell_thousandths = 520u;
+PALPA_CONST clusters_most_blocks = 30000u;
 
-PALPA_CONST collect_run = 32u;  // slots of the hash table that a thread of fingers_collect looks at in one go
+PALPA_CONST collect_run = 32u;  // slots of the hash table that a thread of clusters_collect looks at in one go
 
 // Threads of a group in the passes over blocks.
 PALPA_CONST blocks_group = 64u;
 PALPA_CONST blocks_most_groups = 256u;
 PALPA_CONST rest_most_groups = 16384u;
 // Tests of two blocks before their groups of cells that are still apart go on the list of crowded pairs.
-PALPA_CONST fingers_patience = 32u;
-// Capacity of that list. If it or the list of blocks that touch (links_room() in fingers_math.h) is full, a pass tests
+PALPA_CONST clusters_patience = 32u;
+// Capacity of that list. If it or the list of blocks that touch (links_room() in clusters_math.h) is full, a pass tests
 // everything again, pair by pair: this is slow, but just as exact.
-PALPA_CONST fingers_crowded_per_contact = 1u;
+PALPA_CONST clusters_crowded_per_contact = 1u;
 // A software device ends all loops of a shader after 65,535 iterations together, and the result is then undefined. So a
 // thread looks at few pairs of contacts and lists those that it could not decide. For each listed pair of groups, the
-// contacts of the first group are shared out among fingers_undecided_parts groups of blocks_group threads. That is
+// contacts of the first group are shared out among clusters_undecided_parts groups of blocks_group threads. That is
 // enough for 20,000 contacts in each of the two.
-PALPA_CONST fingers_rest_patience = 2048u;
-PALPA_CONST fingers_undecided_parts = 16u;
+PALPA_CONST clusters_rest_patience = 2048u;
+PALPA_CONST clusters_undecided_parts = 16u;
 
 // Contents of the buffers, beside structs. A shader reads as texels what it only reads, see engine/gpu/texel_view.hpp.
 //   nodes            uvec4[]: bits of x, y, z and the next entry in the cell's list: the first entry of a cell has the
 //                    number of the cell, the others have the number of their contact plus most_contacts
-//   tiles            uvec4[]: hash table: a TileKey, see fingers_table.glsl, and 64 cells as bits
+//   tiles            uvec4[]: hash table: a TileKey, see clusters_table.glsl, and 64 cells as bits
 //   bases            uint[]: per slot, its first cell's number
-//   places           uint[]: per contact, its slot times 64, plus its cell there, or fingers_first
+//   places           uint[]: per contact, its slot times 64, plus its cell there, or clusters_first
 //   list             uint[]: the blocks that hold contacts: slot times 8, plus the block there
-//   links            uvec2[]: two blocks that touch, see fingers_links.glsl
-//   groups_of_block  uint[]: at a block's first cell's number, see fingers_cells.glsl
+//   links            uvec2[]: two blocks that touch, see clusters_links.glsl
+//   groups_of_block  uint[]: at a block's first cell's number, see clusters_cells.glsl
 //   crowded          CrowdedPair[]
 //   undecided        CrowdedPair[]: the pairs that stayed undecided
-//   left             where fingers_link lists the pairs that it leaves: one of these two
+//   left             where clusters_link lists the pairs that it leaves: one of these two
 //   forest           uint[]: union-find over cells
 //   seen             the forest as texels: may be out of date while others write it
 //   large            uint[]: roots of clusters that may be fingers, in any order
 //   parents          uint[]: per contact, its cell's number; at the end, the number of its root
 //   clusters         Cluster[]: per root
-//   inside           ContactRecord[]: the contacts, then the deep points, `finger` fingers_deep
-PALPA_CONST fingers_first = 0x80000000u;  // of its cell
-PALPA_CONST fingers_solid_texels = 6u;
-PALPA_CONST fingers_centre_texel = 1u;
-PALPA_CONST fingers_deep = 0xfffffffeu;
+//   selected         ClusterRecord[]: the clusters that may be fingers, in the order of their smallest contacts
+//   inside           ContactRecord[]: the contacts, then the deep points
+PALPA_CONST clusters_first = 0x80000000u;  // of its cell
+PALPA_CONST clusters_solid_texels = 6u;
+PALPA_CONST clusters_centre_texel = 1u;
 
 struct GatherPush {
   uint most_contacts;
@@ -65,15 +65,15 @@ struct GatherPush {
 PALPA_CHECK_SIZE(GatherPush, 16);
 PALPA_CHECK_OFFSET(GatherPush, most_deep, 4);
 
-struct FingersPush {
+struct ClustersPush {
   float cells_per_metre;
   float limit;  // the square of the gap
   uint most_contacts;
   uint min_points;
 };
-PALPA_CHECK_SIZE(FingersPush, 16);
-PALPA_CHECK_OFFSET(FingersPush, most_contacts, 8);
-PALPA_CHECK_OFFSET(FingersPush, min_points, 12);
+PALPA_CHECK_SIZE(ClustersPush, 16);
+PALPA_CHECK_OFFSET(ClustersPush, most_contacts, 8);
+PALPA_CHECK_OFFSET(ClustersPush, min_points, 12);
 
 // Two groups of cells with many contacts each. For both: their block's first cell; its cells that hold contacts as
 // bits, plus 256 times those of the group.
@@ -87,7 +87,7 @@ PALPA_CHECK_SIZE(CrowdedPair, 16);
 PALPA_CHECK_OFFSET(CrowdedPair, cells_a, 8);
 
 // The amount of work, and the indirect dispatches that do it.
-struct FingersWork {
+struct ClustersWork {
   uint collect_x;
   uint collect_y;
   uint collect_z;
@@ -113,17 +113,17 @@ struct FingersWork {
   uint rest_z;
   uint large;  // clusters that may be fingers
 };
-PALPA_CHECK_SIZE(FingersWork, 96);
-PALPA_CHECK_OFFSET(FingersWork, cells, 12);
-PALPA_CHECK_OFFSET(FingersWork, blocks, 28);
-PALPA_CHECK_OFFSET(FingersWork, links_x, 32);
-PALPA_CHECK_OFFSET(FingersWork, links, 44);
-PALPA_CHECK_OFFSET(FingersWork, crowded_x, 48);
-PALPA_CHECK_OFFSET(FingersWork, crowded, 60);
-PALPA_CHECK_OFFSET(FingersWork, undecided_x, 64);
-PALPA_CHECK_OFFSET(FingersWork, undecided, 76);
-PALPA_CHECK_OFFSET(FingersWork, rest_x, 80);
-PALPA_CHECK_OFFSET(FingersWork, large, 92);
+PALPA_CHECK_SIZE(ClustersWork, 96);
+PALPA_CHECK_OFFSET(ClustersWork, cells, 12);
+PALPA_CHECK_OFFSET(ClustersWork, blocks, 28);
+PALPA_CHECK_OFFSET(ClustersWork, links_x, 32);
+PALPA_CHECK_OFFSET(ClustersWork, links, 44);
+PALPA_CHECK_OFFSET(ClustersWork, crowded_x, 48);
+PALPA_CHECK_OFFSET(ClustersWork, crowded, 60);
+PALPA_CHECK_OFFSET(ClustersWork, undecided_x, 64);
+PALPA_CHECK_OFFSET(ClustersWork, undecided, 76);
+PALPA_CHECK_OFFSET(ClustersWork, rest_x, 80);
+PALPA_CHECK_OFFSET(ClustersWork, large, 92);
 
 struct Cluster {
   uint smallest;  // contact
@@ -133,7 +133,7 @@ PALPA_CHECK_SIZE(Cluster, 8);
 
 // What the host reads: how many of everything there are, and the clusters that may be fingers.
 struct TouchHeader {
-  uint fingers;
+  uint selected;  // of these clusters: at most clusters_most_selected
   uint clusters;
   uint contacts;
   uint points;
@@ -141,14 +141,14 @@ struct TouchHeader {
 PALPA_CHECK_SIZE(TouchHeader, 16);
 PALPA_CHECK_OFFSET(TouchHeader, contacts, 8);
 
-struct FingerRecord {
+struct ClusterRecord {
   uint first;  // its smallest contact
   uint solid;
   uint contacts;
   uint unused0;
 };
-PALPA_CHECK_SIZE(FingerRecord, 16);
-PALPA_CHECK_OFFSET(FingerRecord, contacts, 8);
+PALPA_CHECK_SIZE(ClusterRecord, 16);
+PALPA_CHECK_OFFSET(ClusterRecord, contacts, 8);
 
 PALPA_SHADER_END
 #endif

@@ -1,26 +1,24 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/shared/scan.h"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
 
 // Pairs of groups that took too many tests for one thread: every contact of the first group against every contact of
-// the second. The contacts of the first are shared out among fingers_undecided_parts groups of threads. An iteration of
-// a loop is several contacts, because a software device counts iterations; see fingers.h.
+// the second. The contacts of the first are shared out among clusters_undecided_parts groups of threads. An iteration
+// of a loop is several contacts, because a software device counts iterations; see clusters.h.
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
 layout(std430, set = 0, binding = 1) readonly buffer Undecided { CrowdedPair undecided[]; };
-layout(std430, set = 0, binding = 2) readonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 2) readonly buffer Work { ClustersWork work; };
 layout(std430, set = 0, binding = 3) buffer Forest { uint forest[]; };
 layout(set = 0, binding = 4) uniform usamplerBuffer seen;
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
-#include "shaders/touch/fingers/fingers_contacts.glsl"
-#include "shaders/touch/fingers/fingers_undecided.glsl"
-#include "shaders/touch/fingers/fingers_union.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
+#include "shaders/touch/clusters/clusters_contacts.glsl"
+#include "shaders/touch/clusters/clusters_undecided.glsl"
+#include "shaders/touch/clusters/clusters_union.glsl"
 
 void skip_one(inout Walk w) {
   if (at_end(w)) return;
@@ -55,7 +53,7 @@ bool any_in_reach(vec3 p, Walk others) {
 
 void main() {
   const uint pairs = min(work.undecided, undecided_room(push.most_contacts));
-  const uint parts = fingers_undecided_parts * blocks_group;
+  const uint parts = clusters_undecided_parts * blocks_group;
   const uint part = gl_WorkGroupID.y * blocks_group + gl_LocalInvocationID.x;
   for (uint i = gl_WorkGroupID.x; i < pairs; i += gl_NumWorkGroups.x) {
     const CrowdedPair pair = undecided[i];

@@ -1,6 +1,6 @@
 // Looks for contacts within the gap, one from a cell of block a, one from a cell of block b. A single loop tests one
 // pair of contacts per iteration: devices that run a loop for many threads at once then waste little on the short ones.
-// Needs `nodes`, `push.limit` and fingers_cells.glsl.
+// Needs `nodes`, `push.limit` and clusters_cells.glsl.
 
 struct Search {
   uvec2 pairs;  // of cells, not done yet
@@ -12,18 +12,18 @@ struct Search {
 };
 
 Search search_in(uvec2 pairs) {
-  return Search(pairs, 0u, uvec4(0u), fingers_nothing, fingers_nothing, fingers_nothing);
+  return Search(pairs, 0u, uvec4(0u), clusters_nothing, clusters_nothing, clusters_nothing);
 }
 
 bool more(Search s) {
-  return s.next_b != fingers_nothing || s.next_a != fingers_nothing || (s.pairs.x | s.pairs.y) != 0u;
+  return s.next_b != clusters_nothing || s.next_a != clusters_nothing || (s.pairs.x | s.pairs.y) != 0u;
 }
 
 // Leaves these pairs of cells untested.
 void leave(inout Search s, uvec2 pairs) {
   s.pairs &= ~pairs;
-  s.next_a = fingers_nothing;
-  s.next_b = fingers_nothing;
+  s.next_a = clusters_nothing;
+  s.next_b = clusters_nothing;
 }
 
 Float3 at(uvec4 node) { return Float3(uintBitsToFloat(node.x), uintBitsToFloat(node.y), uintBitsToFloat(node.z)); }
@@ -31,8 +31,8 @@ Float3 at(uvec4 node) { return Float3(uintBitsToFloat(node.x), uintBitsToFloat(n
 // Tests one more pair of contacts; requires more(). `face_a` and `face_b` are combined by exclusive or with a pair's
 // cells to give the blocks' cells.
 bool test(inout Search s, Block a, Block b, uint face_a, uint face_b) {
-  if (s.next_b == fingers_nothing) {
-    if (s.next_a == fingers_nothing) {
+  if (s.next_b == clusters_nothing) {
+    if (s.next_a == clusters_nothing) {
       s.pair = take_pair(s.pairs);
       s.next_a = cell_number(a, face_a ^ (s.pair >> 3u));
       s.head_b = cell_number(b, face_b ^ (s.pair & 7u));

@@ -1,6 +1,6 @@
-// Fingers on the device: exact Euclidean clusters of each solid's contacts. Two contacts of one solid that are no
+// Clusters on the device: exact Euclidean clusters of each solid's contacts. Two contacts of one solid that are no
 // farther apart than the finger gap are in one cluster, and so are all contacts that such steps connect. A cluster of
-// at least min_points is a finger.
+// at least min_points may be a finger.
 //
 // Method: the cells are so small that all contacts of one cell are in one cluster (Wang, Gu, Shun 2020). There are
 // eight cells to a block and eight blocks to a tile; the tiles are in a hash table. Cells that hold contacts are
@@ -19,7 +19,7 @@
 
 namespace palpa::touch {
 
-struct FingersBindings {
+struct ClustersBindings {
   gpu::BufferRef length;    ///< in: shader::ScanTotal of the skin points, for the header only
   gpu::BufferRef solids;    ///< in: shader::SolidRecord[], with a view of R32G32B32A32_SFLOAT texels
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
@@ -28,19 +28,19 @@ struct FingersBindings {
   gpu::BufferRef parents;
   gpu::BufferRef clusters;  ///< out: shader::Cluster per clustered point, valid at a cluster's number
   gpu::BufferRef header;    ///< out: shader::TouchHeader
-  gpu::BufferRef fingers;   ///< out: shader::FingerRecord[max_fingers]: first, solid and contacts
+  gpu::BufferRef selected;  ///< out: shader::ClusterRecord[max_fingers]: the clusters that may be fingers
   // Needed only for Cluster::inside.
   gpu::BufferRef deep_total = {};  ///< in: shader::ScanTotal of the deep points
   gpu::BufferRef deep = {};        ///< in: shader::ContactRecord[]
 };
 
 /// Pipelines only; eleven dispatches: prepare, insert, collect, place, blocks, link, crowded, rest, undecided, label,
-/// select. For Cluster::inside, gather runs before them. Every loop is bounded. The fingers do not depend on the order
-/// of execution. A software device, which counts a shader's iterations, finds exact fingers unless more than 20,000
+/// select. For Cluster::inside, gather runs before them. Every loop is bounded. The clusters do not depend on the order
+/// of execution. A software device, which counts a shader's iterations, finds exact clusters unless more than 20,000
 /// contacts lie in a cube whose side is the gap, and as many beside it.
-class FingersPass {
+class ClustersPass {
  public:
-  explicit FingersPass(const gpu::Device& device) : device_(&device) {}
+  explicit ClustersPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() uses for these parameters; existing pipelines are kept.
   void prepare(const Parameters& parameters);
@@ -49,8 +49,8 @@ class FingersPass {
 
   /// Barriers: total and contacts must be visible to compute and as indirect arguments. Adds the inner barriers itself;
   /// the caller adds compute_to_compute afterwards. The parameters must pass check_parameters(). With `times`, marks
-  /// "cells", "links" and "fingers".
-  void record(VkCommandBuffer commands, const FingersBindings& bindings, const gpu::Scratch& scratch, const Room& room,
+  /// "cells", "links" and "clusters".
+  void record(VkCommandBuffer commands, const ClustersBindings& bindings, const gpu::Scratch& scratch, const Room& room,
               const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:

@@ -160,13 +160,13 @@ Points drawn_cloud(double gap, std::uint32_t most) {
   return adversarial(kind, count, gap, seed);
 }
 
-class FingersAgainstNanoflann : public OnBothBackends {
+class ClustersAgainstNanoflann : public OnBothBackends {
  protected:
   std::uint32_t most() const { return GetParam() == Backend::cpu ? 1000 : 400; }
 };
-INSTANTIATE_TEST_SUITE_P(, FingersAgainstNanoflann, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+INSTANTIATE_TEST_SUITE_P(, ClustersAgainstNanoflann, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
-TEST_P(FingersAgainstNanoflann, FindTheSamePartition) {
+TEST_P(ClustersAgainstNanoflann, FindTheSamePartition) {
   EXPECT_TRUE(rc::check([&] {
     const double gap = std::pow(10.0, *rc::gen::inRange(-30, -10) / 10.0);  // 1 to 79 mm
     const auto least = *rc::gen::inRange(1U, 7U);
@@ -186,7 +186,7 @@ TEST(AdversarialClouds, AllLieWithinEverythingAndAThreadIsOneCluster) {
   }
 }
 
-TEST_P(FingersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
+TEST_P(ClustersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
   for (int kind = 0; kind < kinds; ++kind) {
     for (const std::uint32_t count : {1U, 127U, 4000U}) {
       const Points points = adversarial(kind, count, 5e-3, count + 1);
@@ -198,7 +198,7 @@ TEST_P(FingersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
   }
 }
 
-TEST_P(FingersAgainstNanoflann, APermutationOfThePointsPermutesThePartition) {
+TEST_P(ClustersAgainstNanoflann, APermutationOfThePointsPermutesThePartition) {
   EXPECT_TRUE(rc::check([&] {
     const double gap = 4e-3;
     const Points points = drawn_cloud(gap, most());

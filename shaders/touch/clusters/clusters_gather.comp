@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/clusters/clusters.h"
 #include "shaders/shared/scan.h"
 
 // Contacts, then deep points, as one list: the input of --cluster inside.
@@ -28,7 +28,7 @@ void main() {
       inside[i] = contacts[i];
     } else {
       ContactRecord record = deep[i - before];
-      record.finger = fingers_deep;
+      record.deep = 1u;
       inside[i] = record;
     }
   }

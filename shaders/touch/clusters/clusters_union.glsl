@@ -1,7 +1,7 @@
 // Lock-free union-find over `forest`. Roots are hooked under smaller roots, so two hooks can never make a ring. Walks
 // go through `seen`, the same memory as texels. Its values may be out of date; a walk then ends at a former root.
 
-#include "shaders/touch/fingers/fingers_walk.glsl"
+#include "shaders/touch/clusters/clusters_walk.glsl"
 
 void unite(uint a, uint b) {
   uint parent_a = a, parent_b = b;

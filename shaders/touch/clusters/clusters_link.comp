@@ -1,15 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/touch/fingers/fingers_table.glsl"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
+#include "shaders/touch/clusters/clusters_table.glsl"
 #include "shaders/shared/scan.h"
 
 // Unites groups of cells of blocks that touch if they hold two contacts within the gap: one thread per pair of blocks
-// on the list. Groups of two blocks that a few tests leave apart go to fingers_crowded. With `all`, every neighbour of
+// on the list. Groups of two blocks that a few tests leave apart go to clusters_crowded. With `all`, every neighbour of
 // every block is looked at: this is for the case that one of the lists was too short. Groups that many tests leave
-// apart then go to fingers_undecided.
+// apart then go to clusters_undecided.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool all = false;
 
@@ -19,19 +18,19 @@ layout(set = 0, binding = 2) uniform usamplerBuffer tiles;
 layout(set = 0, binding = 3) uniform usamplerBuffer bases;
 layout(set = 0, binding = 4) uniform usamplerBuffer list;
 layout(std430, set = 0, binding = 5) writeonly buffer Left { uvec4 left[]; };  // CrowdedPair
-layout(std430, set = 0, binding = 6) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 6) buffer Work { ClustersWork work; };
 layout(std430, set = 0, binding = 7) buffer Forest { uint forest[]; };
 layout(set = 0, binding = 8) uniform usamplerBuffer seen;
 layout(set = 0, binding = 9) uniform usamplerBuffer groups_of_block;
 layout(set = 0, binding = 10) uniform usamplerBuffer links;
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
-#include "shaders/touch/fingers/fingers_links.glsl"
-#include "shaders/touch/fingers/fingers_neighbours.glsl"
-#include "shaders/touch/fingers/fingers_pairs.glsl"
-#include "shaders/touch/fingers/fingers_undecided.glsl"
-#include "shaders/touch/fingers/fingers_union.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
+#include "shaders/touch/clusters/clusters_links.glsl"
+#include "shaders/touch/clusters/clusters_neighbours.glsl"
+#include "shaders/touch/clusters/clusters_pairs.glsl"
+#include "shaders/touch/clusters/clusters_undecided.glsl"
+#include "shaders/touch/clusters/clusters_union.glsl"
 
 // For two blocks that lie apart along these axes, as bits x, y, z: the pairs of cells at most two apart, as from
 // pairs_of. Cells are counted from the sides that face each other.
@@ -51,7 +50,7 @@ void defer(uvec4 pair) {
     atomicMax(work.undecided_x, undecided_groups(place));
   } else {
     const uint place = atomicAdd(work.crowded, 1u);
-    if (place >= push.most_contacts * fingers_crowded_per_contact) return;
+    if (place >= push.most_contacts * clusters_crowded_per_contact) return;
     left[place] = pair;
     if (place % blocks_group == 0u) atomicMax(work.crowded_x, place / blocks_group + 1u);
   }
@@ -119,7 +118,7 @@ void main() {
       }
     }
     uvec2 together = uvec2(0u);
-    uint left = more(search) ? (all ? fingers_rest_patience : fingers_patience) : 0u;
+    uint left = more(search) ? (all ? clusters_rest_patience : clusters_patience) : 0u;
     for (;;) {
       if (left != 0u) {
         if (test(search, here, there, face_here, face_there)) {

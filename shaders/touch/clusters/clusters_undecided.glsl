@@ -2,5 +2,5 @@
 
 uint undecided_room(uint most_contacts) { return links_room(most_contacts) / 2u; }
 
-// The number of groups along x in the dispatch of fingers_undecided once this pair is on the list.
+// The number of groups along x in the dispatch of clusters_undecided once this pair is on the list.
 uint undecided_groups(uint place) { return min(place + 1u, 65535u); }

@@ -1,13 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/touch/fingers/fingers_table.glsl"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
+#include "shaders/touch/clusters/clusters_table.glsl"
 #include "shaders/shared/scan.h"
 
 // Groups the cells of each block with each other, as far as a few tests show: one thread per block. Most blocks become
-// one group. The rest is listed for fingers_link: the block's neighbours, and the block itself if tests remain.
+// one group. The rest is listed for clusters_link: the block's neighbours, and the block itself if tests remain.
 layout(local_size_x = 64) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer Total { ScanTotal found; };
@@ -17,14 +16,14 @@ layout(set = 0, binding = 3) uniform usamplerBuffer bases;
 layout(set = 0, binding = 4) uniform usamplerBuffer list;
 layout(std430, set = 0, binding = 5) writeonly buffer Links { uvec2 links[]; };
 layout(std430, set = 0, binding = 6) writeonly buffer GroupsOfBlock { uint groups_of_block[]; };
-layout(std430, set = 0, binding = 7) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 7) buffer Work { ClustersWork work; };
 layout(std430, set = 0, binding = 8) writeonly buffer Forest { uint forest[]; };
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
-#include "shaders/touch/fingers/fingers_links.glsl"
-#include "shaders/touch/fingers/fingers_neighbours.glsl"
-#include "shaders/touch/fingers/fingers_pairs.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
+#include "shaders/touch/clusters/clusters_links.glsl"
+#include "shaders/touch/clusters/clusters_neighbours.glsl"
+#include "shaders/touch/clusters/clusters_pairs.glsl"
 
 const uint patience = 32u;
 
@@ -54,11 +53,11 @@ Near near_to(uvec4 tile, uint corner, bool itself, uint slots) {
   return near;
 }
 
-// A place on the list for this many links, or fingers_nothing.
+// A place on the list for this many links, or clusters_nothing.
 uint place_for(uint count) {
-  if (count == 0u) return fingers_nothing;
+  if (count == 0u) return clusters_nothing;
   const uint place = atomicAdd(work.links, count);
-  if (place + count > links_room(push.most_contacts)) return fingers_nothing;
+  if (place + count > links_room(push.most_contacts)) return clusters_nothing;
   const uint groups = (place + count + blocks_group - 1u) / blocks_group;
   if (groups != (place + blocks_group - 1u) / blocks_group) atomicMax(work.links_x, min(groups, blocks_most_groups));
   return place;
@@ -78,7 +77,7 @@ void list_links(inout uint place, uint first_here, uint corner, uint beyond, uin
 
 void list_all(Near near, uint first_here, uint corner, uint tile_first, uvec2 cells) {
   uint place = place_for(uint(bitCount(near.here) + bitCount(near.beyond)));
-  if (place == fingers_nothing) return;
+  if (place == clusters_nothing) return;
   list_links(place, first_here, corner, 0u, near.here, tile_first, cells);
   uint to_see = tiles_to_see(corner);
   uint k = 0u;

@@ -1,6 +1,6 @@
 // Finds the blocks that touch a block. A block is one corner of its tile. It touches the tile's seven others, and along
 // any of the three axes its blocks touch those of one tile beyond. A neighbour is the axes along which it lies beyond,
-// as bits x, y, z, times 8, plus its corner there. Needs `tiles`, fingers_cells.glsl and fingers_table.glsl.
+// as bits x, y, z, times 8, plus its corner there. Needs `tiles`, clusters_cells.glsl and clusters_table.glsl.
 
 // The corners that are neighbours beyond these axes, as bits: those at the other end along these axes.
 uint corners_beyond(uint corner, uint beyond) {
@@ -43,7 +43,7 @@ Tile tile_beyond(TileKey key, uint corner, uint beyond, uint slots) {
     slot = next;
     there = texelFetch(tiles, int(slot));
     next = next_slot(slot, slots);
-    if (++probe >= slots || there.x == fingers_nothing || there.xy == uvec2(key.xy, key.z_solid)) break;
+    if (++probe >= slots || there.x == clusters_nothing || there.xy == uvec2(key.xy, key.z_solid)) break;
   }
   return Tile(slot, there.zw);
 }

@@ -1,6 +1,6 @@
-// The arithmetic of fingers, for the shaders, their twin and the code that allocates their memory; see exact_math.h.
-#ifndef PALPA_SHADERS_FINGERS_MATH_H
-#define PALPA_SHADERS_FINGERS_MATH_H
+// The arithmetic of clusters, for the shaders, their twin and the code that allocates their memory; see exact_math.h.
+#ifndef PALPA_SHADERS_CLUSTERS_MATH_H
+#define PALPA_SHADERS_CLUSTERS_MATH_H
 #include "shaders/shared/exact_math.h"
 PALPA_SHADER_BEGIN
 
@@ -14,7 +14,7 @@ PALPA_FN bool in_reach(Float3 a, Float3 b, float limit) {
 }
 
 // Number of slots of the hash table of tiles for this many contacts: at least 1.5 times as many, in groups, and no
-// multiple of three; see fingers_table.glsl.
+// multiple of three; see clusters_table.glsl.
 PALPA_CONST table_group = 64u;
 
 PALPA_FN uint table_slots(uint contacts) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
+#include "shaders/touch/clusters/clusters.h"
 #include "shaders/shared/scan.h"
 
 // Clusters large enough to be fingers, in the order of their smallest contacts, by a single group. If there are too
@@ -15,24 +15,24 @@ layout(std430, set = 0, binding = 2) readonly buffer Large { uint large[]; };
 layout(std430, set = 0, binding = 3) readonly buffer Clusters { Cluster clusters[]; };
 layout(std430, set = 0, binding = 4) readonly buffer Contacts { ContactRecord contacts[]; };
 layout(std430, set = 0, binding = 5) writeonly buffer Header { TouchHeader header; };
-layout(std430, set = 0, binding = 6) writeonly buffer Fingers { FingerRecord fingers[]; };
-layout(std430, set = 0, binding = 7) readonly buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 6) writeonly buffer Selected { ClusterRecord selected[]; };
+layout(std430, set = 0, binding = 7) readonly buffer Work { ClustersWork work; };
 
 // Sizes and contacts are below 2^24: three digits of eight bits.
 const uint digits = 3u;
 const uint last_contact = 0xffffffu;
 
-shared uint histogram[fingers_select_group];  // of one digit
+shared uint histogram[clusters_select_group];  // of one digit
 shared uint bound;
 shared uint wanted;
 shared uint taken;
-shared Cluster chosen[fingers_most];
+shared Cluster chosen[clusters_most_selected];
 
 // The numbers by which clusters are sorted: their sizes. With `size`, for the clusters of this size: the distance of
 // their beginning from the last contact.
 uint number_of(Cluster cluster, uint size) {
   if (size == 0u) return cluster.size;
-  return cluster.size == size ? last_contact - cluster.smallest : fingers_nothing;
+  return cluster.size == size ? last_contact - cluster.smallest : clusters_nothing;
 }
 
 void tally(uint k, uint listed, uint size, uint shift) {
@@ -51,11 +51,11 @@ void find_bound(uint listed, uint size) {
     const uint shift = 8u * (digit - 1u);
     histogram[thread] = 0u;
     barrier();
-    for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+    for (uint k = thread; k < listed; k += 4u * clusters_select_group) {
       tally(k, listed, size, shift);
-      tally(k + fingers_select_group, listed, size, shift);
-      tally(k + 2u * fingers_select_group, listed, size, shift);
-      tally(k + 3u * fingers_select_group, listed, size, shift);
+      tally(k + clusters_select_group, listed, size, shift);
+      tally(k + 2u * clusters_select_group, listed, size, shift);
+      tally(k + 3u * clusters_select_group, listed, size, shift);
     }
     barrier();
     if (thread == 0u) {
@@ -81,27 +81,27 @@ void main() {
   uint size = 0u, last = last_contact;
   if (thread == 0u) {
     taken = 0u;
-    wanted = fingers_most;
+    wanted = clusters_most_selected;
   }
   barrier();
-  if (listed > fingers_most) {  // the whole group
+  if (listed > clusters_most_selected) {  // the whole group
     find_bound(listed, 0u);
     size = bound;
     find_bound(listed, size);
     last = last_contact - bound;
   }
-  for (uint k = thread; k < listed; k += 4u * fingers_select_group) {
+  for (uint k = thread; k < listed; k += 4u * clusters_select_group) {
     take(k, listed, size, last);
-    take(k + fingers_select_group, listed, size, last);
-    take(k + 2u * fingers_select_group, listed, size, last);
-    take(k + 3u * fingers_select_group, listed, size, last);
+    take(k + clusters_select_group, listed, size, last);
+    take(k + 2u * clusters_select_group, listed, size, last);
+    take(k + 3u * clusters_select_group, listed, size, last);
   }
   barrier();
   if (thread < taken) {
     const Cluster cluster = chosen[thread];
-    uint finger = 0u;
-    for (uint other = 0u; other < taken; ++other) finger += chosen[other].smallest < cluster.smallest ? 1u : 0u;
-    fingers[finger] = FingerRecord(cluster.smallest, contacts[cluster.smallest].solid, cluster.size, 0u);
+    uint place = 0u;
+    for (uint other = 0u; other < taken; ++other) place += chosen[other].smallest < cluster.smallest ? 1u : 0u;
+    selected[place] = ClusterRecord(cluster.smallest, contacts[cluster.smallest].solid, cluster.size, 0u);
   }
   if (thread == 0u) header = TouchHeader(taken, listed, found.total, given.total);
 }

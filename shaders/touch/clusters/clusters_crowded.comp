@@ -1,35 +1,33 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/shared/scan.h"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
 
 // Groups of cells with so many contacts that a few tests pair by pair decided nothing: one thread per pair of groups.
 // Bounds come first, which look at every contact only once. Each side is repeatedly narrowed down to its contacts near
 // the other side's box. Then a line is searched along which the sides are farther apart. The result is exact: bounds
-// only save work, tests decide. They are done here or, if they are too many for one thread, in fingers_undecided.
+// only save work, tests decide. They are done here or, if they are too many for one thread, in clusters_undecided.
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
 layout(std430, set = 0, binding = 1) writeonly buffer Undecided { CrowdedPair undecided[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Crowded { CrowdedPair crowded[]; };
-layout(std430, set = 0, binding = 3) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 3) buffer Work { ClustersWork work; };
 layout(std430, set = 0, binding = 4) buffer Forest { uint forest[]; };
 layout(set = 0, binding = 5) uniform usamplerBuffer seen;
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
-#include "shaders/touch/fingers/fingers_contacts.glsl"
-#include "shaders/touch/fingers/fingers_undecided.glsl"
-#include "shaders/touch/fingers/fingers_union.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
+#include "shaders/touch/clusters/clusters_contacts.glsl"
+#include "shaders/touch/clusters/clusters_undecided.glsl"
+#include "shaders/touch/clusters/clusters_union.glsl"
 
 // Bounds are loosened and tightened by far more than the rounding error.
 const float loose = 1.0001;
 const float tight = 0.9999;
 
 // Iterations of one loop, four contacts each. There are at most 17 loops of keep() and two of farthest() per line, then
-// the tests: together fewer than a software device allows, see fingers.h.
+// the tests: together fewer than a software device allows, see clusters.h.
 const uint most_turns = 1536u;
 const uint most_lines = 8u;
 const uint most_test_turns = 8192u;
@@ -122,7 +120,7 @@ bool separated(Walk one, Walk other, Kept a, Kept b) {
 
 // Tests pair by pair, in one loop: an iteration takes the next contact of one side, or four contacts of the other.
 uint tested(Walk one, Walk other, Kept b) {
-  Walk rest = Walk(other.block, 0u, fingers_nothing);  // of the other side, for p
+  Walk rest = Walk(other.block, 0u, clusters_nothing);  // of the other side, for p
   vec3 p = vec3(0.0);
   bool hit = false;
   for (uint turn = 0u; turn < most_test_turns && !hit && !(at_end(rest) && at_end(one)); ++turn) {
@@ -167,7 +165,7 @@ void defer(CrowdedPair pair) {
 }
 
 void main() {
-  const uint room = push.most_contacts * fingers_crowded_per_contact;
+  const uint room = push.most_contacts * clusters_crowded_per_contact;
   const uint i = gl_GlobalInvocationID.x;
   if (i == 0u && work.crowded > room) work.rest_x = min(work.blocks, rest_most_groups);
   if (i >= min(work.crowded, room)) return;

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/touch/fingers/fingers_table.glsl"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
+#include "shaders/touch/clusters/clusters_table.glsl"
 #include "shaders/shared/scan.h"
 
 // Every contact's tile and cell: finds the tile in the hash table and marks the cell as one with contacts. A tile's
@@ -15,13 +15,13 @@ layout(set = 0, binding = 1) uniform usamplerBuffer contacts;
 layout(set = 0, binding = 2) uniform samplerBuffer solids;
 layout(std430, set = 0, binding = 3) coherent buffer Tiles { uint tiles[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer Places { uint places[]; };
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
 // One half of a slot's key: writes it if there is none yet. An existing key stays.
 bool is_or_becomes(uint word, uint key) {
   uint there = tiles[word];
-  if (there == fingers_nothing) there = atomicCompSwap(tiles[word], fingers_nothing, key);
-  return there == key || there == fingers_nothing;
+  if (there == clusters_nothing) there = atomicCompSwap(tiles[word], clusters_nothing, key);
+  return there == key || there == clusters_nothing;
 }
 
 void main() {
@@ -31,7 +31,7 @@ void main() {
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
     const vec3 point = uintBitsToFloat(texelFetch(contacts, int(2u * i)).xyz);
     const uint solid = texelFetch(contacts, int(2u * i + 1u)).x;
-    const vec3 centre = texelFetch(solids, int(solid * fingers_solid_texels + fingers_centre_texel)).xyz;
+    const vec3 centre = texelFetch(solids, int(solid * clusters_solid_texels + clusters_centre_texel)).xyz;
     const uvec3 cell = uvec3(ivec3(floor((point - centre) * push.cells_per_metre)) + 65536);
     const uvec3 tile = cell >> 2u & 0x7fffu;
     const TileKey key = TileKey(tile.x | tile.y << 15u, tile.z | solid << 15u);
@@ -46,6 +46,6 @@ void main() {
     const uint word = 4u * slot + 2u + (bit >> 5u);
     const uint mark = 1u << (bit & 31u);
     const bool first = (tiles[word] & mark) == 0u && (atomicOr(tiles[word], mark) & mark) == 0u;
-    places[i] = slot << 6u | bit | (first ? fingers_first : 0u);
+    places[i] = slot << 6u | bit | (first ? clusters_first : 0u);
   }
 }

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/touch/contacts/contacts.h"
-#include "shaders/touch/fingers/fingers.h"
-#include "shaders/touch/fingers/fingers_math.h"
-#include "shaders/touch/fingers/fingers_table.glsl"
+#include "shaders/touch/clusters/clusters.h"
+#include "shaders/touch/clusters/clusters_math.h"
 #include "shaders/shared/scan.h"
 
 // Numbers the cells that hold contacts, tile by tile, and lists the blocks with contacts. The data of the passes over
@@ -15,11 +14,11 @@ layout(std430, set = 0, binding = 1) writeonly buffer Nodes { uint nodes[]; };
 layout(set = 0, binding = 2) uniform usamplerBuffer tiles;
 layout(std430, set = 0, binding = 3) writeonly buffer Bases { uint bases[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer List { uint list[]; };
-layout(std430, set = 0, binding = 5) buffer Work { FingersWork work; };
+layout(std430, set = 0, binding = 5) buffer Work { ClustersWork work; };
 layout(std430, set = 0, binding = 6) writeonly buffer Clusters { uvec2 clusters[]; };  // Cluster
-layout(push_constant) uniform Push { FingersPush push; };
+layout(push_constant) uniform Push { ClustersPush push; };
 
-#include "shaders/touch/fingers/fingers_cells.glsl"
+#include "shaders/touch/clusters/clusters_cells.glsl"
 
 const uint run = collect_run;
 const uint apart = 8u;  // between a thread's slots: tiles come in clusters, and adjacent threads share one
@@ -44,8 +43,8 @@ void main() {
     uint place = atomicAdd(work.blocks, blocks);
     atomicMax(work.blocks_x, min((place + blocks + blocks_group - 1u) / blocks_group, blocks_most_groups));
     for (uint c = cell; c < cell + cells; ++c) {
-      nodes[4u * c + 3u] = fingers_nothing;
-      clusters[c] = uvec2(fingers_nothing, 0u);
+      nodes[4u * c + 3u] = clusters_nothing;
+      clusters[c] = uvec2(clusters_nothing, 0u);
     }
     for (;;) {
       uint s = 0u, there = 0u;

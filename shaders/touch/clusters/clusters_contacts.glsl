@@ -1,25 +1,25 @@
-// Walks through the contacts of a block's cells. Needs `nodes`, `push.limit`, fingers_cells.glsl and fingers_math.h.
+// Walks through the contacts of a block's cells. Needs `nodes`, `push.limit`, clusters_cells.glsl and clusters_math.h.
 
 struct Walk {
   Block block;
   uint cells;    // still to come, as bits
-  uint contact;  // fingers_nothing at the end
+  uint contact;  // clusters_nothing at the end
 };
 
 void skip_to_contact(inout Walk w) {
-  if (w.contact == fingers_nothing && w.cells != 0u) {
+  if (w.contact == clusters_nothing && w.cells != 0u) {
     w.contact = cell_number(w.block, uint(findLSB(w.cells)));
     w.cells &= w.cells - 1u;
   }
 }
 
 Walk walk(Block block, uint cells) {
-  Walk w = Walk(block, cells, fingers_nothing);
+  Walk w = Walk(block, cells, clusters_nothing);
   skip_to_contact(w);
   return w;
 }
 
-bool at_end(Walk w) { return w.contact == fingers_nothing; }
+bool at_end(Walk w) { return w.contact == clusters_nothing; }
 
 vec3 take(inout Walk w) {
   const uvec4 node = texelFetch(nodes, int(w.contact));

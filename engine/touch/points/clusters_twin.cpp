@@ -1,5 +1,5 @@
 // Contacts are sorted by cell, and cells are joined pair by pair. Existing cells are looked up tile by tile.
-#include "touch/points/fingers_twin.hpp"
+#include "touch/points/clusters_twin.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "shaders/touch/fingers/fingers_math.h"
-#include "touch/points/finger_cells.hpp"
+#include "shaders/touch/clusters/clusters_math.h"
+#include "touch/points/cluster_cells.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -214,7 +214,7 @@ class Clustering {
   std::vector<std::uint32_t> smallest_;  ///< union-find over the cells' first contacts; at the end complete
 };
 
-/// Decides which clusters are fingers: those with enough contacts. If there are too many, the largest are taken, and
+/// Decides which clusters may be fingers: those with enough contacts. If there are too many, the largest are taken, and
 /// among equally large ones the first.
 class Taken {
  public:
@@ -245,7 +245,7 @@ class Taken {
 
 }  // namespace
 
-void find_fingers(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
+void find_clusters(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
   std::vector<Contact> inside;  // contacts before deep points, so a cluster's smallest point is a contact if it has any
   if (parameters.cluster == Cluster::inside) {
     inside = out.contacts;
@@ -258,7 +258,7 @@ void find_fingers(const Parameters& parameters, const PreparedSolids& solids, To
   std::vector<std::uint32_t> sizes(smallest.size());
   for (const std::uint32_t root : smallest)
     ++sizes[root];
-  constexpr std::uint32_t none = shader::fingers_nothing;
+  constexpr std::uint32_t none = shader::clusters_nothing;
   std::vector<std::uint32_t> finger_of_root(smallest.size(), none);
   out.finger_count = 0;
   Taken taken(sizes, std::max(parameters.min_points, 1U));

@@ -66,7 +66,7 @@ Vec3 lattice(int i, int wide) {
   return {i % wide, y, z};
 }
 
-class Fingers : public OnBothBackends {
+class ClustersOfContacts : public OnBothBackends {
  protected:
   Touch run(const std::vector<glm::vec3>& points, const Parameters& parameters) {
     return touch_on(GetParam(), points, {everything()}, parameters);
@@ -78,9 +78,9 @@ class Fingers : public OnBothBackends {
     expect_clusters(touch, parameters);
   }
 };
-INSTANTIATE_TEST_SUITE_P(, Fingers, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
+INSTANTIATE_TEST_SUITE_P(, ClustersOfContacts, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
-TEST_P(Fingers, AreExactClustersOfRandomPoints) {
+TEST_P(ClustersOfContacts, AreExactClustersOfRandomPoints) {
   unsigned seed = 1;
   for (const std::uint32_t count : {2U, 3U, 10U, 100U, 1000U, 4000U}) {
     for (const double gap : {1e-3, 3e-3, 6e-3, 12e-3, 50e-3, 1.0}) {
@@ -91,18 +91,18 @@ TEST_P(Fingers, AreExactClustersOfRandomPoints) {
   }
 }
 
-TEST_P(Fingers, AreExactNearThePercolationThreshold) {
+TEST_P(ClustersOfContacts, AreExactNearThePercolationThreshold) {
   // About 2.7 neighbours each: clusters of every size and shape.
   for (unsigned seed = 1; seed <= 5; ++seed)
     expect_exact(random_points(6000, Vec3(0), Vec3(0.1), seed), 4.8e-3, 4);
 }
 
-TEST_P(Fingers, AreExactOnAPlaneAndOnALine) {
+TEST_P(ClustersOfContacts, AreExactOnAPlaneAndOnALine) {
   expect_exact(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}), 2e-3);
   expect_exact(random_points(500, {-0.05, 0.01, 0.02}, {0.05, 0.01, 0.02}), 2e-4);
 }
 
-TEST_P(Fingers, HangTogetherThroughLongSpirals) {
+TEST_P(ClustersOfContacts, HangTogetherThroughLongSpirals) {
   // 10,000 points, each in reach of its neighbours along the thread only.
   std::vector<glm::vec3> spiral;
   double angle = 0, radius = 0.01;
@@ -123,7 +123,7 @@ TEST_P(Fingers, HangTogetherThroughLongSpirals) {
   EXPECT_EQ(cut.fingers[0].contacts.size(), 4000u);
 }
 
-TEST_P(Fingers, TiesAtTheToleranceAreTogether) {
+TEST_P(ClustersOfContacts, TiesAtTheToleranceAreTogether) {
   // Coordinates that single precision holds exactly, 3-4-5 triangles included.
   const float gap = 0.078125F, unit = gap / 5;
   const std::vector<glm::vec3> points{{0, 0, 0},
@@ -137,7 +137,7 @@ TEST_P(Fingers, TiesAtTheToleranceAreTogether) {
   EXPECT_EQ(finger_of_contacts(touch), (std::vector<int>{0, 0, 0, 1, 1, 2, 3}));
 }
 
-TEST_P(Fingers, TiesOnALatticeAreTogetherInEveryDirection) {
+TEST_P(ClustersOfContacts, TiesOnALatticeAreTogetherInEveryDirection) {
   const double gap = 0.03125;
   for (const double stretch : {1.0, 1.0 + 0x1p-10}) {
     std::vector<glm::vec3> points;
@@ -152,7 +152,7 @@ TEST_P(Fingers, TiesOnALatticeAreTogetherInEveryDirection) {
   }
 }
 
-TEST_P(Fingers, NeedMinPoints) {
+TEST_P(ClustersOfContacts, NeedMinPoints) {
   std::vector<glm::vec3> points;
   points.reserve(4096);
   for (int size = 1; size <= 8; ++size) {
@@ -168,7 +168,7 @@ TEST_P(Fingers, NeedMinPoints) {
   }
 }
 
-TEST_P(Fingers, BeyondTheMostAreLeftOutInOrder) {
+TEST_P(ClustersOfContacts, BeyondTheMostAreLeftOutInOrder) {
   std::vector<glm::vec3> points;
   points.reserve(4096);
   for (int i = 0; i < 3 * 150; ++i)
@@ -181,7 +181,7 @@ TEST_P(Fingers, BeyondTheMostAreLeftOutInOrder) {
   }
 }
 
-TEST_P(Fingers, BeyondTheMostTheSmallestAreLeftOut) {
+TEST_P(ClustersOfContacts, BeyondTheMostTheSmallestAreLeftOut) {
   // 150 clusters, of 3 to 7 points and two of 300, which begin where the first 64 have long begun.
   std::vector<glm::vec3> points;
   for (int row = 0; row < 300; ++row) {
@@ -198,7 +198,7 @@ TEST_P(Fingers, BeyondTheMostTheSmallestAreLeftOut) {
   EXPECT_EQ(touch.fingers[max_fingers - 1].contacts.size(), 300u);
 }
 
-TEST_P(Fingers, OfDifferentSolidsNeverMix) {
+TEST_P(ClustersOfContacts, OfDifferentSolidsNeverMix) {
   const std::vector<geometry::Solid> solids{box({-0.1, -0.1, -0.1}, {0, 0.1, 0.1}, "left"),
                                             box({0, -0.1, -0.1}, {0.1, 0.1, 0.1}, "right")};
   const auto points = random_points(5000, Vec3(-0.09), Vec3(0.09));
@@ -208,7 +208,7 @@ TEST_P(Fingers, OfDifferentSolidsNeverMix) {
   expect_clusters(touch, parameters);
 }
 
-TEST_P(Fingers, AllInOnePlaceAreOne) {
+TEST_P(ClustersOfContacts, AllInOnePlaceAreOne) {
   const std::vector<glm::vec3> points(5000, glm::vec3(0.1F, 0.2F, 0.3F));
   const Touch touch = run(points, everything_is_contact(1e-3));
   ASSERT_EQ(touch.finger_count, 1u);
@@ -227,7 +227,7 @@ std::vector<glm::vec3> two_sheets(std::uint32_t count, double between, unsigned 
   return points;
 }
 
-TEST_P(Fingers, CrowdsThatNearlyTouchStayApart) {
+TEST_P(ClustersOfContacts, CrowdsThatNearlyTouchStayApart) {
   // Thousands of contacts in a few blocks, no pair of which decides early.
   for (const double gap : {5e-3, 20e-3}) {
     const auto apart = two_sheets(8000, gap * 1.02, 1);
@@ -237,7 +237,7 @@ TEST_P(Fingers, CrowdsThatNearlyTouchStayApart) {
   }
 }
 
-TEST_P(Fingers, CurvedCrowdsStayApart) {
+TEST_P(ClustersOfContacts, CurvedCrowdsStayApart) {
   // A shell around a ball: no plane separates them.
   const double gap = 10e-3;
   std::vector<glm::vec3> points;
@@ -280,7 +280,7 @@ std::vector<glm::vec3> ball_and_cap(int size, double gap, bool bridged) {
   return points;
 }
 
-TEST_P(Fingers, CrowdsThatNothingButEveryPairTellsApart) {
+TEST_P(ClustersOfContacts, CrowdsThatNothingButEveryPairTellsApart) {
   const double gap = 10e-3;
   for (const int size : {300, 1000, 4000}) {
     for (const bool bridged : {false, true}) {
@@ -318,7 +318,7 @@ std::vector<glm::vec3> pairs_of_crowds(int pairs, int size, double gap, bool bri
   return points;
 }
 
-TEST_P(Fingers, CrowdsJoinedByOnePairAreFound) {
+TEST_P(ClustersOfContacts, CrowdsJoinedByOnePairAreFound) {
   const double gap = 5e-3;
   for (const int size : {7, 40}) {
     EXPECT_EQ(run(pairs_of_crowds(256, size, gap, false), everything_is_contact(gap)).cluster_count, 512u) << size;
@@ -326,7 +326,7 @@ TEST_P(Fingers, CrowdsJoinedByOnePairAreFound) {
   }
 }
 
-TEST_P(Fingers, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
+TEST_P(ClustersOfContacts, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
   // A lattice with a crowd in the middle of every block, whose neighbours along x and y fill the list; only along z do
   // first points lean over to each other.
   const double gap = 0.01, spacing = gap * 1.039;
@@ -342,7 +342,7 @@ TEST_P(Fingers, CrowdsJoinedByOnePairAreFoundEvenIfTheListIsFull) {
   expect_exact(points, gap);
 }
 
-TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
+TEST_P(ClustersOfContacts, MoreCrowdsThanTheListHoldsAreStillExact) {
   // Six contacts in every block of a lattice just too wide: each block has thirteen crowded neighbours.
   const double gap = 0.01, spacing = gap * 1.03;
   std::vector<glm::vec3> points;
@@ -359,7 +359,7 @@ TEST_P(Fingers, MoreCrowdsThanTheListHoldsAreStillExact) {
   EXPECT_EQ(touch.cluster_count, 215u);
 }
 
-TEST_P(Fingers, MoreNeighboursThanTheListHoldsAreStillExact) {
+TEST_P(ClustersOfContacts, MoreNeighboursThanTheListHoldsAreStillExact) {
   // One contact in every block: nearly thirteen neighbours each, of which six have room on the list.
   const double gap = 0.01, block = gap * 1.04;
   const int wide = 12;
@@ -371,7 +371,7 @@ TEST_P(Fingers, MoreNeighboursThanTheListHoldsAreStillExact) {
   expect_exact(points, gap);
 }
 
-TEST_P(Fingers, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance) {
+TEST_P(ClustersOfContacts, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance) {
   const auto points = random_points(100'000, Vec3(-0.05), Vec3(0.05));
   for (const double gap : {5e-3, 50e-3}) {
     const Touch touch = run(points, everything_is_contact(gap, 5));
@@ -380,7 +380,7 @@ TEST_P(Fingers, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance) {
   }
 }
 
-TEST_P(Fingers, MoveWithThePointsOrder) {
+TEST_P(ClustersOfContacts, MoveWithThePointsOrder) {
   const auto points = random_points(3000, Vec3(-0.05), Vec3(0.05), 4);
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -406,7 +406,7 @@ TEST_P(Fingers, MoveWithThePointsOrder) {
   EXPECT_EQ(as_sets(a, [](std::uint32_t i) { return i; }), as_sets(b, [&](std::uint32_t i) { return order[i]; }));
 }
 
-TEST_P(Fingers, RefuseUnusableParameters) {
+TEST_P(ClustersOfContacts, RefuseUnusableParameters) {
   const std::vector<glm::vec3> points{{0, -1e-3, 0}};
   const auto refused = [&](const Parameters& parameters) {
     try {
@@ -430,7 +430,7 @@ TEST_P(Fingers, RefuseUnusableParameters) {
   EXPECT_FALSE(refused({.finger_gap_m = 1e30}));
 }
 
-TEST_P(Fingers, TheGapThatARefusalNamesWillDo) {
+TEST_P(ClustersOfContacts, TheGapThatARefusalNamesWillDo) {
   const std::vector<glm::vec3> points{{0, -1e-3, 0}};
   for (const double size : {0.013, 0.04, 0.3, 7.0}) {
     const std::vector solids{box(Vec3(-size, -size, -size), Vec3(size, 0, size))};
