@@ -336,3 +336,15 @@ def test_the_guard_is_beside_the_module():
     with pytest.raises(palpa.Error) as caught:
         palpa.Session(palpa.Scene("assets/cube.glb"), source="points", link="openmpd:NO-SUCH-BOARD", backend="cpu").run(frames=1)
     assert "NO-SUCH-BOARD" in str(caught.value) and "palpa-guard" not in str(caught.value)
+
+
+def test_without_a_driver_the_processor_computes():
+    environment = {name: value for name, value in os.environ.items() if name != "PALPA_BACKEND"} | {"VK_DRIVER_FILES": "/nonexistent.json"}
+    code = """
+import palpa
+scene, skin = palpa.Scene("assets/cube.glb"), palpa.read_ply("assets/finger.ply")
+print(len(scene.touch(skin, penetration=3e-3).contacts) == len(scene.touch(skin, penetration=3e-3, backend="cpu").contacts) > 0)
+scene.touch(skin, backend="gpu")
+"""
+    ended = python(code, env=environment)
+    assert ended.stdout == "True\n" and "no Vulkan" in ended.stderr, ended.stderr
