@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "array/schedule.hpp"
-#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
+#include "session/plan/plan.hpp"
 
 namespace palpa::session {
 

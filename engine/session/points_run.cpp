@@ -20,13 +20,12 @@ namespace {
 /// How often the computing thread looks whether it is to end.
 constexpr double between_looks_s = 0.02;
 
-void check_points_session(const SessionSetting& setting, const RunObserver& observer) {
+void check_points_session(const SessionSetting& setting, const RunOptions& options) {
   if (!setting.cameras.empty() || setting.layout.transducers.empty())
     throw bad_usage("a session with cameras or without an array cannot run from points");
   if (setting.schedule.tune == Tune::all)
     throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
-  if (observer.needs_events() && !setting.events)
-    throw bad_usage("a session whose setting has no events cannot report any");
+  if (options.events && !setting.events) throw bad_usage("a session whose setting has no events cannot report any");
 }
 
 }  // namespace
@@ -54,7 +53,11 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   const log::Relay relay;  // log messages of any thread do not block any thread
   const SessionSetting& setting = session.setting();
   RunObserver& observer = *options.observer;
-  check_points_session(setting, observer);
+  check_points_session(setting, options);
+  const auto tell = [&](std::span<const Event> events) {
+    if (options.events) options.events->write(events);
+    observer.events(events);
+  };
   session.warm_up();
   LoopStats stats;
   stats.solids = session.solid_names();
@@ -85,7 +88,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
         if (alive && clock.now() >= last_captured_s + setting.hold_s) {
           alive = false;
           observer.expired();
-          if (setting.events) observer.events(session.expire());
+          if (setting.events) tell(session.expire());
         }
         continue;
       }
@@ -109,7 +112,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       stats.seconds = report.planned_s;
       observer.planned(report, plan);
       if (plans.publish()) ++stats.unplayed;
-      if (setting.events) observer.events(session.events());
+      if (setting.events) tell(session.events());
     }
   } catch (...) {
     fault = std::current_exception();
@@ -120,7 +123,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   const std::exception_ptr first = link_fault ? link_fault : fault;
   if (first) stop = true;
   try {
-    if (setting.events) observer.events(session.end());
+    if (setting.events) tell(session.end());
   } catch (const std::exception&) {
     if (!first) throw;  // the first error is the one to report
   }

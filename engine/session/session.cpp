@@ -48,8 +48,9 @@ struct TunedBeside {
 class SessionObserver final : public RunObserver {
  public:
   /// `fingers` and `tracker`: nullptr without them.
-  SessionObserver(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker, RunObserver& caller)
-      : pressures_(solids), fingers_(fingers), tracker_(tracker), caller_(caller) {}
+  SessionObserver(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker,
+                  const RunOptions& options)
+      : pressures_(solids), fingers_(fingers), tracker_(tracker), sink_(options.events), caller_(*options.observer) {}
 
   void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
   void started(const SkinFrame& frame) override {
@@ -60,25 +61,31 @@ class SessionObserver final : public RunObserver {
     pressures_.planned(plan.schedule);
     if (fingers_) fingers_->planned(report, plan.schedule);
     caller_.planned(report, plan);
-    if (tracker_) caller_.events(tracker_->update(*report.touch, report.time_s));
+    if (tracker_) tell(tracker_->update(*report.touch, report.time_s));
   }
   void expired() override {
     caller_.expired();
-    if (tracker_) caller_.events(tracker_->expire());
+    if (tracker_) tell(tracker_->expire());
   }
   void sent(bool sounds, const HandOver& counts) override { caller_.sent(sounds, counts); }
   void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
 
   /// The run is over.
   void end() {
-    if (tracker_) caller_.events(tracker_->end());
+    if (tracker_) tell(tracker_->end());
   }
   const PressureLog& pressures() const { return pressures_; }
 
  private:
+  void tell(std::span<const Event> events) {
+    if (sink_) sink_->write(events);
+    caller_.events(events);
+  }
+
   PressureLog pressures_;
   LiveFingers* fingers_;
   EventTracker* tracker_;
+  EventSink* sink_;
   RunObserver& caller_;
 };
 
@@ -174,17 +181,16 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   if (s.fingers && options.every_frame) {
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
-  if (options.observer->needs_events() && !s.setting.events)
-    throw bad_usage("a session whose setting has no events cannot report any");
-  SessionObserver observer(s.names, s.fingers.get(), s.setting.events ? &s.tracker : nullptr, *options.observer);
+  if (options.events && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
+  SessionObserver observer(s.names, s.fingers.get(), s.setting.events ? &s.tracker : nullptr, options);
   RunOptions loop = options;
   loop.observer = &observer;
   if (s.fingers) s.fingers->begin();
   LoopStats stats;
   if (drops_points(s.setting)) stats.dropped.emplace();
+  s.planner->list_standing(link.plays_plans());
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
   // result on all machines.
-  s.planner->list_standing(link.plays_plans());
   const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
   try {
     run_loop(source, *s.planner, link,

@@ -25,30 +25,6 @@ namespace {
 /// Room for frames that wait for the recorder: a few seconds of the paper's cameras.
 constexpr std::uint64_t most_waiting_bytes = std::uint64_t{1} << 30;
 
-/// Passes a run on to the caller's observer, and its events first to the sink.
-class SinkObserver final : public session::RunObserver {
- public:
-  SinkObserver(session::EventSink& sink, session::RunObserver& caller) : sink_(sink), caller_(caller) {}
-
-  void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
-  void started(const session::SkinFrame& frame) override { caller_.started(frame); }
-  void planned(const session::FrameReport& report, const session::Plan& plan) override {
-    caller_.planned(report, plan);
-  }
-  void expired() override { caller_.expired(); }
-  void sent(bool sounds, const session::HandOver& counts) override { caller_.sent(sounds, counts); }
-  void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
-  void events(std::span<const session::Event> events) override {
-    sink_.write(events);
-    caller_.events(events);
-  }
-  bool needs_events() const override { return true; }
-
- private:
-  session::EventSink& sink_;
-  session::RunObserver& caller_;
-};
-
 LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own) {
   const std::vector<session::LinkKind> links = with_builtin(own);
   session::check_board_files(options.link, links, options.board_files);
@@ -166,11 +142,12 @@ void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
 
 session::LoopStats LiveRun::run(session::RunObserver& observer,
                                 const std::function<void(const sensing::FrameSet&)>& record) {
-  session::RunOptions options{
-      .frames = options_.frames, .every_frame = options_.every_frame, .observer = &observer, .record = record};
+  session::RunOptions options{.frames = options_.frames,
+                              .every_frame = options_.every_frame,
+                              .observer = &observer,
+                              .events = sink_.get(),
+                              .record = record};
   std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
-  std::optional<SinkObserver> with_sink;
-  if (sink_) options.observer = &with_sink.emplace(*sink_, observer);
   if (recorder_) {
     options.record = [&](const sensing::FrameSet& set) {
       out_of_order += recorder_->write(set) ? 0 : 1;

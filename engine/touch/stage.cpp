@@ -44,6 +44,7 @@ std::uint32_t Stage::most_pixel_stride() const {
 
 void Stage::start(std::span<const sensing::DepthFrame> images, double time_s) {
   if (cameras_.empty()) throw bad_usage("a stage without cameras takes skin points, not depth frames");
+  sensing::check_frames(tables_, images);
   const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, crops_);
   set_stride(crops_, stride_);

@@ -14,6 +14,7 @@
 #include "session/links/link.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/plan/planner.hpp"
+#include "session/watch/event_sink.hpp"
 
 namespace palpa::test {
 
@@ -83,6 +84,10 @@ struct SpyLink : session::Link {
   bool ended_silent() const { return !loudest.empty() && loudest.back() == 0.0f; }
 };
 
+struct DeafSink final : session::EventSink {
+  void write(std::span<const session::Event>) override {}
+};
+
 /// An observer made of functions; one that is missing is not called.
 struct Watcher final : session::RunObserver {
   std::function<void(std::uint64_t sequence)> on_arrived;
@@ -110,7 +115,6 @@ struct Watcher final : session::RunObserver {
   void events(std::span<const session::Event> events) override {
     if (on_events) on_events(events);
   }
-  bool needs_events() const override { return on_events != nullptr; }
 };
 
 }  // namespace palpa::test

@@ -123,9 +123,8 @@ TEST(PointsRun, ReportsNoEventsIfItsSettingHasNone) {
   PushedPoints source;
   test::SpyLink link;
   std::atomic<bool> stop{false};
-  test::Watcher watcher;
-  watcher.on_events = [](std::span<const Event>) {};
-  EXPECT_ERROR(run_points(session, source, link, stop, {.observer = &watcher}), Exit::usage, "has no events");
+  test::DeafSink sink;
+  EXPECT_ERROR(run_points(session, source, link, stop, {.events = &sink}), Exit::usage, "has no events");
 }
 
 TEST(OwnMethod, PlacesTheFociOfASession) {

@@ -364,8 +364,10 @@ TEST(SessionRuns, OnlyWithAllThatItNeeds) {
   blind.setting.layout = {};
   EXPECT_ERROR(blind.run(), Exit::usage, "without an array");
   deaf.setting.events.reset();
+  test::DeafSink sink;
+  deaf.options.events = &sink;
   EXPECT_ERROR(deaf.run(), Exit::usage, "a session whose setting has no events");
-  deaf.watcher.on_events = nullptr;
+  deaf.options.events = nullptr;
   EXPECT_EQ(deaf.run().planned, 12U);
   Live tuned;
   tuned.setting.schedule.tune = Tune::all;

@@ -52,11 +52,7 @@ void check_safety(const Safety& safety) {
 
 SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,
                    std::function<void(bool, const HandOver&)> sent)
-    : link_(link),
-      safety_(safety),
-      slot_s_(slot_s),
-      sent_(std::move(sent)),
-      silence_(transducers, {0.0f, 0.0f}) {
+    : link_(link), safety_(safety), slot_s_(slot_s), sent_(std::move(sent)), silence_(transducers, {0.0f, 0.0f}) {
   check_safety(safety);
   nothing_.slot_s = slot_s;
   if (plain()) return;
@@ -140,9 +136,7 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   passed_factor_ = factor;
   passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
-  pass_on({.schedule = scaled_.schedule,
-           .slots = {from_slot, until_slot_, scaled_.cycle},
-           .drives = scaled_.drives});
+  pass_on({.schedule = scaled_.schedule, .slots = {from_slot, until_slot_, scaled_.cycle}, .drives = scaled_.drives});
 }
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {

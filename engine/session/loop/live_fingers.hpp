@@ -30,11 +30,11 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/beside.hpp"
+#include "session/loop/finger_fit.hpp"
 #include "session/plan/finger_sounds.hpp"
 #include "session/plan/planner.hpp"
 #include "session/plan/setting.hpp"
-#include "session/beside.hpp"
-#include "session/loop/finger_fit.hpp"
 #include "session/watch/stats.hpp"
 
 namespace palpa::session {

@@ -35,8 +35,6 @@ class RunObserver {
   /// Only of a session whose setting has events; run_loop makes none. Called on the calling thread after every frame,
   /// even without events, and when fingers are released because no frame comes or the run ends.
   virtual void events(std::span<const Event>) {}
-  /// True: a session whose setting has no events refuses to run.
-  virtual bool needs_events() const { return false; }
 };
 
 /// Does nothing.

@@ -6,6 +6,7 @@
 
 #include "sensing/depth_source.hpp"
 #include "session/loop/run_observer.hpp"
+#include "session/watch/event_sink.hpp"
 
 namespace palpa::session {
 
@@ -15,6 +16,8 @@ struct RunOptions {
   /// waits for the next thread, so every frame is processed and every plan is played.
   bool every_frame = false;
   RunObserver* observer = &no_observer;  ///< never null
+  /// Gets the events before the observer does. Only of a session whose setting has events; run_loop makes none.
+  EventSink* events = nullptr;
   /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
   /// frames come while it is busy, they wait, and are recorded after the loop's end at the latest. Frames for which
   /// there is no room are left out (never with every_frame) and counted as `unrecorded`; so are those that still wait

@@ -1,17 +1,222 @@
 #include "session/plan/planner.hpp"
 
+// From a frame to a plan: the stage finds fingers, the predictor moves them, the scheduler makes their schedule, and
+// the drives of its slots are computed. On a device, points and drives take a submit each, with the host between them:
+// this costs a fraction of a millisecond, and keeps fingers, schedules and methods in plain C++.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "session/plan/scheduler.hpp"
+#include "array/drive_pass.hpp"
+#include "base/activity.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "session/plan/device_drives.hpp"
+#include "session/plan/finger_drives.hpp"
+#include "session/predict/predictor.hpp"
+#include "session/watch/effort.hpp"
+#include "touch/pass_watch.hpp"
+#include "touch/points/passes.hpp"
+#include "touch/points/points.hpp"
+#include "touch/stage.hpp"
 
 namespace palpa::session {
 namespace {
 
+constexpr std::size_t most_times = 40;
+
 /// Depth frames that are processed one by one may show a whole hand in a solid, with more contacts than a frame of a
 /// loop has.
 constexpr std::uint32_t most_contacts_of_one = 1U << 20;
+
+/// A frame in progress.
+struct Flight {
+  SkinFrame frame;
+  KeptFrames kept;
+  touch::Touch touch;
+  Plan plan;
+  FrameReport report;
+  std::vector<gpu::PassTime> times;
+  std::optional<DeviceDrives> drives;
+
+  enum class State { idle, touching, driving } state = State::idle;
+};
+
+class FramePlanner : public Planner {
+ public:
+  FramePlanner(const gpu::Device* device, const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds)
+      : setting_(setting),
+        scheduler_(scheduler),
+        passes_(device ? std::optional<touch::Passes>(std::in_place, *device) : std::nullopt),
+        stage_(passes_ ? touch::Stage(*passes_, setting.solids, setting.cameras, stage_setting(setting))
+                       : touch::Stage(setting.solids, setting.cameras, stage_setting(setting))) {
+    if (setting.predict.predict != Predict::off)
+      predictor_.emplace(predictor_setting(
+          setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
+    const bool drives = !setting.layout.transducers.empty();
+    if (drives && scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
+    if (drives && sounds) on_fingers_.emplace(setting, scheduler, *sounds);
+    if (drives && device) drive_passes_.emplace(*device, setting.drive.solver);
+    // Frames overlap only where the device computes drives.
+    flights_.resize(drive_passes_ && setting.live() ? 2 : 1);
+    for (std::unique_ptr<Flight>& flight : flights_) {
+      flight = std::make_unique<Flight>();
+      if (drive_passes_) flight->drives.emplace(*device, setting, *drive_passes_, loudness_ ? &*loudness_ : nullptr);
+      if (predictor_) flight->kept = predictor_->make_kept();
+      if (setting.live()) reserve(flight->touch);
+      reserve(flight->plan, setting.live() ? setting.layout.transducers.size() : 0);
+      flight->times.reserve(most_times);
+    }
+    array::reserve(slot_work_.unmodulated, touch::max_fingers, touch::max_foci);
+    slot_work_.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
+  }
+
+  /// Not before the drives of the current frame are submitted; otherwise, they would come after all of the next frame's
+  /// work.
+  bool can_start() const override {
+    return !busy() || (started_ - finished_ < flights_.size() && flight_of(finished_).state == Flight::State::driving);
+  }
+  bool busy() const override { return started_ != finished_; }
+
+  void start(const SkinFrame& frame) override {
+    Flight& flight = flight_of(started_);
+    setting_.cameras.empty() ? stage_.start(frame.points, frame.time_s) : stage_.start(frame.images, frame.time_s);
+    if (predictor_) predictor_->keep(frame.images, flight.kept);
+    flight.frame = frame;
+    flight.plan.captured_s = frame.captured_s;
+    flight.report = {frame.sequence, frame.time_s, &flight.touch, {}, frame.arrived_s, 0};
+    flight.state = Flight::State::touching;
+    ++started_;
+  }
+
+  bool step(Plan& plan, FrameReport& report) override {
+    Flight& flight = flight_of(finished_);
+    try {
+      if (flight.state == Flight::State::touching) {
+        find_touch(flight);
+        make_schedule(flight);
+        if (start_drives(flight)) {
+          flight.state = Flight::State::driving;
+          return false;
+        }
+      } else {
+        flight.drives->finish(flight.plan, flight.times);
+      }
+    } catch (...) {
+      done(flight);
+      throw;
+    }
+    std::swap(plan, flight.plan);
+    report = flight.report;
+    report.passes = flight.times;
+    done(flight);
+    return true;
+  }
+
+  void warm_up() override {
+    if (started_ != 0 || !passes_) return;  // done by earlier frames, or nothing to do
+    const Activity work("compiling shaders, which the driver keeps for the next time");
+    // A frame without skin dispatches all kernels up to the clusters. The kernels have no work.
+    std::vector<sensing::DepthFrame> dark(setting_.cameras.size());
+    for (std::size_t c = 0; c < dark.size(); ++c)
+      dark[c].depth.assign(std::size_t{setting_.cameras[c].width} * setting_.cameras[c].height, 0);
+    Plan plan;
+    FrameReport report;
+    start({.images = dark});
+    while (!step(plan, report)) {
+    }
+    stage_.forget();  // it was no frame of the source
+    if (drive_passes_) flights_.front()->drives->warm_up(slot_work_);
+  }
+
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
+
+  void list_standing(bool lists) override { slot_work_.lists_standing = lists; }
+
+  void set_effort(const Effort& effort) override {
+    stage_.set_pixel_stride(effort.pixel_stride);
+    if (predictor_) predictor_->set_pixel_stride(effort.pixel_stride);
+    scheduler_.thin_foci(effort.foci_part);
+  }
+  Effort most_shed() const override { return {stage_.most_pixel_stride(), most_foci_part}; }
+
+ private:
+  Flight& flight_of(std::uint64_t frame) const { return *flights_[frame % flights_.size()]; }
+
+  void done(Flight& flight) {
+    flight.state = Flight::State::idle;
+    ++finished_;
+  }
+
+  /// In a live session, a frame with more skin in the shell than there is room for touches nothing. The loop continues
+  /// and warns once.
+  void find_touch(Flight& flight) {
+    try {
+      stage_.finish(flight.touch);
+    } catch (const touch::TooMuchSkin& error) {
+      if (!setting_.live()) throw;
+      flight.touch.contacts.clear();
+      flight.touch.deep.clear();
+      flight.touch.dropped = {};
+      flight.touch.finger_count = flight.touch.cluster_count = 0;
+      if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
+    }
+    flight.times.assign(stage_.times().begin(), stage_.times().end());
+    flight.frame.images = {};  // no longer needed, and no longer there
+    flight.frame.points = {};
+  }
+
+  void make_schedule(Flight& flight) {
+    const double time_s = flight.report.time_s;
+    const touch::Touch& touch =
+        predictor_ ? predictor_->see(flight.touch, time_s, flight.frame.first(), flight.kept) : flight.touch;
+    scheduler_.make(touch, time_s, flight.plan.schedule);
+    if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
+  }
+
+  /// Returns whether the device computes them.
+  bool start_drives(Flight& flight) {
+    Plan& plan = flight.plan;
+    plan.drives.clear();
+    list_nothing(plan);
+    if (setting_.layout.transducers.empty()) return false;
+    touch::PassWatch watch(flight.times);
+    if (setting_.own_solver) {
+      drive_by_own(plan, setting_.layout, setting_.drive, setting_.own_solver, slot_work_);
+      watch.mark("own solver");
+      return false;
+    }
+    if (on_fingers_ && on_fingers_->make(plan)) {
+      watch.mark("drives on fingers");
+      return false;
+    }
+    if (flight.drives) return flight.drives->start(plan, slot_work_);
+    drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
+    watch.mark("drives");
+    return false;
+  }
+
+  const SessionSetting& setting_;
+  Scheduler& scheduler_;
+  std::optional<touch::Passes> passes_;  // on a device
+  touch::Stage stage_;
+  std::optional<Predictor> predictor_;
+  std::optional<array::Loudness> loudness_;
+  std::optional<FingerDrives> on_fingers_;
+  std::optional<array::DrivePasses> drive_passes_;  // on a device
+  std::vector<std::unique_ptr<Flight>> flights_;
+  std::uint64_t started_ = 0, finished_ = 0;
+  bool warned_ = false;
+
+  // Scratch that keeps its storage.
+  SlotWork slot_work_;
+  array::DriveScratch drive_scratch_;
+};
 
 }  // namespace
 
@@ -38,67 +243,6 @@ PredictorSetting predictor_setting(const SessionSetting& setting, const Schedule
           .slot_s = scheduler.slot_s()};
 }
 
-std::vector<sensing::Slab> slabs_of(const array::Layout& layout) {
-  std::vector<sensing::Slab> slabs;
-  for (const array::Board& board : layout.boards)
-    slabs.push_back({sensing::NoSkin::board, board.width_m, board.height_m, board.T_layout_board});
-  return slabs;
-}
-
-sensing::Surroundings surroundings_of(const SessionSetting& setting) {
-  sensing::Surroundings all = setting.surroundings;
-  if (setting.keep_boards) return all;
-  const std::vector<sensing::Slab> boards = slabs_of(setting.layout);
-  all.slabs.insert(all.slabs.begin(), boards.begin(), boards.end());
-  return all;
-}
-
-bool drops_points(const SessionSetting& setting) {
-  const bool learned =
-      std::ranges::any_of(setting.cameras, [](const auto& camera) { return camera.background != nullptr; });
-  return !setting.cameras.empty() && (learned || !surroundings_of(setting).empty());
-}
-
-FingerDrives::FingerDrives(const SessionSetting& setting, const Scheduler& scheduler, FingerSounds& sounds)
-    : layout_(setting.layout), sounds_(sounds), in_free_air_(setting.drive), drive_(setting.drive) {
-  drive_.transfer = &sounds;
-  if (scheduler.needs_pressures()) loudness_.emplace(layout_, drive_);
-  array::reserve(scratch_, layout_, drive_, touch::max_fingers);
-}
-
-bool FingerDrives::make(Plan& plan) {
-  if (!sounds_.take(plan.schedule)) return false;
-  const std::size_t transducers = layout_.transducers.size();
-  plan.drives.clear();
-  plan_slots(plan, work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
-    plan.drives.resize(plan.drives.size() + transducers);
-    const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
-    if (!factors.empty()) {
-      array::drive_by_factors(layout_, foci, factors, drive_, out, scratch_);
-    } else if (foci.size() == 1) {
-      drive_one(foci[0], out);
-    } else {
-      array::drive_for(layout_, foci, drive_, out, scratch_);
-    }
-  });
-  return true;
-}
-
-/// What drive_for does with the transfer of the sounds, but at the cost of a focus in free air.
-void FingerDrives::drive_one(const array::SlotFocus& focus, std::span<array::TransducerDrive> out) {
-  const std::optional<FingerSounds::Aimed> aimed = sounds_.aimed(focus.position);
-  array::SlotFocus there = focus;
-  if (aimed) there.position = aimed->place;
-  array::drive_for(layout_, {&there, 1}, in_free_air_, out, scratch_);
-  if (!aimed) return;
-  constexpr float pi = 3.1415925F;  // the largest float that is not above it
-  for (std::size_t t = 0; t < out.size(); ++t) {
-    float phase = out[t].phase - aimed->phases[t];
-    phase += phase > pi ? -2 * std::numbers::pi_v<float> : phase < -pi ? 2 * std::numbers::pi_v<float> : 0.0F;
-    out[t].phase = std::clamp(phase, -pi, pi);
-  }
-}
-
 touch::StageSetting stage_setting(const SessionSetting& setting) {
   touch::StageSetting stage{.parameters = setting.touch,
                             .follow = setting.follow,
@@ -110,6 +254,11 @@ touch::StageSetting stage_setting(const SessionSetting& setting) {
   stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
   if (setting.events) stage.parameters.deep = true;
   return stage;
+}
+
+std::unique_ptr<Planner> make_planner(const gpu::Device* device, const SessionSetting& setting, Scheduler& scheduler,
+                                      FingerSounds* sounds) {
+  return std::make_unique<FramePlanner>(device, setting, scheduler, sounds);
 }
 
 }  // namespace palpa::session

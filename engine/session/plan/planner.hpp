@@ -11,8 +11,8 @@
 #include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
-#include "session/plan/plan.hpp"
 #include "session/plan/finger_sounds.hpp"
+#include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
 #include "session/predict/predictor.hpp"
 #include "session/predict/slot_clock.hpp"
@@ -85,25 +85,6 @@ class Planner {
 /// lost. The drives of frames with foci that `sounds`, which may be null, knows are computed on the host.
 std::unique_ptr<Planner> make_planner(const gpu::Device* device, const SessionSetting& setting, Scheduler& scheduler,
                                       FingerSounds* sounds = nullptr);
-
-/// Computes the drives of a frame on the host, from the sound on its fingers.
-class FingerDrives {
- public:
-  FingerDrives(const SessionSetting& setting, const Scheduler& scheduler, FingerSounds& sounds);
-  /// Fills cycle and drives if the sound is known at some of the schedule's foci. Otherwise returns false, and changes
-  /// nothing. Slots of schedules that are not listed are not its matter: they sound as in free air.
-  bool make(Plan& plan);
-
- private:
-  void drive_one(const array::SlotFocus& focus, std::span<array::TransducerDrive> out);
-
-  const array::Layout& layout_;
-  FingerSounds& sounds_;
-  array::DriveOptions in_free_air_, drive_;
-  SlotWork work_;
-  array::DriveScratch scratch_;
-  std::optional<array::Loudness> loudness_;
-};
 
 /// Reserves the memory that a live frame needs in a touch: any number of fingers and foci, `contacts_per_finger`
 /// contacts (a finger with more grows once), and as many deep points as a frame in flight has room for.

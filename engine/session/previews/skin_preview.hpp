@@ -22,8 +22,8 @@
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
-#include "session/plan/plan.hpp"
 #include "session/beside.hpp"
+#include "session/plan/plan.hpp"
 
 namespace palpa::session {
 

@@ -7,7 +7,7 @@
 //
 // Every touch is followed by exactly one release with the same finger and solid; moves and presses lie between them. A
 // pure state machine: the same touches give the same events. Fingers are identified by their id, which is assigned
-// earlier (touch/follow/follow_pass.hpp).
+// earlier (touch/fingers/follow.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,21 +1,14 @@
 // Contacts: the skin points in the shell of a solid, Eq. (1) of the paper, in plain C++.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
-#include "sensing/skin_twin.hpp"
-#include "shaders/touch/contacts/reach.h"
+#include "sensing/skin_point.hpp"
+#include "touch/contacts/finger_reach.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
-
-/// Fingers of the frame before around which contacts reach beyond the shell's edges.
-struct FingerReach {
-  const shader::ReachTable* table = nullptr;  ///< null, or empty: no contact does
-  std::uint32_t elapsed_us = 0;               ///< from the frame before to this one
-};
 
 /// C++ twin of ContactsPass, in the same single-precision arithmetic, so it finds the same contacts with the same
 /// depths. Fills `out.contacts` and, if requested, `out.deep`. A contact lies strictly inside a solid and nearer to its

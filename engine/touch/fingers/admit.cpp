@@ -11,36 +11,29 @@ namespace {
 
 constexpr std::uint32_t none = known_none;
 
-/// The frame's claims, and for each known finger the largest finger that claims it.
+/// Which known finger each finger of the frame is, and for each known finger the largest finger that claims it.
 struct Claims {
-  std::array<Claim, max_fingers> of{};
+  std::array<std::uint32_t, max_fingers> of{};
   std::array<std::uint32_t, max_fingers> heir{};
 
   Claims(const Known& known, const Touch& touch, const FingerSkins& skins) {
     heir.fill(none);
+    const auto contacts = [&](std::uint32_t f) { return touch.fingers[f].contact_count; };
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
       const Finger& finger = touch.fingers[f];
-      const SkinSamples& samples = skins[f].samples;
-      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
-      const std::uint32_t known_as =
-          samples.empty() ? known_at(known, finger.solid, {first.x, first.y, first.z}) : skins[f].known;
-      of[f] = {known_as,
-               known_nearby(known, finger.solid, samples),
-               finger.contact_count,
-               known_never,
-               0,
-               static_cast<std::uint32_t>(samples.size()),
-               {}};
-      const std::uint32_t k = of[f].known;
-      if (k != none && (heir[k] == none || of[f].contacts > of[heir[k]].contacts)) heir[k] = f;
+      const std::uint32_t k = of[f] =
+          skins[f].samples.empty()
+              ? known_at(known, finger.solid, float3(touch.contacts[finger.contacts.front()].position))
+              : skins[f].known;
+      if (k != none && (heir[k] == none || contacts(f) > contacts(heir[k]))) heir[k] = f;
     }
   }
-  /// The known finger beside which `f` is an island, or none.
-  std::uint32_t beside(const Known& known, std::uint32_t f) const {
-    const std::uint32_t k = of[f].known != none ? of[f].known : of[f].near;
-    if (k == none || heir[k] == none || heir[k] == f) return none;
-    const bool same = of[f].known == k && of[f].samples > 0;
-    return small_beside(of[f].contacts, known.table->fingers[k].fall.contacts, same) ? k : none;
+  /// Whether `f` is a small cluster beside a known finger.
+  bool is_island(const Known& known, const Finger& finger, const FingerSkin& skin, std::uint32_t f) const {
+    const std::uint32_t k = of[f] != none ? of[f] : known_nearby(known, finger.solid, skin.samples);
+    if (k == none || heir[k] == none || heir[k] == f) return false;
+    const bool same = of[f] == k && !skin.samples.empty();
+    return small_beside(finger.contact_count, known.table->fingers[k].fall.contacts, same);
   }
 };
 
@@ -54,14 +47,13 @@ ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownF
   std::uint32_t islands_now = 0, kept = 0;
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
     Finger& finger = out.fingers[f];
-    const std::uint32_t claimed = claims.of[f].known;
+    const std::uint32_t claimed = claims.of[f];
     const bool goes_on =
         known.has(known_few) && claimed != none && !next_fall(table.fingers[claimed].fall, finger.contact_count).falls;
     bool stays = finger.contact_count >= least_contacts(parameters.min_points, goes_on);
     const bool faint = claimed == none && small_alone(finger.contact_count, parameters.min_points);
-    if (stays && known.has(known_islands) && (faint || claims.beside(known, f) != none)) {
-      const glm::vec3& first = out.contacts[finger.contacts.front()].position;
-      Island island{{first.x, first.y, first.z}, finger.solid};
+    if (stays && known.has(known_islands) && (faint || claims.is_island(known, finger, skins[f], f))) {
+      Island island{float3(out.contacts[finger.contacts.front()].position), finger.solid};
       for (std::uint32_t k = 0; k < known.table->islands; ++k) {
         const Island& before = known.table->island[k];
         if (before.solid == island.solid && same_island(island, before))
@@ -75,7 +67,6 @@ ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownF
       std::swap(out.fingers[kept], finger);
       skins[kept] = skins[f];
     }
-    stay[kept] = claims.of[f];
     if (claimed != none) {
       stay[kept].parting_us = next_parting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
       stay[kept].meeting_us = next_meeting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);

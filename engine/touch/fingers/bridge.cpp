@@ -24,24 +24,18 @@ Patch make_patch(const FingerSkin& skin) {
   patch.low = patch.high = first;
   for (const SkinSample& sample : skin.samples) {
     const Float3& p = sample.position;
-    patch.low = {std::min(patch.low.x, p.x), std::min(patch.low.y, p.y), std::min(patch.low.z, p.z)};
-    patch.high = {std::max(patch.high.x, p.x), std::max(patch.high.y, p.y), std::max(patch.high.z, p.z)};
+    patch.low = lowest(patch.low, p);
+    patch.high = highest(patch.high, p);
     sum = plus(sum, minus(p, first));
   }
   patch.mean = plus(first, scaled(sum, 1.0F / static_cast<float>(skin.samples.size())));
   return patch;
 }
 
-float gap_between(float low_a, float high_a, float low_b, float high_b) {
-  return std::max({low_b - high_a, low_a - high_b, 0.0F});
-}
-
 /// Whether the patches' boxes are near enough that they can be one finger.
 bool near_enough(const Patch& a, const Patch& b, float finger_width) {
   if (a.samples->empty() || b.samples->empty()) return false;
-  const Float3 gap{gap_between(a.low.x, a.high.x, b.low.x, b.high.x), gap_between(a.low.y, a.high.y, b.low.y, b.high.y),
-                   gap_between(a.low.z, a.high.z, b.low.z, b.high.z)};
-  return dot3(gap, gap) <= finger_width * finger_width;
+  return square_between(a.low, a.high, b.low, b.high) <= finger_width * finger_width;
 }
 
 /// Whether a camera has seen something clearly farther away in the direction of a place.

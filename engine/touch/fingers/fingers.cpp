@@ -36,8 +36,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
   const Sight sight{cameras_, tables_, images};
   ClaimList claims{};
   if (setting_.looks_again(cameras)) {
-    const Known known{{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U},
-                      has_before_ ? known_.get() : nullptr,
+    const Known known{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U, has_before_ ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
     split_fingers(sight, parameters, known, out, skins_, split_work_);
     watch.mark("split");

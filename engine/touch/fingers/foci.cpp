@@ -1,24 +1,72 @@
 #include "touch/fingers/foci.hpp"
 
-#include "touch/fingers/foci_math.hpp"
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "touch/fingers/exact.hpp"
 #include "touch/fingers/sections.hpp"
 #include "touch/fingers/sector_borders.hpp"
 
 namespace palpa::touch {
 namespace {
 
-static_assert(outline_bins <= foci_most);
+constexpr std::uint32_t bins = 64;  ///< of an outline, at equal angles
+static_assert(bins <= max_foci);
 
-constexpr std::uint32_t bins = outline_bins;
+/// Eq. (5)'s scaling to equal variance and back, as symmetric matrices, for in-plane axes w1 and w2. In their
+/// coordinates, the first principal direction is (cosine, sine). For the principal axes themselves, they are Eq. (5)'s
+/// 1 / sqrt(l).
+struct Scaling {
+  float xx, xy, yy;
+  float back_xx, back_xy, back_yy;
+};
+
+Scaling scaling_of(float l1, float l2, float cosine, float sine) {
+  const float root1 = std::sqrt(l1), root2 = std::sqrt(l2);
+  const float scale1 = 1 / root1, scale2 = 1 / root2;
+  return {.xx = scale1 * cosine * cosine + scale2 * sine * sine,
+          .xy = (scale1 - scale2) * cosine * sine,
+          .yy = scale1 * sine * sine + scale2 * cosine * cosine,
+          .back_xx = root1 * cosine * cosine + root2 * sine * sine,
+          .back_xy = (root1 - root2) * cosine * sine,
+          .back_yy = root1 * sine * sine + root2 * cosine * cosine};
+}
+
+/// Whether p's angle is at least the border's, both in [0, 2 pi).
+bool reaches(const Float2& p, const Float2& border) {
+  const auto in_second_half = [](const Float2& q) { return q.y < 0 || (q.y == 0 && q.x < 0); };
+  const bool second = in_second_half(p);
+  return second == in_second_half(border) ? border.x * p.y - border.y * p.x >= 0 : second;
+}
+
+/// Sums are in integers, so their order does not matter.
+std::int32_t in_steps(float value, float steps) {
+  return static_cast<std::int32_t>(std::floor(value * steps + 0.5F));
+}
+
+/// The distance in metres between two points of the scaled plane.
+float metres_between(const Float2& a, const Float2& b, const Scaling& scaling) {
+  const float x = b.x - a.x, y = b.y - a.y;
+  const float u = scaling.back_xx * x - scaling.back_xy * y;
+  const float v = scaling.back_xy * x - scaling.back_yy * y;
+  return std::sqrt(u * u + v * v);
+}
+
+/// The point `ahead` beyond a on the way to b; the way's length is `side`.
+Float2 along_side(const Float2& a, const Float2& b, float ahead, float side) {
+  const float share = side > 0 ? ahead / side : 0;
+  return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+}
 
 /// The last of the ascending borders that p has passed.
-std::uint32_t sector_of(const Float2& p, std::span<const Border> borders) {
+std::uint32_t sector_of(const Float2& p, std::span<const Float2> borders) {
   if (p.x == 0 && p.y == 0) return 0;
   auto beyond = static_cast<std::uint32_t>(borders.size());
   std::uint32_t sector = 0;
   while (beyond - sector > 1) {
     const std::uint32_t middle = (sector + beyond) / 2;
-    (reaches(p, {borders[middle].x, borders[middle].y}) ? sector : beyond) = middle;
+    (reaches(p, borders[middle]) ? sector : beyond) = middle;
   }
   return sector;
 }
@@ -33,25 +81,29 @@ struct Plane {
 
   Plane(const Finger& of, const std::vector<Contact>& all) : finger(of), contacts(all) {
     const CrossSection& s = finger.section;
-    const auto float3 = [](const glm::vec3& v) { return Float3{v.x, v.y, v.z}; };
     axes = {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
             s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
     scaling = scaling_of(axes.l1, axes.l2, s.turn.x, s.turn.y);
   }
   std::uint32_t members() const { return static_cast<std::uint32_t>(finger.contacts.size()); }
   Float3 from_centroid(std::uint32_t contact) const { return local.from_centroid(contacts[contact].position); }
-  Float2 projected(const Float3& d) const { return on_plane(axes, d, scaling); }
+  /// Eq. (5) with its second coordinate negated: angles of (x, y) run clockwise seen from the tip of w3, so y counts
+  /// against w2.
+  Float2 projected(const Float3& d) const {
+    const float x = dot3(axes.w1, d), y = dot3(axes.w2, d);
+    return {x * scaling.xx + y * scaling.xy, -(x * scaling.xy + y * scaling.yy)};
+  }
 };
 
 /// The outline's mean radius in each bin; for an empty bin, it is interpolated between its neighbours.
-std::array<float, bins> radii(const Plane& plane, std::span<const Border> directions) {
+std::array<float, bins> radii(const Plane& plane, std::span<const Float2> directions) {
   std::array<std::int32_t, bins> sums{};
   std::array<std::uint32_t, bins> counts{};
-  const float steps = radius_steps(plane.members());
+  const float steps = 7.0e8F / static_cast<float>(plane.members());  // the sum of radii is at most sqrt(2) contacts
   for (const std::uint32_t i : plane.finger.contacts) {
     const Float2 p = plane.projected(plane.from_centroid(i));
     const std::uint32_t bin = sector_of(p, directions);
-    sums[bin] += in_steps(radius_of(p), steps);
+    sums[bin] += in_steps(std::sqrt(p.x * p.x + p.y * p.y), steps);
     ++counts[bin];
   }
   std::array<float, bins> radius{};
@@ -62,39 +114,47 @@ std::array<float, bins> radii(const Plane& plane, std::span<const Border> direct
     while (counts[(m + on) % bins] == 0)
       ++on;
     const std::uint32_t before = (m + bins - back) % bins, after = (m + on) % bins;
-    const float mean_before = mean_radius(sums[before], counts[before], steps);
-    const float mean_after = mean_radius(sums[after], counts[after], steps);
-    radius[m] = back == 0 ? mean_before : radius_between(mean_before, mean_after, back, on);
+    const auto mean = [&](std::uint32_t bin) {
+      return static_cast<float>(sums[bin]) / (static_cast<float>(counts[bin]) * steps);
+    };
+    radius[m] = back == 0 ? mean(m)
+                          : (mean(before) * static_cast<float>(on) + mean(after) * static_cast<float>(back)) /
+                                static_cast<float>(back + on);
   }
   return radius;
 }
 
 /// Borders that cut the cross-section's outline into `foci` pieces of equal length.
-std::array<Border, max_foci> equal_arcs(const Plane& plane, std::span<const Border> directions, std::uint32_t foci) {
+std::array<Float2, max_foci> equal_arcs(const Plane& plane, std::span<const Float2> directions, std::uint32_t foci) {
   const std::array<float, bins> radius = radii(plane, directions);
   std::array<Float2, bins + 1> corners{};
   for (std::uint32_t m = 0; m < bins; ++m) {
-    corners[m] = corner_of(radius[(m + bins - 2) % bins], radius[(m + bins - 1) % bins], radius[m],
-                           radius[(m + 1) % bins], {directions[m].x, directions[m].y});
+    // A corner lies where two bins meet; its radius is smoothed over four bins.
+    const float smooth =
+        (radius[(m + bins - 2) % bins] + 3 * radius[(m + bins - 1) % bins] + 3 * radius[m] + radius[(m + 1) % bins]) *
+        0.125F;
+    corners[m] = {smooth * directions[m].x, smooth * directions[m].y};
   }
   corners[bins] = corners[0];
   std::array<float, bins + 1> way{};  // length along the outline to each corner, and of the complete outline
   for (std::uint32_t m = 0; m < bins; ++m)
     way[m + 1] = way[m] + metres_between(corners[m], corners[m + 1], plane.scaling);
-  std::array<Border, max_foci> borders{};
+  std::array<Float2, max_foci> borders{};
   for (std::uint32_t n = 0; n < foci; ++n) {
-    const float cut = cut_at(way[bins], n, foci);
+    const float cut = way[bins] * static_cast<float>(n) / static_cast<float>(foci);
     std::uint32_t side = 0;
     while (side + 1 < bins && way[side + 1] <= cut)
       ++side;
-    const Float2 at = along_side(corners[side], corners[side + 1], cut - way[side], way[side + 1] - way[side]);
-    borders[n] = {at.x, at.y};
+    borders[n] = along_side(corners[side], corners[side + 1], cut - way[side], way[side + 1] - way[side]);
   }
   return borders;
 }
 
-void sum_sectors(Finger& finger, const Plane& plane, std::span<const Border> borders) {
-  const float steps = steps_per_metre(plane.members(), plane.axes.l1, plane.axes.l2, plane.axes.l3);
+void sum_sectors(Finger& finger, const Plane& plane, std::span<const Float2> borders) {
+  // As fine as 31 bits allow: the sum of all distances from the centroid is at most contacts * sqrt(l1 + l2 + l3)
+  // (Cauchy-Schwarz), and stays below 2^30 steps.
+  const float reach = static_cast<float>(plane.members()) * std::sqrt(plane.axes.l1 + plane.axes.l2 + plane.axes.l3);
+  const float steps = 1.0e9F / reach;
   std::array<std::array<std::int32_t, 3>, max_foci> sums{};
   finger.foci.assign(borders.size(), {});
   for (const std::uint32_t i : finger.contacts) {
@@ -109,16 +169,19 @@ void sum_sectors(Finger& finger, const Plane& plane, std::span<const Border> bor
   for (std::size_t n = 0; n < borders.size(); ++n) {
     Focus& focus = finger.foci[n];
     if (focus.points == 0) continue;
-    focus.position = {focus_coordinate(origin.x, mean.x, sums[n][0], focus.points, steps),
-                      focus_coordinate(origin.y, mean.y, sums[n][1], focus.points, steps),
-                      focus_coordinate(origin.z, mean.z, sums[n][2], focus.points, steps)};
+    // The mean is the centroid relative to the origin, so that a position is rounded only once.
+    const auto coordinate = [&](float from, float middle, std::int32_t sum) {
+      return from + (middle + static_cast<float>(sum) / (static_cast<float>(focus.points) * steps));
+    };
+    focus.position = {coordinate(origin.x, mean.x, sums[n][0]), coordinate(origin.y, mean.y, sums[n][1]),
+                      coordinate(origin.z, mean.z, sums[n][2])};
   }
 }
 
 }  // namespace
 
 void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
-  static const std::vector<Border> every = sector_borders();
+  static const std::vector<Float2> every = sector_borders();
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
     finger.placed = false;
     if (finger.point_like) {

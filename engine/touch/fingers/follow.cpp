@@ -6,7 +6,6 @@
 
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/follow_math.hpp"
-#include "touch/fingers/frame_clock.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -14,15 +13,6 @@ namespace {
 constexpr std::uint32_t most = follow_most_tracks;
 constexpr std::uint32_t none = follow_none;
 
-Float3 float3(const glm::vec3& v) {
-  return {v.x, v.y, v.z};
-}
-Float3 float3(const shader::vec4& v) {
-  return {v.x, v.y, v.z};
-}
-glm::vec3 to_vec(const Float3& v) {
-  return {v.x, v.y, v.z};
-}
 shader::vec4 vec4(const Float3& v, float w = 0) {
   return {v.x, v.y, v.z, w};
 }
@@ -307,13 +297,19 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
 
 }  // namespace
 
+std::uint32_t FrameClock::elapsed_us(double time_s) {
+  const double elapsed = last_s_ ? (time_s - *last_s_) * 1e6 : 0;
+  const bool first = !last_s_;
+  last_s_ = time_s;
+  if (first) return follow_restart;
+  constexpr double forever = 4e9;
+  return static_cast<std::uint32_t>(elapsed >= 0 && elapsed < forever ? std::llround(elapsed) : std::llround(forever));
+}
+
 void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch) {
   Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == follow_restart ? 0 : elapsed_us,
                 setting.memory_us(), setting.axes == Axes::steady};
-  if (elapsed_us == follow_restart) {
-    tracks.count = 0;
-    tracks.next_id = 0;
-  }
+  if (elapsed_us == follow_restart) tracks.count = 0;
   follow.move_on(tracks);
   follow.find_birth_costs();
   follow.assign();

@@ -5,13 +5,23 @@
 #include <cstdint>
 
 #include "touch/fingers/follow_math.hpp"
-#include "touch/fingers/frame_clock.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
 
 /// The fingers of earlier frames. One object for each stream of frames.
+/// The time from frame to frame.
+class FrameClock {
+ public:
+  /// Microseconds from the capture time of the previous call's frame to `time_s`; follow_restart for the first
+  /// call. If the time goes backwards, following restarts: the result is then longer than any finger is remembered.
+  std::uint32_t elapsed_us(double time_s);
+
+ private:
+  std::optional<double> last_s_;
+};
+
 struct Tracks {
   FrameClock clock;
   std::uint32_t count = 0;

@@ -7,7 +7,6 @@
 
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/follow_math.hpp"
-#include "touch/fingers/frame_clock.hpp"
 #include "touch/fingers/nearest_filled.hpp"
 
 namespace palpa::touch {
@@ -80,12 +79,6 @@ Gliding glide(Float3 carried, Float3 speed, Float3 target, float frame_s) {
   return r;
 }
 
-Float3 float3(const glm::vec3& v) {
-  return {v.x, v.y, v.z};
-}
-Float3 float3(const shader::vec4& v) {
-  return {v.x, v.y, v.z};
-}
 shader::vec4 vec4(const glm::vec3& v) {
   return {v.x, v.y, v.z, 0};
 }

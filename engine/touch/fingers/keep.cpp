@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "touch/fingers/known.hpp"
 
@@ -53,11 +54,16 @@ void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const 
     if ((rules & known_edges) != 0 && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
       add_reach(samples, kept, table.reach);
     if (samples.empty()) {  // its place instead
-      const glm::vec3& first = touch.contacts[finger.contacts.front()].position;
-      table.insides[f][0] = {first.x, first.y, first.z};
+      table.insides[f][0] = float3(touch.contacts[finger.contacts.front()].position);
     }
     for (std::size_t s = 0; s < samples.size(); ++s)
       table.insides[f][s] = inside_of(samples[s], width);
+    const auto insides = std::span(table.insides[f]).first(kept.samples);
+    kept.low = kept.high = insides.front();
+    for (const Float3& inside : insides) {
+      kept.low = lowest(kept.low, inside);
+      kept.high = highest(kept.high, inside);
+    }
   }
 }
 

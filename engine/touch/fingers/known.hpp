@@ -7,7 +7,6 @@
 
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/exact.hpp"
-#include "touch/fingers/frame_clock.hpp"
 #include "touch/fingers/sight.hpp"
 #include "touch/stage_setting.hpp"
 #include "touch/types.hpp"
@@ -15,6 +14,7 @@
 namespace palpa::touch {
 
 inline constexpr std::uint32_t known_none = 0xffffffff;
+static_assert(shader::reach_most_fingers == max_fingers);
 
 /// How a finger loses its contacts, see next_fall().
 struct Fall {
@@ -28,6 +28,7 @@ inline constexpr std::uint32_t known_never = 0xffffffff;
 struct KnownFinger {
   std::uint32_t solid = 0;
   std::uint32_t samples = 0;
+  Float3 low{}, high{};                    ///< the box of its insides
   std::uint32_t parting_us = known_never;  ///< since it last looked like several fingers
   std::uint32_t meeting_us = 0;            ///< for how long it has looked like one with another
   shader::vec4 velocity{};                 ///< of its track
@@ -56,15 +57,11 @@ struct KnownFingers {
   shader::ReachTable reach{};  ///< the fingers that are about to end
 };
 
-/// What a finger of this frame has to do with those of the frame before.
+/// What a finger of this frame has from the finger of the frame before that it is.
 struct Claim {
-  std::uint32_t known = known_none;  ///< the finger that most of its samples belong to, and at least half of them
-  std::uint32_t near = known_none;   ///< the known finger of its solid that is nearest, within a finger width
-  std::uint32_t contacts = 0;
-  std::uint32_t parting_us = known_never;  ///< as of the known finger, after this frame
-  std::uint32_t meeting_us = 0;
-  std::uint32_t samples = 0;  ///< 0: its pixels give no normals
-  Fall fall;                  ///< of the known finger
+  std::uint32_t parting_us = known_never;  ///< after this frame
+  std::uint32_t meeting_us = 0;            ///< after this frame
+  Fall fall;
 };
 
 /// Skin belongs to a known finger if its inside is within this share of the greatest width of a finger.
@@ -88,9 +85,9 @@ inline float squared_reach(float farthest) {
   return reach * reach;
 }
 
-/// A known finger parts if it looks like several fingers in two frames that are no farther apart than the first time.
-/// It is one with another finger once it has looked like that, in every frame, for the second time.
+/// A known finger parts if it looks like several fingers in two frames that are no farther apart than this.
 inline constexpr std::uint32_t parting_us_most = 100000;
+/// Two known fingers become one if they have looked like one in every frame for this time.
 inline constexpr std::uint32_t meeting_us_least = 50000;
 
 inline bool may_part(const KnownFinger& finger, std::uint32_t elapsed_us) {

@@ -19,6 +19,7 @@ Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& ins
     const KnownFinger& finger = known.table->fingers[k];
     if (finger.solid != solid) continue;
     const Float3 before = moved_back(inside, finger.velocity, elapsed_s);
+    if (square_between(before, before, finger.low, finger.high) >= best.square) continue;
     for (std::uint32_t s = 0; s < finger.samples; ++s) {
       const float square = square_apart(before, known.table->insides[k][s]);
       if (square < best.square) best = {k, square};

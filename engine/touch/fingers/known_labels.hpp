@@ -11,15 +11,10 @@
 
 namespace palpa::touch {
 
-/// How a frame uses the fingers of the frame before.
-struct KnownFrame {
-  /// From the frame before to this one; known_none: there is none before it.
-  std::uint32_t elapsed_us = known_none;
-  std::uint32_t rules = 0;  ///< bits, see stage_setting.hpp
-};
-
 /// The fingers of the frame before, as the steps of a frame see them.
-struct Known : KnownFrame {
+struct Known {
+  std::uint32_t elapsed_us = 0;   ///< from the frame before to this one
+  std::uint32_t rules = 0;        ///< bits, see stage_setting.hpp; also of a stream whose frame before has no fingers
   KnownFingers* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
   float finger_width = 0;         ///< metres
 

@@ -7,7 +7,7 @@
 namespace palpa::touch {
 
 /// Among a circle's `count` sectors for which `filled(index)` holds, the nearest to `sector` by angle. If two are
-/// equally near, the one with the lower index. `count` if it holds for none. Twin: nearest_filled() of glide.comp.
+/// equally near, the one with the lower index. `count` if it holds for none.
 template <typename Filled>
 std::uint32_t nearest_filled(std::uint32_t sector, std::uint32_t count, Filled filled) {
   for (std::uint32_t apart = 0; apart <= count / 2; ++apart) {

@@ -14,7 +14,7 @@ namespace palpa::touch {
 struct Parts {
   InplaceVector<std::uint8_t, most_samples> part;  ///< per sample
   std::array<Float3, most_samples> insides{};      ///< per sample: inside_of()
-  /// Per part: whether most of its samples with a known finger have the same one.
+  /// Per part: whether some of its samples belong to a known finger.
   std::array<bool, most_samples> known{};
   /// Per finger of the frame before: how this frame contradicts it; bits, see KnownFingers::doubts.
   std::array<std::uint8_t, max_fingers> doubts{};

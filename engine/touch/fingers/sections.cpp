@@ -7,13 +7,10 @@
 namespace palpa::touch {
 namespace {
 
-constexpr std::uint32_t lanes = sections_group;
+/// Contact k of a finger is added to lane k mod lanes.
+constexpr std::uint32_t lanes = 128;
 
-glm::vec3 to_vec(const Float3& v) {
-  return {v.x, v.y, v.z};
-}
-
-/// Adds the threads' sums in thread order.
+/// Adds the lanes' sums, in their order.
 float total(const std::array<Sum, lanes>& partial) {
   Sum sum{0, 0};
   for (const Sum& lane : partial)

@@ -8,8 +8,6 @@
 
 namespace palpa::touch {
 
-/// Sums have so many lanes: contact k of a finger is added to lane k mod sections_group.
-inline constexpr std::uint32_t sections_group = 128U;
 /// A running sum and the part that rounding has removed (Kahan): the error stays at one rounding, however many terms.
 struct Sum {
   float sum, lost;

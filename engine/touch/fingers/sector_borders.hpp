@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "touch/fingers/foci_math.hpp"
+#include "touch/fingers/exact.hpp"
 
 namespace palpa::touch {
 
 /// The borders of N sectors for every N up to max_foci, one N after the other.
-std::vector<Border> sector_borders();
+std::vector<Float2> sector_borders();
 
 /// The index of the first border of a circle with `foci` sectors.
 constexpr std::size_t first_border(std::size_t foci) {

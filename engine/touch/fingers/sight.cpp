@@ -10,10 +10,8 @@ namespace {
 
 /// Pixels to either side that give the skin's normal.
 constexpr std::uint32_t normal_pixels = 2;
-/// No pixel's ray leans this far. Tables hold a larger value if there is no ray.
-constexpr float no_ray = 1e17F;
-/// A finger's number of samples is that of the values of a hash of its contacts' numbers: the upper bits of their
-/// product. The hash is invertible: contact = hash * unhash, modulo 2^32.
+/// The upper bits of a hash sort contacts into most_samples buckets; each bucket keeps the contact with the least hash.
+/// The hash is invertible: contact = hash * unhash, modulo 2^32.
 constexpr std::uint32_t sample_shift = 26;
 constexpr std::uint32_t sample_hash = 0x9e3779b1;
 constexpr std::uint32_t sample_unhash = 0x0e8b2f51;
@@ -39,7 +37,7 @@ Float3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_
   const glm::vec2& ray = sight.tables.rays[camera.first_pixel + std::size_t{v} * camera.pitch + u];
   const std::uint32_t raw = raw_at(sight, c, u, v);
   Float3 p;
-  p.z = raw >= camera.first_depth && ray.x < no_ray ? static_cast<float>(raw) * camera.depth_unit : 0.0F;
+  p.z = raw >= camera.first_depth && ray.x != sensing::no_ray ? static_cast<float>(raw) * camera.depth_unit : 0.0F;
   p.x = ray.x * p.z;
   p.y = ray.y * p.z;
   return p;
@@ -174,9 +172,8 @@ SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& fi
   SkinSamples samples;
   for (const std::uint32_t place : sample_contacts(finger)) {
     const Contact& contact = touch.contacts[place];
-    const glm::vec3& p = contact.position;
     const Float3 normal = normal_at(sight, contact.point);
-    if (dot3(normal, normal) > 0) samples.push_back({{p.x, p.y, p.z}, normal});
+    if (dot3(normal, normal) > 0) samples.push_back({float3(contact.position), normal});
   }
   return samples;
 }

@@ -68,9 +68,9 @@ float splitting_width(const Parameters& parameters) {
 
 using PerPart = std::array<std::uint32_t, most_samples>;
 
-/// Finds the parts of a wide cluster, and the part of each of its contacts: that of its nearest sample.
-void find_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, const Known& known, float width,
-                SplitWork::Wide& wide) {
+/// Fills `wide`: the parts of a cluster, and the part of each of its contacts: that of its nearest sample.
+void assign_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, const Known& known, float width,
+                  SplitWork::Wide& wide) {
   const bool by_insides = (known.rules & known_apart) != 0;
   const SkinSamples& samples = skin.samples;
   wide.parts =
@@ -79,8 +79,7 @@ void find_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, 
   wide.part_of.clear();
   if (!wide.parts.several()) return;
   for (const std::uint32_t i : touch.fingers[wide.finger].contacts) {
-    const glm::vec3& position = touch.contacts[i].position;
-    SkinSample here{{position.x, position.y, position.z}, {0, 0, 0}};
+    SkinSample here{float3(touch.contacts[i].position), {0, 0, 0}};
     if (by_insides) here.normal = normal_at(sight, touch.contacts[i].point);
     const bool has_inside = dot3(here.normal, here.normal) > 0;
     const Float3 p = has_inside ? inside_of(here, width) : here.position;
@@ -125,7 +124,8 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   const std::uint32_t count = out.finger_count;
   const bool apart = (known.rules & known_apart) != 0;
   enum class Fate : std::uint8_t { goes, stays, may_split };
-  std::array<Fate, max_fingers> fates{};
+  std::array<Fate, max_fingers> fates;
+  fates.fill(Fate::goes);
   std::uint32_t wide_count = 0;
   for (std::uint32_t f = 0; f < count; ++f) {
     const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
@@ -139,9 +139,11 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   }
   const auto find = [&](std::size_t, std::size_t begin, std::size_t end) {
     for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin))
-      find_parts(sight, out, skins[wide.finger], known, width, wide);
+      assign_parts(sight, out, skins[wide.finger], known, width, wide);
   };
-  wide_count > 1 ? parallel_chunks(wide_count, 1, find) : find(0, 0, wide_count);
+  // Other threads cost more than they gain for the few clusters of a hand.
+  constexpr std::uint32_t many = 4;
+  wide_count >= many ? parallel_chunks(wide_count, 1, find) : find(0, 0, wide_count);
 
   bool changed = false;
   std::uint32_t next_wide = 0;
@@ -179,8 +181,14 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     cluster.begin = static_cast<std::uint32_t>(work.contacts.size());
     work.contacts.insert(work.contacts.end(), all.begin(), all.end());
   }
-  std::ranges::sort(work.clusters, {}, &SplitWork::Cluster::first);
   const auto found = static_cast<std::uint32_t>(work.clusters.size());
+  if (found > max_fingers) {  // the largest stay
+    std::ranges::sort(work.clusters, [](const SplitWork::Cluster& a, const SplitWork::Cluster& b) {
+      return a.count != b.count ? a.count > b.count : a.first < b.first;
+    });
+    work.clusters.resize(max_fingers);
+  }
+  std::ranges::sort(work.clusters, {}, &SplitWork::Cluster::first);
   out.cluster_count = out.cluster_count - count + found;
   out.finger_count = std::min(found, max_fingers);
   if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);

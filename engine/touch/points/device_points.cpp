@@ -218,16 +218,16 @@ std::uint32_t DevicePoints::deep_count() const {
 void DevicePoints::check_room() const {
   const shader::TouchHeader& header = header_.as<shader::TouchHeader>()[0];
   if (header.points > room_.points) {
-    throw failure(
+    throw TooMuchSkin(
         fmt::format("{} skin points in one frame: there is room for {}; narrow the region that the cameras watch",
                     header.points, room_.points));
   }
   if (header.contacts > room_.contacts) {
-    throw failure(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
+    throw TooMuchSkin(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
                               header.contacts, room_.contacts));
   }
   if (deep_count() > room_.deep) {
-    throw failure(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid",
+    throw TooMuchSkin(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid",
                               deep_count(), room_.deep));
   }
 }

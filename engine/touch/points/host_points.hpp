@@ -1,6 +1,11 @@
 // Points in plain C++, on the calling thread.
 #pragma once
 
+#include <vector>
+
+#include "sensing/rays.hpp"
+#include "sensing/skin_twin.hpp"
+#include "touch/contacts/prepared_solids.hpp"
 #include "touch/points/points.hpp"
 
 namespace palpa::touch {

@@ -4,15 +4,17 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/math.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
-#include "sensing/skin_twin.hpp"
-#include "touch/contacts/contacts_twin.hpp"
+#include "shaders/sensing/skin.h"
+#include "touch/contacts/finger_reach.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -29,13 +31,19 @@ struct Skin {
   FingerReach reach{};
 };
 
+/// A frame has more points or contacts than there is room for.
+class TooMuchSkin : public Error {
+ public:
+  explicit TooMuchSkin(const std::string& line) : Error(failure(line)) {}
+};
+
 class Points {
  public:
   virtual ~Points() = default;
   /// Starts a frame. Everything that `skin` refers to stays as it is until finish().
   virtual void start(const Skin& skin) = 0;
   /// Fills the contacts, deep points and dropped points of `out`, and solid and contacts of its fingers: the clusters.
-  /// Adds the time of each part to `times`. Throws failure if the frame has more points than there is room for.
+  /// Adds the time of each part to `times`. Throws TooMuchSkin.
   virtual void finish(Touch& out, std::vector<gpu::PassTime>& times) = 0;
 };
 

@@ -273,7 +273,7 @@ TEST(SectorBorders, AreExactOnTheAxes) {
   const auto borders = sector_borders();
   ASSERT_EQ(borders.size(), 64u * 65 / 2);
   for (std::uint32_t foci = 1; foci <= max_foci; ++foci) {
-    const Border* of = &borders[foci * (foci - 1) / 2];
+    const Float2* of = &borders[foci * (foci - 1) / 2];
     EXPECT_EQ(of[0].x, 1.0F);
     EXPECT_EQ(of[0].y, 0.0F);
     if (foci % 4 == 0) {
