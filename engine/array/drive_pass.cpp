@@ -144,11 +144,8 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   const bool seeking = may_seek();
   if (pass_foci_ >= most_foci_ && !seeking) return;
   const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
-  host_drives_.assign(most, {0, Drive(batch_.transducers), {}});
-  for (HostDrive& made : host_drives_)
-    made.foci.reserve(seeking ? most_searched_foci : 0);
-  host_scratch_.resize(worker_count());
-  reserve(host_scratch_[0], layout_, options_, most_foci_);
+  host_drives_.assign(most, {0, Drive(batch_.transducers)});
+  host_slots_.reserve(layout_, options_, most, most_foci_);
   if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
 }
 
@@ -178,30 +175,23 @@ void DriveMemory::clear() {
   batch_.constraint = options_.constraint;
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
-  used_host_drives_ = 0;
+  host_slots_.clear();
+  solved_ = false;
 }
 
-DriveMemory::HostDrive& DriveMemory::add_host_slot() {
-  HostDrive& made = host_drives_[used_host_drives_++];
+bool DriveMemory::add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors) {
+  if (host_slots_.size() == host_drives_.size()) return false;
+  HostDrive& made = host_drives_[host_slots_.size()];
   made.slot = batch_.slots;
+  host_slots_.add(foci, factors, made.drive);
   slots_.as<shader::DriveSlot>()[batch_.slots++] = {used_foci_, 0, 0, shader::drive_unsolved};
   batch_.single = true;
-  return made;
+  return true;
 }
 
-/// Each thread has its share of the slots, one after the other. A single slot needs no other thread.
 void DriveMemory::solve_on_host() {
-  if (used_host_drives_ == 0) return;
-  const std::size_t share = chunk_count(used_host_drives_, host_scratch_.size());
-  const auto work = [&](std::size_t thread, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      HostDrive& made = host_drives_[i];
-      if (!made.foci.empty()) drive_for(layout_, made.foci, options_, made.drive, host_scratch_[thread]);
-      made.foci.clear();
-    }
-  };
-  if (used_host_drives_ == 1) return work(0, 0, 1);
-  parallel_chunks(used_host_drives_, share, work);
+  host_slots_.solve(layout_, options_);
+  solved_ = true;
 }
 
 bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
@@ -209,18 +199,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  const bool sought = seeks(foci, count);
-  if (count > pass_foci_ || sought) {
-    if (used_host_drives_ == host_drives_.size()) return false;
-    HostDrive& made = add_host_slot();
-    made.foci.clear();
-    if (sought) {
-      std::ranges::copy_if(foci, std::back_inserter(made.foci), drivable);
-    } else {
-      drive_for(layout_, foci, options_, made.drive, host_scratch_[0]);
-    }
-    return true;
-  }
+  if (count > pass_foci_ || seeks(foci, count)) return add_host_slot(foci, {});
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {
@@ -248,15 +227,9 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   assert(factors.size() == foci.size() && (by_factors_ || batch_.slots == 0));
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
-  if (count > pass_foci_ && used_host_drives_ == host_drives_.size()) return false;
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
-  if (count > pass_foci_) {
-    HostDrive& made = add_host_slot();
-    made.foci.clear();
-    drive_by_factors(layout_, foci, factors, options_, made.drive, host_scratch_[0]);
-    return true;
-  }
+  if (count > pass_foci_) return add_host_slot(foci, factors);
   shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
   slot = {used_foci_, static_cast<std::uint32_t>(count), 1, shader::drive_given};
   (count <= 1 ? batch_.single : batch_.weighted) = true;
@@ -311,10 +284,10 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 }
 
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
-  const std::span made = std::span(host_drives_).first(used_host_drives_);  // in the order of their slots
+  const std::span made = std::span(host_drives_).first(host_slots_.size());  // in the order of their slots
   const auto found = std::ranges::lower_bound(made, slot, {}, &HostDrive::slot);
   if (found != made.end() && found->slot == slot) {
-    assert(found->foci.empty());  // solve_on_host() has been called
+    assert(solved_);
     return found->drive;
   }
   return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);

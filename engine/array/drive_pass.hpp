@@ -9,6 +9,7 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/reach.hpp"
+#include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
@@ -104,7 +105,6 @@ class DriveMemory {
   struct HostDrive {
     std::uint32_t slot = 0;
     Drive drive;
-    std::vector<SlotFocus> foci;  ///< of drives that are still to be made
   };
 
   Layout layout_;
@@ -126,8 +126,8 @@ class DriveMemory {
   bool layout_sent_ = false;
   std::size_t pass_foci_ = 0;           ///< slots with more foci are computed on the host
   std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device; room for all slots of a batch
-  std::size_t used_host_drives_ = 0;
-  std::vector<DriveScratch> host_scratch_;  ///< one per thread
+  SlotDrives host_slots_;               ///< of the first host_drives_
+  bool solved_ = false;
   // Transducers that judge whether foci are near each other.
   Layout ears_;
   FreeField ears_field_;
@@ -140,7 +140,7 @@ class DriveMemory {
   /// Whether the solver seeks the phases of such slots, if foci are near each other.
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);
-  HostDrive& add_host_slot();
+  bool add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   void add_focus(const SlotFocus& focus, float gain);
 };
 

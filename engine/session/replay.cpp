@@ -43,14 +43,14 @@ ReplayStats replay(const PlayedFoci& played, const OutputSetting& setting, Link&
   PressureLog pressures(played.solids);
   array::Loudness loudness(setting.layout, setting.drive);
   SlotWork work;
-  array::DriveScratch scratch;
+  array::SlotDrives slots;
   Plan plan;
   if (!played.frames.empty()) player.skip_to(played.frames.front().slot);
   for (auto frame = played.frames.begin(); frame != played.frames.end() && !stop; ++frame) {
     list_nothing(plan);
     plan.schedule = frame->schedule;
     plan.captured_s = static_cast<double>(frame->slot) * setting.slot_s;
-    drive_on_host(plan, setting.layout, setting.drive, work, &loudness, scratch);
+    drive_on_host(plan, setting.layout, setting.drive, work, &loudness, slots);
     ++stats.frames;
     stats.touching += plan.schedule.voice_count > 0 ? 1 : 0;
     player.tell(plan);

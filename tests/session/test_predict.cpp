@@ -279,8 +279,8 @@ Plan plan_of(const array::Layout& layout, array::Schedule schedule, bool lists_s
   Plan plan;
   plan.schedule = std::move(schedule);
   SlotWork work{.lists_standing = lists_standing};
-  array::DriveScratch scratch;
-  drive_on_host(plan, layout, {}, work, nullptr, scratch);
+  array::SlotDrives slots;
+  drive_on_host(plan, layout, {}, work, nullptr, slots);
   return plan;
 }
 

@@ -32,8 +32,8 @@ SkinQuestion question(const Vec3& focus = {0, 0, 0.095}) {
   voice.order = {0};
   voice.modulation_hz = 0;
   SlotWork work;
-  array::DriveScratch scratch;
-  drive_on_host(q.plan, q.layout, q.drive, work, nullptr, scratch);
+  array::SlotDrives slots;
+  drive_on_host(q.plan, q.layout, q.drive, work, nullptr, slots);
   return q;
 }
 

@@ -27,8 +27,8 @@ session::SkinQuestion question() {
   voice.order = {0};
   voice.modulation_hz = 200;
   session::SlotWork work;
-  array::DriveScratch scratch;
-  session::drive_on_host(q.plan, q.layout, q.drive, work, nullptr, scratch);
+  array::SlotDrives slots;
+  session::drive_on_host(q.plan, q.layout, q.drive, work, nullptr, slots);
   return q;
 }
 

@@ -61,18 +61,15 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
 }
 
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
-                   array::Loudness* loudness, array::DriveScratch& scratch) {
+                   array::Loudness* loudness, array::SlotDrives& slots) {
   const std::size_t transducers = layout.transducers.size();
   plan.drives.clear();
+  slots.clear();
   plan_slots(plan, work, loudness, [&](const auto& foci, const auto& factors) {
-    plan.drives.resize(plan.drives.size() + transducers);
-    const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
-    if (factors.empty()) {
-      array::drive_for(layout, foci, options, out, scratch);
-    } else {
-      array::drive_by_factors(layout, foci, factors, options, out, scratch);
-    }
+    plan.drives.resize(plan.listed() * transducers);
+    slots.add(foci, factors, std::span(plan.drives).subspan(slots.size() * transducers, transducers));
   });
+  slots.solve(layout, options);
 }
 
 void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,

@@ -10,6 +10,7 @@
 #include "array/drive.hpp"
 #include "array/loudness.hpp"
 #include "array/schedule.hpp"
+#include "array/slot_drives.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
 
@@ -97,7 +98,7 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
 /// Fills a plan's drives on the host. `loudness`, made for this layout and these options, is needed if fingers may
 /// request a pressure.
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
-                   array::Loudness* loudness, array::DriveScratch& scratch);
+                   array::Loudness* loudness, array::SlotDrives& slots);
 
 /// A solver of the caller's: fills the drive of each transducer of the layout for foci that sound together. There is at
 /// least one focus. Amplitudes are 0 to 1. It is called on the thread that computes, and must not throw.

@@ -62,6 +62,8 @@ class FramePlanner : public Planner {
     if (drives && scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
     if (drives && sounds) on_fingers_.emplace(setting, scheduler, *sounds);
     if (drives && device) drive_passes_.emplace(*device, setting.drive.solver);
+    if (drives && !device && setting.live())
+      slot_drives_.reserve(setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers);
     // Frames overlap only where the device computes drives.
     flights_.resize(drive_passes_ && setting.live() ? 2 : 1);
     for (std::unique_ptr<Flight>& flight : flights_) {
@@ -196,7 +198,7 @@ class FramePlanner : public Planner {
       return false;
     }
     if (flight.drives) return flight.drives->start(plan, slot_work_);
-    drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, drive_scratch_);
+    drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, slot_drives_);
     watch.mark("drives");
     return false;
   }
@@ -215,7 +217,7 @@ class FramePlanner : public Planner {
 
   // Scratch that keeps its storage.
   SlotWork slot_work_;
-  array::DriveScratch drive_scratch_;
+  array::SlotDrives slot_drives_;
 };
 
 }  // namespace

@@ -148,8 +148,8 @@ session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, 
   result.aimed.resize(placed);
   array::Loudness loudness(layout, options);
   session::SlotWork work;
-  array::DriveScratch scratch;
-  session::drive_on_host(plan, layout, options, work, &loudness, scratch);
+  array::SlotDrives slots;
+  session::drive_on_host(plan, layout, options, work, &loudness, slots);
   return plan;
 }
 

@@ -33,8 +33,8 @@ class Played {
     voice.order = {0, 3, 2, 1};
     voice.modulation_hz = 0;
     session::SlotWork work;
-    array::DriveScratch scratch;
-    session::drive_on_host(plan_, *now.layout, now.drive, work, nullptr, scratch);
+    array::SlotDrives slots;
+    session::drive_on_host(plan_, *now.layout, now.drive, work, nullptr, slots);
     now.plan = &plan_;
     now.schedule = &plan_.schedule;
     now.slot = plan_.drive(0, now.layout->transducers.size());

@@ -327,7 +327,7 @@ TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
     voice.dwell_s = dwell;
   }
   session::SlotWork work;
-  array::DriveScratch drives;
+  array::SlotDrives drives;
   session::drive_on_host(snapshot.plan, scene->layout, scene->drive, work, nullptr, drives);
   ASSERT_TRUE(snapshot.plan.cycle.too_long);
 

@@ -1,0 +1,73 @@
+#include "array/slot_drives.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/parallel.hpp"
+
+namespace palpa::array {
+namespace {
+
+/// Starting a thread takes a twentieth of this. It also disturbs the thread that sends drives on time.
+constexpr double worth_threads_ms = 2;
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void SlotDrives::reserve(const Layout& layout, const DriveOptions& options, std::size_t slots, std::size_t foci) {
+  slots_.reserve(slots);
+  foci_.reserve(foci);
+  factors_.reserve(foci);
+  scratch_.resize(worker_count());
+  array::reserve(scratch_[0], layout, options, foci);
+}
+
+void SlotDrives::clear() {
+  slots_.clear();
+  foci_.clear();
+  factors_.clear();
+}
+
+void SlotDrives::add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors,
+                     std::span<TransducerDrive> out) {
+  slots_.push_back({foci_.size(), foci.size(), !factors.empty(), out});
+  foci_.insert(foci_.end(), foci.begin(), foci.end());
+  factors_.insert(factors_.end(), factors.begin(), factors.end());
+  factors_.resize(foci_.size());
+}
+
+void SlotDrives::solve(const Layout& layout, const DriveOptions& options) {
+  if (slots_.empty()) return;
+  if (scratch_.empty()) scratch_.resize(worker_count());
+  // A transfer other than the free field may have scratch of its own.
+  const bool side_by_side =
+      options.transfer == nullptr && slot_ms_ * static_cast<double>(slots_.size()) > worth_threads_ms;
+  const std::size_t threads = side_by_side ? std::min(scratch_.size(), slots_.size()) : 1;
+  const double begin_ms = now_ms();
+  if (threads == 1) {
+    solve(layout, options, slots_, scratch_[0]);
+  } else {
+    parallel_chunks(slots_.size(), chunk_count(slots_.size(), threads),
+                    [&](std::size_t thread, std::size_t begin, std::size_t end) {
+                      solve(layout, options, std::span(slots_).subspan(begin, end - begin), scratch_[thread]);
+                    });
+  }
+  slot_ms_ = (now_ms() - begin_ms) * static_cast<double>(threads) / static_cast<double>(slots_.size());
+}
+
+void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::span<const Slot> slots,
+                       DriveScratch& scratch) const {
+  for (const Slot& slot : slots) {
+    const auto foci = std::span(foci_).subspan(slot.begin, slot.count);
+    if (slot.by_factors) {
+      drive_by_factors(layout, foci, std::span(factors_).subspan(slot.begin, slot.count), options, slot.out, scratch);
+    } else {
+      drive_for(layout, foci, options, slot.out, scratch);
+    }
+  }
+}
+
+}  // namespace palpa::array

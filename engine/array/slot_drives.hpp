@@ -1,0 +1,48 @@
+// The drives of several slots on the host: side by side, if that pays.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layouts/layout.hpp"
+
+namespace palpa::array {
+
+/// Keeps its storage from batch to batch. All batches have the same layout and options.
+class SlotDrives {
+ public:
+  /// Reserves all that a batch needs for this many slots, with this many foci in all slots together.
+  void reserve(const Layout& layout, const DriveOptions& options, std::size_t slots, std::size_t foci);
+
+  void clear();
+  /// Adds a slot, whose drive solve() writes to `out`: one entry per transducer. `factors`: one per focus, for
+  /// drive_by_factors; empty: drive_for.
+  void add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors,
+           std::span<TransducerDrive> out);
+  std::size_t size() const { return slots_.size(); }
+
+  /// Computes the drives of all slots, with the same bytes on any number of threads. Other threads help only if the
+  /// slots take longer than it takes to start them, judged by those of the batch before.
+  void solve(const Layout& layout, const DriveOptions& options);
+
+ private:
+  struct Slot {
+    std::size_t begin = 0, count = 0;  ///< of `foci_`, and of `factors_`
+    bool by_factors = false;
+    std::span<TransducerDrive> out;
+  };
+  void solve(const Layout& layout, const DriveOptions& options, std::span<const Slot> slots,
+             DriveScratch& scratch) const;
+
+  std::vector<Slot> slots_;
+  std::vector<SlotFocus> foci_;
+  std::vector<std::complex<double>> factors_;
+  std::vector<DriveScratch> scratch_;  ///< one per thread
+  double slot_ms_ = 0;                 ///< processor time of one slot in the batch before
+};
+
+}  // namespace palpa::array
