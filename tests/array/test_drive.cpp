@@ -9,6 +9,7 @@
 #include <random>
 
 #include "array/free_drives.hpp"
+#include "array/slot_drives.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "support/thrown.hpp"
@@ -379,6 +380,40 @@ TEST(Medium, SoundSpeedAtATemperature) {
   EXPECT_ERROR(sound_speed_at(100.1), Exit::usage, "temperature 100.1");
   EXPECT_ERROR(sound_speed_at(std::nan("")), Exit::usage, "temperature nan");
   EXPECT_ERROR(sound_speed_at(INFINITY), Exit::usage, "temperature inf");
+}
+
+/// The first batch is solved by one thread, and the next ones by several.
+TEST(SlotDrives, AreTheSameOnAnyNumberOfThreads) {
+  const Layout layout = scattered(300, 5);
+  const DriveOptions options{.constraint = Constraint::uniform, .solver = Solver::gs_pat};
+  std::vector<std::vector<SlotFocus>> foci(40);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> place(-0.2, 0.2);
+  for (std::size_t slot = 0; slot < foci.size(); ++slot) {
+    for (std::size_t j = 0; j < slot % 9; ++j)
+      foci[slot].push_back({.position = {place(random), place(random), place(random)}});
+  }
+  const std::vector<Complex> factors{{0.5, 0.1}, {-0.2, 0.3}};
+  SlotDrives slots;
+  for (int batch = 0; batch < 3; ++batch) {
+    std::vector<Drive> drives(foci.size() + 1, Drive(layout.transducers.size()));
+    slots.clear();
+    for (std::size_t slot = 0; slot < foci.size(); ++slot)
+      slots.add(foci[slot], {}, drives[slot]);
+    slots.add(foci[2], factors, drives.back());
+    slots.solve(layout, options);
+    const auto same = [](const Drive& a, const Drive& b) {
+      return std::ranges::equal(a, b, [](const TransducerDrive& x, const TransducerDrive& y) {
+        return x.amplitude == y.amplitude && x.phase == y.phase;
+      });
+    };
+    for (std::size_t slot = 0; slot < foci.size(); ++slot)
+      EXPECT_TRUE(same(drives[slot], drive_for(layout, foci[slot], options))) << batch << ": " << slot;
+    Drive given(layout.transducers.size());
+    DriveScratch scratch;
+    drive_by_factors(layout, foci[2], factors, options, given, scratch);
+    EXPECT_TRUE(same(drives.back(), given)) << batch;
+  }
 }
 
 }  // namespace

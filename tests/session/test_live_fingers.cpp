@@ -21,6 +21,7 @@
 #include "sensing/skin_twin.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/loop/live_fingers.hpp"
+#include "session/plan/finger_drives.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/shared_data.hpp"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "session/plan/plan.hpp"
 #include "session/links/safe_link.hpp"
+#include "session/plan/plan.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {

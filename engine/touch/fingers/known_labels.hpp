@@ -48,7 +48,7 @@ struct FingerSkin {
 };
 FingerSkin look_at(const Sight& sight, const Known& known, const Touch& touch, const Finger& finger);
 
-/// Of the fingers of a touch; room for max_fingers.
+/// One for each finger of a touch; room for max_fingers.
 using FingerSkins = std::vector<FingerSkin>;
 
 }  // namespace palpa::touch

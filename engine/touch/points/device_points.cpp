@@ -223,12 +223,13 @@ void DevicePoints::check_room() const {
                     header.points, room_.points));
   }
   if (header.contacts > room_.contacts) {
-    throw TooMuchSkin(fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
-                              header.contacts, room_.contacts));
+    throw TooMuchSkin(
+        fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
+                    header.contacts, room_.contacts));
   }
   if (deep_count() > room_.deep) {
     throw TooMuchSkin(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid",
-                              deep_count(), room_.deep));
+                                  deep_count(), room_.deep));
   }
 }
 

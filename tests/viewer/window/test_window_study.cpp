@@ -97,7 +97,7 @@ TEST_F(WindowStudy, AWholeStudyIsKilledTwiceAndHasTheSameAnalysis) {
   int kills = 0;
   // A program that has stood still during a touch pauses, and the rehearsal then stops. A slow machine can cause that.
   // The same command continues, as after a kill.
-  constexpr std::size_t most_starts = 12;
+  constexpr std::size_t most_starts = 40;
   while (entries_in(journal, "\"finish\"") == 0 && starts < most_starts) {
     const Unread err = Unread::file(said);
     options.err = &err;
@@ -211,7 +211,11 @@ TEST_F(WindowStudy, ARehearsalThatPausesSaysWhy) {
   const LiveRun::End end = study.run().wait(20);
   EXPECT_TRUE(end.ended);
   EXPECT_EQ(end.exit_code, 1) << study.said();
-  EXPECT_NE(study.said().find(": error: the program stood still"), std::string::npos) << study.said();
+  // The first of its threads that runs again says what it sees: that time has passed, or that no drives have.
+  const std::string said = study.said();
+  EXPECT_TRUE(said.find(": error: the program stood still") != std::string::npos ||
+              said.find(": error: the array takes no drives") != std::string::npos)
+      << said;
   study.expect_silence();
 }
 
