@@ -144,8 +144,10 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   const bool seeking = may_seek();
   if (pass_foci_ >= most_foci_ && !seeking) return;
   const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
-  host_drives_.assign(most, {0, Drive(batch_.transducers)});
+  most_host_slots_ = most;
   host_slots_.reserve(layout_, options_, most, most_foci_);
+  host_numbers_.reserve(most);
+  host_drives_.reserve(most * batch_.transducers);
   if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
 }
 
@@ -176,21 +178,22 @@ void DriveMemory::clear() {
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
   host_slots_.clear();
+  host_numbers_.clear();
   solved_ = false;
 }
 
 bool DriveMemory::add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors) {
-  if (host_slots_.size() == host_drives_.size()) return false;
-  HostDrive& made = host_drives_[host_slots_.size()];
-  made.slot = batch_.slots;
-  host_slots_.add(foci, factors, made.drive);
+  if (host_slots_.size() == most_host_slots_) return false;
+  host_numbers_.push_back(batch_.slots);
+  host_slots_.add(foci, factors);
   slots_.as<shader::DriveSlot>()[batch_.slots++] = {used_foci_, 0, 0, shader::drive_unsolved};
   batch_.single = true;
   return true;
 }
 
 void DriveMemory::solve_on_host() {
-  host_slots_.solve(layout_, options_);
+  host_drives_.resize(host_slots_.size() * batch_.transducers);
+  host_slots_.solve(layout_, options_, host_drives_);
   solved_ = true;
 }
 
@@ -284,13 +287,13 @@ void DriveMemory::record(VkCommandBuffer commands, const DrivePasses& passes) {
 }
 
 std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
-  const std::span made = std::span(host_drives_).first(host_slots_.size());  // in the order of their slots
-  const auto found = std::ranges::lower_bound(made, slot, {}, &HostDrive::slot);
-  if (found != made.end() && found->slot == slot) {
-    assert(solved_);
-    return found->drive;
-  }
-  return drives_.as<TransducerDrive>().subspan(std::size_t{slot} * batch_.transducers, batch_.transducers);
+  const std::size_t transducers = batch_.transducers;
+  const auto found = std::ranges::lower_bound(host_numbers_, slot);  // they ascend
+  if (found == host_numbers_.end() || *found != slot)
+    return drives_.as<TransducerDrive>().subspan(slot * transducers, transducers);
+  assert(solved_);
+  return std::span(host_drives_)
+      .subspan(static_cast<std::size_t>(found - host_numbers_.begin()) * transducers, transducers);
 }
 
 }  // namespace palpa::array

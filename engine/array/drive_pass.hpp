@@ -102,11 +102,6 @@ class DriveMemory {
   std::span<const TransducerDrive> drive(std::uint32_t slot) const;
 
  private:
-  struct HostDrive {
-    std::uint32_t slot = 0;
-    Drive drive;
-  };
-
   Layout layout_;
   DriveOptions options_;
   Reach reach_{Layout{}};
@@ -124,9 +119,12 @@ class DriveMemory {
   std::uint32_t used_foci_ = 0, used_entries_ = 0;
   bool by_factors_ = false;
   bool layout_sent_ = false;
-  std::size_t pass_foci_ = 0;           ///< slots with more foci are computed on the host
-  std::vector<HostDrive> host_drives_;  ///< of slots that are silent on the device; room for all slots of a batch
-  SlotDrives host_slots_;               ///< of the first host_drives_
+  std::size_t pass_foci_ = 0;  ///< slots with more foci are computed on the host
+  // Slots that are silent on the device, and computed on the host.
+  SlotDrives host_slots_;
+  std::size_t most_host_slots_ = 0;
+  std::vector<std::uint32_t> host_numbers_;  ///< which slots of the batch they are
+  Drive host_drives_;                        ///< one after the other
   bool solved_ = false;
   // Transducers that judge whether foci are near each other.
   Layout ears_;

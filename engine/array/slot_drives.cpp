@@ -1,6 +1,7 @@
 #include "array/slot_drives.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 
 #include "base/parallel.hpp"
@@ -31,15 +32,15 @@ void SlotDrives::clear() {
   factors_.clear();
 }
 
-void SlotDrives::add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors,
-                     std::span<TransducerDrive> out) {
-  slots_.push_back({foci_.size(), foci.size(), !factors.empty(), out});
+void SlotDrives::add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors) {
+  slots_.push_back({foci_.size(), foci.size(), !factors.empty()});
   foci_.insert(foci_.end(), foci.begin(), foci.end());
   factors_.insert(factors_.end(), factors.begin(), factors.end());
   factors_.resize(foci_.size());
 }
 
-void SlotDrives::solve(const Layout& layout, const DriveOptions& options) {
+void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out) {
+  assert(out.size() == slots_.size() * layout.transducers.size());
   if (slots_.empty()) return;
   if (scratch_.empty()) scratch_.resize(worker_count());
   // A transfer other than the free field may have scratch of its own.
@@ -48,24 +49,27 @@ void SlotDrives::solve(const Layout& layout, const DriveOptions& options) {
   const std::size_t threads = side_by_side ? std::min(scratch_.size(), slots_.size()) : 1;
   const double begin_ms = now_ms();
   if (threads == 1) {
-    solve(layout, options, slots_, scratch_[0]);
+    solve(layout, options, 0, slots_.size(), out, scratch_[0]);
   } else {
     parallel_chunks(slots_.size(), chunk_count(slots_.size(), threads),
                     [&](std::size_t thread, std::size_t begin, std::size_t end) {
-                      solve(layout, options, std::span(slots_).subspan(begin, end - begin), scratch_[thread]);
+                      solve(layout, options, begin, end, out, scratch_[thread]);
                     });
   }
   slot_ms_ = (now_ms() - begin_ms) * static_cast<double>(threads) / static_cast<double>(slots_.size());
 }
 
-void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::span<const Slot> slots,
-                       DriveScratch& scratch) const {
-  for (const Slot& slot : slots) {
+void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::size_t begin, std::size_t end,
+                       std::span<TransducerDrive> out, DriveScratch& scratch) const {
+  const std::size_t transducers = layout.transducers.size();
+  for (std::size_t i = begin; i < end; ++i) {
+    const Slot& slot = slots_[i];
     const auto foci = std::span(foci_).subspan(slot.begin, slot.count);
+    const auto drive = out.subspan(i * transducers, transducers);
     if (slot.by_factors) {
-      drive_by_factors(layout, foci, std::span(factors_).subspan(slot.begin, slot.count), options, slot.out, scratch);
+      drive_by_factors(layout, foci, std::span(factors_).subspan(slot.begin, slot.count), options, drive, scratch);
     } else {
-      drive_for(layout, foci, options, slot.out, scratch);
+      drive_for(layout, foci, options, drive, scratch);
     }
   }
 }

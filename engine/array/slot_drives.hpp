@@ -19,24 +19,22 @@ class SlotDrives {
   void reserve(const Layout& layout, const DriveOptions& options, std::size_t slots, std::size_t foci);
 
   void clear();
-  /// Adds a slot, whose drive solve() writes to `out`: one entry per transducer. `factors`: one per focus, for
-  /// drive_by_factors; empty: drive_for.
-  void add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors,
-           std::span<TransducerDrive> out);
+  /// Adds the next slot. `factors`: one per focus, for drive_by_factors; empty: drive_for.
+  void add(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   std::size_t size() const { return slots_.size(); }
 
-  /// Computes the drives of all slots, with the same bytes on any number of threads. Other threads help only if the
-  /// slots take longer than it takes to start them, judged by those of the batch before.
-  void solve(const Layout& layout, const DriveOptions& options);
+  /// Writes the drives of all slots to `out`, slot after slot, one entry per transducer, with the same bytes on any
+  /// number of threads. Other threads help only if the slots take longer than it takes to start them, judged by those
+  /// of the batch before.
+  void solve(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out);
 
  private:
   struct Slot {
     std::size_t begin = 0, count = 0;  ///< of `foci_`, and of `factors_`
     bool by_factors = false;
-    std::span<TransducerDrive> out;
   };
-  void solve(const Layout& layout, const DriveOptions& options, std::span<const Slot> slots,
-             DriveScratch& scratch) const;
+  void solve(const Layout& layout, const DriveOptions& options, std::size_t begin, std::size_t end,
+             std::span<TransducerDrive> out, DriveScratch& scratch) const;
 
   std::vector<Slot> slots_;
   std::vector<SlotFocus> foci_;

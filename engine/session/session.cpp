@@ -225,15 +225,18 @@ const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
+  if (!state_->setting.cameras.empty()) throw bad_usage("a session with cameras takes depth frames, not skin points");
   return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
+  if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s,
                                    std::uint64_t first_slot) {
+  if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 

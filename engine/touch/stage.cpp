@@ -1,5 +1,7 @@
 #include "touch/stage.hpp"
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/pixel_stride.hpp"
@@ -43,7 +45,7 @@ std::uint32_t Stage::most_pixel_stride() const {
 }
 
 void Stage::start(std::span<const sensing::DepthFrame> images, double time_s) {
-  if (cameras_.empty()) throw bad_usage("without cameras, skin comes as points, not as depth frames");
+  if (cameras_.empty()) throw bad_usage("a stage without cameras takes skin points, not depth frames");
   sensing::check_frames(tables_, images);
   const Box box = setting_.watched(touchable_box(solids_), true);
   sensing::plan_crops(cameras_, tables_, box, crops_);
@@ -53,7 +55,7 @@ void Stage::start(std::span<const sensing::DepthFrame> images, double time_s) {
 }
 
 void Stage::start(std::span<const sensing::SkinPoint> points, double time_s) {
-  if (!cameras_.empty()) throw bad_usage("with cameras, skin comes as depth frames, not as points");
+  if (!cameras_.empty()) throw bad_usage("a stage with cameras takes depth frames, not skin points");
   start(Skin{.points = points}, time_s);
 }
 

@@ -111,6 +111,11 @@ TEST_P(Touching, TakesDepthFrames) {
   EXPECT_EQ(kinds(session.events()), "touch press");
   EXPECT_ERROR(session.touch(finger_at({}), 0.1), Exit::usage, "a session with cameras");
   EXPECT_ERROR(make({.solids = cube(0.001)}).touch(set.frames, 0), Exit::usage, "a session without cameras");
+  set.frames[1].depth.pop_back();
+  EXPECT_ERROR(session.touch(set.frames, 0.2), Exit::usage,
+               "depth frame 1 has 407039 pixels, but its camera has 848x480");
+  set.frames.pop_back();
+  EXPECT_ERROR(session.touch(set.frames, 0.2), Exit::usage, "2 depth frames for 3 cameras");
 }
 
 TEST_P(Touching, RefusesWhatCannotSound) {

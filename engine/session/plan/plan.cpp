@@ -63,13 +63,10 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
                    array::Loudness* loudness, array::SlotDrives& slots) {
   const std::size_t transducers = layout.transducers.size();
-  plan.drives.clear();
   slots.clear();
-  plan_slots(plan, work, loudness, [&](const auto& foci, const auto& factors) {
-    plan.drives.resize(plan.listed() * transducers);
-    slots.add(foci, factors, std::span(plan.drives).subspan(slots.size() * transducers, transducers));
-  });
-  slots.solve(layout, options);
+  plan_slots(plan, work, loudness, [&](const auto& foci, const auto& factors) { slots.add(foci, factors); });
+  plan.drives.resize(slots.size() * transducers);
+  slots.solve(layout, options, plan.drives);
 }
 
 void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,

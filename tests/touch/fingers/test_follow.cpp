@@ -41,6 +41,7 @@ class Sequence {
     follow_fingers(tracks_, tracks_.clock.elapsed_us(time_s), setting_, touch_);
     return touch_;
   }
+  void forget() { tracks_.clock = {}; }
   Ids ids(const std::vector<glm::vec3>& places, double time_s, std::uint32_t solid = 0) {
     std::vector<Finger> fingers;
     fingers.reserve(places.size());
@@ -69,6 +70,12 @@ constexpr double frame_90 = 1.0 / 90, frame_15 = 1.0 / 15;
 TEST_F(Follow, KeepsIdsWhileTheOrderOfFingersChanges) {
   EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.05F, 0, 0}}, 0), (Ids{0, 1}));
   EXPECT_EQ(sequence_.ids({{0.051F, 0, 0}, {0.002F, 0, 0}}, frame_90), (Ids{1, 0}));
+}
+
+TEST_F(Follow, NeverUsesAnIdAgain) {
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}, {0.05F, 0, 0}}, 0), (Ids{0, 1}));
+  sequence_.forget();
+  EXPECT_EQ(sequence_.ids({{0, 0, 0}}, frame_90), (Ids{2}));
 }
 
 TEST_F(Follow, GivesNewIdsAtBirthAndRemembersForAWhile) {
