@@ -65,8 +65,8 @@ feedback = true
 [[block]]
 kind = "trial"
 [[block]]
-kind = "same-different"
-between_s = 0.05
+kind = "practice"
+repeats = 2
 [[block]]
 kind = "rest"
 rest_s = 0.05

@@ -38,7 +38,8 @@ feedback = true
 [[block]]
 kind = "trial"
 [[block]]
-kind = "same-different"
+kind = "practice"
+repeats = 2
 [[block]]
 kind = "rest"
 rest_s = 0.05

@@ -45,26 +45,24 @@ TEST(Distributions, ChiSquare) {
 
 struct ProportionCase {
   std::uint64_t k, n;
-  double exact_low, exact_high, wilson_low, wilson_high, tail;
+  double exact_low, exact_high, tail;
 };
 constexpr ProportionCase proportion_cases[]{
-    {156, 400, 0.3419209849, 0.4397193331, 0.3434641112, 0.4386285936, 4.903515775e-10},
-    {261, 400, 0.6035898773, 0.6991342556, 0.6045847907, 0.6975139595, 2.533545129e-64},
-    {26, 100, 0.1773944379, 0.3573120631, 0.1840469846, 0.3537098945, 0.4465291762},
-    {74, 100, 0.6426879369, 0.8226055621, 0.6462901055, 0.8159530154, 1.250100861e-24},
-    {0, 10, 0, 0.3084971078, 0, 0.2775327999, 1},
-    {10, 10, 0.6915028922, 1, 0.7224672001, 1, 9.536743164e-07},
-    {7, 10, 0.3475471499, 0.9332604888, 0.3967781475, 0.8922087326, 0.003505706787},
+    {156, 400, 0.3419209849, 0.4397193331, 4.903515775e-10},
+    {261, 400, 0.6035898773, 0.6991342556, 2.533545129e-64},
+    {26, 100, 0.1773944379, 0.3573120631, 0.4465291762},
+    {74, 100, 0.6426879369, 0.8226055621, 1.250100861e-24},
+    {0, 10, 0, 0.3084971078, 1},
+    {10, 10, 0.6915028922, 1, 9.536743164e-07},
+    {7, 10, 0.3475471499, 0.9332604888, 0.003505706787},
 };
 
 TEST(Distributions, Proportions) {
   for (const ProportionCase& c : proportion_cases) {
     SCOPED_TRACE(c.k);
-    const Interval exact = clopper_pearson(c.k, c.n), approximate = wilson(c.k, c.n);
+    const Interval exact = clopper_pearson(c.k, c.n);
     EXPECT_NEAR(exact.low, c.exact_low, 1e-10);
     EXPECT_NEAR(exact.high, c.exact_high, 1e-10);
-    EXPECT_NEAR(approximate.low, c.wilson_low, 1e-10);
-    EXPECT_NEAR(approximate.high, c.wilson_high, 1e-10);
     expect_relative(binomial_tail(c.k, c.n, 0.25), c.tail);
   }
 }

@@ -64,7 +64,7 @@ TEST(EventsFile, AFaultyRowIsLeftOutWithItsLine) {
       {"2\t10\ttrial\tm\tcube\tcube\tinf\tanswered", "response_time 'inf' is not a time"},
       {"2\t10\ttrial\tm\tcube\tcube\t1,5\tanswered", "response_time '1,5' is not a time"},
       {"2\t10\ttrail\tm\tcube\tcube\t1\tanswered",
-       "trial_type 'trail' is not familiarise, free, practice, trial, same-different,"},
+       "trial_type 'trail' is not familiarise, free, practice, trial or rest"},
       {"2\t10\ttrial\tm\tcube\tcube\t1\tok", "status 'ok' is not answered, done or void"},
       {"2\t10\ttrial\tm\tcube\tn/a\t1\tanswered", "an answered trial has no answer"},
       {"2\t10\ttrial\t\tcube\tcube\t1\tanswered", "an answered trial has no method"},

@@ -62,13 +62,13 @@ TEST(Order, DependsOnPlanAndParticipantOnly) {
 TEST(Order, IsWrittenOutAndStaysTheSame) {
   const StudyPlan plan = paper();
   const std::string csv = order_csv(plan, order_of(plan, 1));
-  EXPECT_EQ(csv.substr(0, csv.find('\n')), "step,kind,method,shape,second_shape");
-  EXPECT_NE(csv.find("\n5,free,single-focus,,\n6,practice,single-focus,semi-sphere,\n"), std::string::npos) << csv;
+  EXPECT_EQ(csv.substr(0, csv.find('\n')), "step,kind,method,shape");
+  EXPECT_NE(csv.find("\n5,free,single-focus,\n6,practice,single-focus,semi-sphere\n"), std::string::npos) << csv;
   // The first trials of participant 1, for ever: a study that has begun must go on with the same order.
   const std::size_t seventh = csv.find("\n7,");
   EXPECT_EQ(csv.substr(seventh + 1, csv.find("\n11,") - seventh),
-            "7,trial,single-focus,cube,\n8,trial,single-focus,pyramid,\n9,trial,single-focus,prism,\n"
-            "10,trial,single-focus,pyramid,\n");
+            "7,trial,single-focus,cube\n8,trial,single-focus,pyramid\n9,trial,single-focus,prism\n"
+            "10,trial,single-focus,pyramid\n");
 }
 
 TEST(Order, TheFirstTrialSpreadsOverShapes) {
@@ -141,22 +141,20 @@ TEST(Order, NoShapeTwiceInARow) {
   }
 }
 
-TEST(Order, PairsAndBlocksThatComeOnce) {
+TEST(Order, RepeatsAndBlocksThatComeOnce) {
   StudyPlan plan = paper();
   plan.blocks = {{.kind = BlockKind::rest, .once = true},
-                 {.kind = BlockKind::same_different, .shapes = {0, 1, 2}, .repeats = 2},
-                 {.kind = BlockKind::two_interval, .shapes = {0, 1, 2}, .repeats = 1},
-                 {.kind = BlockKind::rating, .shapes = {0, 1}, .repeats = 3}};
+                 {.kind = BlockKind::practice, .shapes = {2, 0, 1}, .repeats = 2},
+                 {.kind = BlockKind::trial, .shapes = {0, 1}, .repeats = 3}};
   const std::vector<Step> steps = order_of(plan, 4);
   EXPECT_EQ(steps.size(), count_steps(plan));
   EXPECT_EQ(count(plan, steps, BlockKind::rest), 1u);
-  EXPECT_EQ(count(plan, steps, BlockKind::same_different), 2u * 24);
-  EXPECT_EQ(count(plan, steps, BlockKind::two_interval), 2u * 6);
-  EXPECT_EQ(count(plan, steps, BlockKind::rating), 2u * 6);
-  std::size_t same = 0;
-  for (const Step& step : steps)
-    same += step.second && step.second == step.shape ? 1 : 0;
-  EXPECT_EQ(same, 2u * 12) << "half of the pairs of same-different, none of two-interval";
+  EXPECT_EQ(count(plan, steps, BlockKind::practice), 2u * 6);
+  EXPECT_EQ(count(plan, steps, BlockKind::trial), 2u * 6);
+  EXPECT_FALSE(steps[0].shape);
+  const std::uint32_t practised[]{2, 0, 1, 2, 0, 1};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(steps[1 + i].shape, practised[i]) << "in the order of the plan";
 }
 
 }  // namespace

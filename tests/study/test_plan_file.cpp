@@ -113,13 +113,11 @@ kind = "rest"
 rest_s = 30
 once = true
 [[block]]
-kind = "same-different"
+kind = "practice"
 repeats = 2
-between_s = 1
 feedback = true
 [[block]]
-kind = "rating"
-ratings = 5
+kind = "familiarise"
 shapes = ["ball"]
 text = "How round?"
 [texts.en]
@@ -138,8 +136,8 @@ end = "Bye"
   EXPECT_EQ(instruction_of(plan, plan.blocks[2]), "How round?");
   EXPECT_EQ(plan.text(TextId::end), "Bye");
   EXPECT_NE(plan.text(TextId::consent), "");
-  // Two methods, 2 ordered pairs and as many equal ones, 2 repeats, 2 touches, 10 s; and a rating of one shape.
-  EXPECT_DOUBLE_EQ(sounding_s(plan), 2 * (4 * 2 * 2 * 10 + 10));
+  // Two methods: 2 shapes practised twice for 10 s, and one that is shown.
+  EXPECT_DOUBLE_EQ(sounding_s(plan), 2 * (2 * 2 * 10 + 10));
 }
 
 TEST(PlanFile, AnotherLanguageHasEveryText) {
@@ -187,7 +185,10 @@ TEST(PlanFile, OneLineForEachFault) {
       {good + "[level]\nceiling = 1.5\n", "ceiling"},
       {good + "[level]\nright_ear_mm = [1, 2]\n", "right_ear_mm"},
       {good + "[level]\nright_ear_mm = [1, 2, 30000]\n", "10 m away"},
-      {block + "kind = \"jump\"\n", "should be familiarise, free"},
+      {block + "kind = \"jump\"\n", "should be familiarise, free, practice, trial or rest"},
+      {block + "kind = \"same-different\"\n", "should be familiarise, free, practice, trial or rest"},
+      {block + "kind = \"two-interval\"\n", "should be familiarise, free, practice, trial or rest"},
+      {block + "kind = \"rating\"\n", "kind is 'rating'; it should be familiarise, free, practice, trial or rest"},
       {block + "repeats = 3\n", "kind"},
       {block + "kind = \"trial\"\nrepeats = 0\n", "repeats"},
       {block + "kind = \"trial\"\nshapes = [\"ball\"]\n", "needs at least 2 shapes"},
@@ -195,10 +196,10 @@ TEST(PlanFile, OneLineForEachFault) {
       {block + "kind = \"practice\"\nshapes = [\"cone\"]\n", "'cone' is not a [[shape]]"},
       {block + "kind = \"free\"\nrepeats = 2\n", "repeats has no effect in a block 'free'"},
       {block + "kind = \"rest\"\nshapes = [\"ball\"]\n", "shapes has no effect"},
-      {block + "kind = \"trial\"\nbetween_s = 2\n", "between_s has no effect"},
-      {block + "kind = \"rating\"\nfeedback = true\n", "feedback has no effect"},
-      {block + "kind = \"rating\"\nratings = 1\n", "ratings"},
-      {block + "kind = \"rating\"\nshapes = [\"ball\"]\napart = true\n", "apart needs two shapes"},
+      {block + "kind = \"trial\"\nbetween_s = 2\n", "between_s"},
+      {block + "kind = \"trial\"\nratings = 5\n", "ratings"},
+      {block + "kind = \"rest\"\nfeedback = true\n", "feedback has no effect in a block 'rest'"},
+      {block + "kind = \"practice\"\napart = true\n", "apart has no effect in a block 'practice'"},
       {block + "kind = \"trial\"\ntext = \"a\\u0007b\"\n", "one line"},
       {block + "kind = \"trial\"\ntext = \"\"\n", "not empty"},
       {block + "kind = \"trial\"\nrepeats = 1000\ntouch_s = 3600\n", "would touch for"},

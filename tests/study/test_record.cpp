@@ -71,8 +71,8 @@ TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   EXPECT_EQ(sidecar["LeastTrials"], 3) << "three quarters of four";
   EXPECT_EQ(sidecar["StartTimeUtc"].get<std::string>().back(), 'Z');
   const json stimuli = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_stimuli.json")));
-  // Each method: 2 familiarisations, 1 exploration, 1 practice, 4 trials, 4 pairs of touches.
-  EXPECT_EQ(stimuli["touches"].size(), 2u * (2 + 1 + 1 + 4 + 8));
+  // Each method: 2 familiarisations, 1 exploration, 1 practice, 4 trials, 4 more practices.
+  EXPECT_EQ(stimuli["touches"].size(), 2u * (2 + 1 + 1 + 4 + 4));
   EXPECT_EQ(stimuli["touches"][0]["layout"], "paper");
   const Study read = study();
   ASSERT_EQ(read.participants.size(), 1u);

@@ -241,23 +241,6 @@ TEST_F(SittingTest, AClockThatGoesBackStandsStill) {
   EXPECT_EQ(one.next_ns(), now_ + 50 * ms);
 }
 
-TEST_F(SittingTest, TwoTouchesWithSilenceBetween) {
-  Sitting one = sitting();
-  begin(one, BlockKind::same_different);
-  const Step step = one.agenda().step(*one.agenda().current());
-  EXPECT_EQ(one.presented().shape, *step.shape);
-  one.advance(now_ += 50 * ms);
-  EXPECT_EQ(one.screen(), Screen::between);
-  EXPECT_FALSE(one.presented().sounds);
-  one.advance(now_ += 500 * ms);
-  EXPECT_TRUE(one.presented().sounds);
-  EXPECT_EQ(one.presented().shape, *step.second);
-  one.advance(now_ += 50 * ms);
-  EXPECT_EQ(one.choices().size(), 2u);
-  one.answer(0, now_);
-  EXPECT_EQ(written_.back().text, "same");
-}
-
 TEST_F(SittingTest, PauseBetweenTrialsVoidsNothing) {
   Sitting one = sitting();
   consent(one);

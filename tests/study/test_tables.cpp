@@ -27,17 +27,14 @@ TEST(Tables, ThePapersAccuracies) {
     EXPECT_NEAR(precision(two, i).value(), more[i], 5e-4);
   }
   EXPECT_EQ(one.column(1), 127u);
-  EXPECT_NEAR(kappa(one).value(), 0.1866666667, 1e-10);
-  EXPECT_NEAR(kappa(two).value(), 0.5366666667, 1e-10);
 }
 
 TEST(Tables, WithoutTrialsThereAreNoShares) {
   const Confusion empty({"a", "b"});
-  EXPECT_FALSE(recall(empty, 0) || precision(empty, 0) || kappa(empty) || dprime(0, 0, 2));
+  EXPECT_FALSE(recall(empty, 0) || precision(empty, 0) || dprime(0, 0, 2));
   EXPECT_EQ(accuracy(empty), 0);
   Confusion one({"a", "b"});
   one.at(0, 0) = 7;
-  EXPECT_FALSE(kappa(one)) << "chance alone is right";
   EXPECT_FALSE(recall(one, 1));
 }
 
@@ -83,8 +80,6 @@ TEST(Information, OfThePapersTables) {
   EXPECT_EQ(one.most_bits, 2);
   EXPECT_NEAR(one.chi_square, 70.76176421, 1e-8);
   EXPECT_NEAR(two.chi_square, 390.4944158, 1e-7);
-  EXPECT_NEAR(one.cramers_v, 0.2428335579, 1e-10);
-  EXPECT_NEAR(two.cramers_v, 0.5704489575, 1e-10);
   EXPECT_EQ(information(Confusion({"a", "b"})).bits, 0);
 }
 
@@ -103,8 +98,6 @@ TEST(TwoTables, ThePapersBesideEachOther) {
   EXPECT_NEAR(found.all.p / 2.188449344e-13, 1, 1e-7);
   EXPECT_NEAR(found.all.p_likelihood_ratio / 1.903254091e-14, 1, 1e-7);
   EXPECT_NEAR(found.correct.chi_square, 55.2247497, 1e-6);
-  EXPECT_NEAR(found.correct_yates, 54.17785876, 1e-7);
-  EXPECT_NEAR(found.p_correct_yates / 1.831388728e-13, 1, 1e-7);
   ASSERT_TRUE(found.errors);
   EXPECT_NEAR(found.errors->r, 0.589, 5e-4);
 }

@@ -43,7 +43,7 @@ bool waits_for_press(Screen screen) {
 }
 
 bool masks(Screen screen) {
-  return begins(screen) || screen == Screen::touching || screen == Screen::between || screen == Screen::question;
+  return begins(screen) || screen == Screen::touching || screen == Screen::question;
 }
 
 std::string to_text(const study::TouchLosses& losses) {
@@ -167,9 +167,6 @@ void Conductor::participant(const WindowEvent& event, std::optional<std::size_t>
       // An answer that comes too early is no wish for silence.
       if (key && answers_early(button)) return;
       return act(Act::any_key, at_ns);
-    case Screen::between:
-      if (key) answers_early(button);
-      return;
     case Screen::setup:
     case Screen::rest:
     case Screen::paused:
@@ -329,7 +326,7 @@ void Conductor::advance() {
   }
   sitting_->advance(now);
   follow_touch();
-  early_ = early_ && (sitting_->screen() == Screen::touching || sitting_->screen() == Screen::between);
+  early_ = early_ && sitting_->screen() == Screen::touching;
   masking_->play(masks(sitting_->screen()));
   if (sitting_->presented().sounds) {
     const Clock::time_point end = begin_ + std::chrono::nanoseconds(*sitting_->next_ns());
@@ -374,7 +371,6 @@ ParticipantView Conductor::participant_view() const {
       break;
     }
     case Screen::touching:
-    case Screen::between:
       if (early_) view.hint = plan_->text(study::TextId::not_yet);
       if (sitting_->block().kind == study::BlockKind::free) view.hint = plan_->label(view.shape);
       break;
@@ -386,9 +382,9 @@ ParticipantView Conductor::participant_view() const {
 
 ExperimenterView Conductor::experimenter_view() const {
   static constexpr const char* names[] = {"set-up",         "consent page", "consent to depth images",
-                                          "ready to begin", "touch",        "between two touches",
-                                          "question",       "feedback",     "a break",
-                                          "paused",         "the end",      "stopped"};
+                                          "ready to begin", "touch",        "question",
+                                          "feedback",       "a break",      "paused",
+                                          "the end",        "stopped"};
   const study::Agenda& agenda = sitting_->agenda();
   ExperimenterView view;
   view.title =

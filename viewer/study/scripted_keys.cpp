@@ -35,7 +35,6 @@ std::optional<ScriptedPress> ScriptedKeys::next(const study::StudyPlan& plan, Co
     case study::Screen::question:
       return press(key_of(button_key(participant_.answer(plan, sitting)).front()), false);
     case study::Screen::touching:
-    case study::Screen::between:
     case study::Screen::rest:
     case study::Screen::end:
     case study::Screen::stopped:

@@ -66,9 +66,8 @@ std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, c
     std::size_t end = i;
     while (end < steps.size() && steps[end].round == steps[i].round)
       ++end;
-    fmt::format_to(std::back_inserter(text), "  {:<14} {:<14} {:>3} x {}{}\n", plan.methods[steps[i].method].name,
-                   word_of(study::block_words, block.kind), end - i, time_text(block.touch_s),
-                   study::has_two_touches(block.kind) ? ", two touches" : "");
+    fmt::format_to(std::back_inserter(text), "  {:<14} {:<14} {:>3} x {}\n", plan.methods[steps[i].method].name,
+                   word_of(study::block_words, block.kind), end - i, time_text(block.touch_s));
     i = end;
   }
   return text;
@@ -97,7 +96,6 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
         .member("kind", word_of(study::block_words, kind))
         .member("method", plan.methods[step.method].name);
     if (step.shape && kind != study::BlockKind::free) json.member("shape", plan.shapes[*step.shape].name);
-    if (step.second) json.member("second_shape", plan.shapes[*step.second].name);
     json.end_object();
   }
   json.end_array().end_object();

@@ -54,35 +54,15 @@ std::vector<std::uint32_t> apart(const std::vector<std::uint32_t>& shapes, std::
   return order;
 }
 
-/// The steps of a block: shapes, or pairs of shapes.
-std::vector<std::pair<std::uint32_t, std::optional<std::uint32_t>>> touches_of(const PlanBlock& block, Random& random) {
-  std::vector<std::pair<std::uint32_t, std::optional<std::uint32_t>>> touches;
-  if (has_two_touches(block.kind)) {
-    const bool same = block.kind == BlockKind::same_different;
-    for (std::uint32_t repeat = 0; repeat < block.repeats; ++repeat) {
-      for (const std::uint32_t a : block.shapes) {
-        for (const std::uint32_t b : block.shapes) {
-          if (a == b) continue;
-          touches.emplace_back(a, b);
-          if (same) touches.emplace_back(a, a);  // half of the pairs are the same
-        }
-      }
-    }
-    shuffle(touches, random);
-    return touches;
-  }
+/// The shapes of a block in the order in which they are touched.
+std::vector<std::uint32_t> touches_of(const PlanBlock& block, Random& random) {
+  if (block.apart) return apart(block.shapes, block.repeats, random);
   std::vector<std::uint32_t> shapes;
-  if (block.apart) {
-    shapes = apart(block.shapes, block.repeats, random);
-  } else {
-    for (std::uint32_t repeat = 0; repeat < block.repeats; ++repeat)
-      shapes.insert(shapes.end(), block.shapes.begin(), block.shapes.end());
-    // Familiarisation and practice are in the order of the plan.
-    if (block.kind == BlockKind::trial || block.kind == BlockKind::rating) shuffle(shapes, random);
-  }
-  for (const std::uint32_t shape : shapes)
-    touches.emplace_back(shape, std::nullopt);
-  return touches;
+  for (std::uint32_t repeat = 0; repeat < block.repeats; ++repeat)
+    shapes.insert(shapes.end(), block.shapes.begin(), block.shapes.end());
+  // Familiarisation and practice are in the order of the plan.
+  if (block.kind == BlockKind::trial) shuffle(shapes, random);
+  return shapes;
 }
 
 }  // namespace
@@ -146,10 +126,9 @@ std::vector<Step> order_of(const StudyPlan& plan, std::uint32_t participant) {
         continue;
       }
       Random random = random_of(plan, participant, method, b);
-      for (const auto& [shape, second] : touches_of(block, random)) {
+      for (const std::uint32_t shape : touches_of(block, random)) {
         steps.push_back(step);
         steps.back().shape = shape;
-        steps.back().second = second;
       }
     }
     first = false;
@@ -160,26 +139,21 @@ std::vector<Step> order_of(const StudyPlan& plan, std::uint32_t participant) {
 std::size_t count_steps(const StudyPlan& plan) {
   std::size_t steps = 0;
   for (const PlanBlock& block : plan.blocks) {
-    const std::size_t n = block.shapes.size();
-    std::size_t own = n * block.repeats;
+    std::size_t own = block.shapes.size() * block.repeats;
     if (block.kind == BlockKind::rest || block.kind == BlockKind::free) own = 1;
-    if (block.kind == BlockKind::two_interval) own = n * (n - 1) * block.repeats;
-    if (block.kind == BlockKind::same_different) own = 2 * n * (n - 1) * block.repeats;
     steps += own * (block.once ? 1 : plan.methods.size());
   }
   return steps;
 }
 
 std::string order_csv(const StudyPlan& plan, const std::vector<Step>& steps) {
-  std::string csv = "step,kind,method,shape,second_shape\n";
-  const auto name = [&](const std::optional<std::uint32_t>& shape) { return shape ? plan.shapes[*shape].name : ""; };
+  std::string csv = "step,kind,method,shape\n";
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Step& step = steps[i];
     // A free exploration begins with a shape, but the participant chooses.
-    const bool free = plan.blocks[step.block].kind == BlockKind::free;
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", i + 1,
-                   word_of(block_words, plan.blocks[step.block].kind), csv_cell(plan.methods[step.method].name),
-                   free ? "" : csv_cell(name(step.shape)), csv_cell(name(step.second)));
+    const bool named = step.shape && plan.blocks[step.block].kind != BlockKind::free;
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{}\n", i + 1, word_of(block_words, plan.blocks[step.block].kind),
+                   csv_cell(plan.methods[step.method].name), named ? csv_cell(plan.shapes[*step.shape].name) : "");
   }
   return csv;
 }

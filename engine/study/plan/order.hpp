@@ -24,12 +24,12 @@ std::vector<std::vector<std::uint32_t>> williams_square(std::uint32_t methods);
 /// The methods in the participant's order, as indices into the plan's.
 std::vector<std::uint32_t> methods_of(const StudyPlan& plan, std::uint32_t participant);
 
-/// One thing that a participant does: a touch or two with their answer, the free exploration, a break.
+/// One thing that a participant does: a touch with its answer, the free exploration, a break.
 struct Step {
-  std::uint32_t round = 0;   ///< steps of one round belong together: one block of the plan, with one method
-  std::uint32_t block = 0;   ///< index into the plan's blocks
-  std::uint32_t method = 0;  ///< index into the plan's methods
-  std::optional<std::uint32_t> shape{}, second{};  ///< indices into the plan's shapes; second: of the second touch
+  std::uint32_t round = 0;               ///< steps of one round belong together: one block of the plan, with one method
+  std::uint32_t block = 0;               ///< index into the plan's blocks
+  std::uint32_t method = 0;              ///< index into the plan's methods
+  std::optional<std::uint32_t> shape{};  ///< index into the plan's shapes
 
   bool operator==(const Step&) const = default;
 };
@@ -40,7 +40,7 @@ std::vector<Step> order_of(const StudyPlan& plan, std::uint32_t participant);
 /// The number of steps of any participant. Counts above most_planned_steps may be too small.
 std::size_t count_steps(const StudyPlan& plan);
 
-/// The order as a table: `step,kind,method,shape,second_shape`, one row per step.
+/// The order as a table: `step,kind,method,shape`, one row per step.
 std::string order_csv(const StudyPlan& plan, const std::vector<Step>& steps);
 
 }  // namespace palpa::study

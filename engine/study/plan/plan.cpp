@@ -6,11 +6,7 @@
 namespace palpa::study {
 
 bool asks(BlockKind kind) {
-  return kind != BlockKind::familiarise && kind != BlockKind::free && kind != BlockKind::rest;
-}
-
-bool has_two_touches(BlockKind kind) {
-  return kind == BlockKind::same_different || kind == BlockKind::two_interval;
+  return kind == BlockKind::practice || kind == BlockKind::trial;
 }
 
 const std::vector<DefaultText>& default_texts() {
@@ -32,22 +28,10 @@ const std::vector<DefaultText>& default_texts() {
       {"practice", TextId::practice,
        "Move your finger up and down from the marker. Afterwards, say which shape it was. This one does not count."},
       {"trial", TextId::trial, "Move your finger up and down from the marker. Afterwards, say which shape it was."},
-      {"same_different", TextId::same_different,
-       "You feel two shapes, one after the other. Afterwards, say whether they were the same."},
-      {"two_interval", TextId::two_interval,
-       "You feel two shapes, one after the other. Afterwards, choose one of them."},
-      {"rating", TextId::rating, "Move your finger up and down from the marker. Afterwards, give a number."},
       {"rest", TextId::rest, "Have a rest."},
       {"felt", TextId::felt, "Did you feel anything?", true},
       {"not_yet", TextId::not_yet, "Please wait for the question.", true},
       {"which_shape", TextId::which_shape, "Which shape was it?"},
-      {"same_or_different", TextId::same_or_different, "Were the two shapes the same?"},
-      {"which_interval", TextId::which_interval, "Was it the first or the second?"},
-      {"how_much", TextId::how_much, "How strong was it?"},
-      {"same", TextId::same, "the same"},
-      {"different", TextId::different, "different"},
-      {"first", TextId::first, "the first"},
-      {"second", TextId::second, "the second"},
       {"paused", TextId::paused, "Paused. Nothing sounds. Please wait."},
       {"right", TextId::right_answer, "Right."},
       {"wrong", TextId::wrong_answer, "Wrong."},
@@ -82,12 +66,6 @@ std::string instruction_of(const StudyPlan& plan, const PlanBlock& block) {
       return plan.text(TextId::practice);
     case BlockKind::trial:
       return plan.text(TextId::trial);
-    case BlockKind::same_different:
-      return plan.text(TextId::same_different);
-    case BlockKind::two_interval:
-      return plan.text(TextId::two_interval);
-    case BlockKind::rating:
-      return plan.text(TextId::rating);
     case BlockKind::rest:
       return plan.text(TextId::rest);
   }
@@ -109,12 +87,9 @@ std::uint32_t usual_least_trials(const StudyPlan& plan) {
 double sounding_s(const StudyPlan& plan) {
   double seconds = 0;
   for (const PlanBlock& block : plan.blocks) {
-    const double n = static_cast<double>(block.shapes.size()), repeats = block.repeats;
-    double touches = n * repeats;
+    double touches = static_cast<double>(block.shapes.size()) * block.repeats;
     if (block.kind == BlockKind::free) touches = 1;
     if (block.kind == BlockKind::rest) touches = 0;
-    if (block.kind == BlockKind::two_interval) touches = 2 * n * (n - 1) * repeats;
-    if (block.kind == BlockKind::same_different) touches = 4 * n * (n - 1) * repeats;
     seconds += touches * block.touch_s * (block.once ? 1.0 : static_cast<double>(plan.methods.size()));
   }
   return seconds;

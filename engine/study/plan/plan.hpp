@@ -51,36 +51,26 @@ struct PlanFit {
 
 /// What a block asks of a participant. The words are those of the plan and of `trial_type` in logs.
 enum class BlockKind {
-  familiarise,     ///< touch each shape, and see it
-  free,            ///< touch without seeing; keys change the shape
-  practice,        ///< as trial, but it is not analysed
-  trial,           ///< touch, then say which shape it was
-  same_different,  ///< touch twice, then say whether it was the same shape
-  two_interval,    ///< touch twice, then choose one of the two
-  rating,          ///< touch, then give a number
-  rest,            ///< a break
+  familiarise,  ///< touch each shape, and see it
+  free,         ///< touch without seeing; keys change the shape
+  practice,     ///< as trial, but it is not analysed
+  trial,        ///< touch, then say which shape it was
+  rest,         ///< a break
 };
 inline constexpr Word<BlockKind> block_words[] = {{"familiarise", BlockKind::familiarise},
                                                   {"free", BlockKind::free},
                                                   {"practice", BlockKind::practice},
                                                   {"trial", BlockKind::trial},
-                                                  {"same-different", BlockKind::same_different},
-                                                  {"two-interval", BlockKind::two_interval},
-                                                  {"rating", BlockKind::rating},
                                                   {"rest", BlockKind::rest}};
-/// Whether it ends with an answer.
+/// Whether it ends with the question which shape it was.
 bool asks(BlockKind kind);
-/// Whether it has two touches.
-bool has_two_touches(BlockKind kind);
 
 /// [[block]]
 struct PlanBlock {
   BlockKind kind = BlockKind::trial;
   std::vector<std::uint32_t> shapes{};  ///< indices into the shapes; those of practice are touched in this order
-  std::uint32_t repeats = 1;            ///< of each shape, or of each pair
+  std::uint32_t repeats = 1;            ///< of each shape
   double touch_s = 10;                  ///< how long a touch, the free exploration or the break lasts
-  double between_s = 0.5;               ///< silence between two touches
-  std::uint32_t ratings = 7;            ///< rating: the answers are 1 to this
   bool feedback = false;                ///< says after the answer whether it was right
   bool apart = false;                   ///< no shape twice in a row
   bool once = false;                    ///< only before the participant's first method
@@ -132,20 +122,10 @@ enum class TextId {
   free,
   practice,
   trial,
-  same_different,
-  two_interval,
-  rating,
   rest,
   felt,
   not_yet,
   which_shape,
-  same_or_different,
-  which_interval,
-  how_much,
-  same,
-  different,
-  first,
-  second,
   paused,
   right_answer,
   wrong_answer,

@@ -171,17 +171,15 @@ PlanBlock block_of(TomlTable& table, const StudyPlan& plan) {
   PlanBlock block;
   block.kind = word_at(table, "kind", block_words);
   const std::string kind(word_of(block_words, block.kind));
-  const bool pairs = has_two_touches(block.kind), asked = asks(block.kind);
+  const bool asked = asks(block.kind);
   const auto refuse = [&](const char* key, bool fits) {
     if (!fits && table.has(key)) throw table.fault(key, fmt::format("{} has no effect in a block '{}'", key, kind));
   };
   const bool rest = block.kind == BlockKind::rest, free = block.kind == BlockKind::free;
   refuse("shapes", !rest);
   refuse("repeats", asked);
-  refuse("between_s", pairs);
-  refuse("ratings", block.kind == BlockKind::rating);
-  refuse("feedback", asked && block.kind != BlockKind::rating && block.kind != BlockKind::two_interval);
-  refuse("apart", asked && !pairs && block.kind != BlockKind::practice);
+  refuse("feedback", asked);
+  refuse("apart", block.kind == BlockKind::trial);
 
   if (table.has("shapes")) {
     for (const std::string& name : table.texts("shapes")) {
@@ -199,7 +197,7 @@ PlanBlock block_of(TomlTable& table, const StudyPlan& plan) {
     for (std::uint32_t i = 0; i < plan.shapes.size(); ++i)
       block.shapes.push_back(i);
   }
-  const std::size_t needed = pairs || block.kind == BlockKind::trial ? 2 : 1;
+  const std::size_t needed = block.kind == BlockKind::trial ? 2 : 1;
   if (!rest && block.shapes.size() < needed)
     throw table.fault("shapes", fmt::format("a block '{}' needs at least {} shapes", kind, needed));
 
@@ -208,12 +206,8 @@ PlanBlock block_of(TomlTable& table, const StudyPlan& plan) {
   constexpr double free_s = 180, rest_s = 60;
   block.touch_s = free ? free_s : rest ? rest_s : plan.counts.touch_s;
   block.touch_s = table.number_or(rest ? "rest_s" : "touch_s", block.touch_s, 0.01, 3600);
-  block.between_s = table.number_or("between_s", block.between_s, 0, 60);
-  if (table.has("ratings")) block.ratings = static_cast<std::uint32_t>(table.whole("ratings", 2, 9));
   block.feedback = table.flag_or("feedback", false);
   block.apart = table.flag_or("apart", false);
-  if (block.apart && block.shapes.size() < 2)
-    throw table.fault("apart", "apart needs two shapes: a single one always follows itself");
   block.once = table.flag_or("once", false);
   if (table.has("text")) block.text = table.text("text");
   table.done();

@@ -59,12 +59,11 @@ std::string comparison_json(const Comparison& comparison, const std::vector<std:
 }
 
 std::string comparison_csv(const Comparison& comparison) {
-  std::string csv = "name,trials,correct,accuracy,low,high,dprime,kappa,bits\n";
+  std::string csv = "name,trials,correct,accuracy,low,high,dprime,bits\n";
   for (const Measures& m : comparison.tables) {
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{},{}\n", name_cell(m.name), m.table.total(),
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{},{}\n", name_cell(m.name), m.table.total(),
                    m.table.correct(), number_cell(m.accuracy), number_cell(m.clopper_pearson.low),
-                   number_cell(m.clopper_pearson.high), number_cell(m.dprime), number_cell(m.kappa),
-                   number_cell(m.information.bits));
+                   number_cell(m.clopper_pearson.high), number_cell(m.dprime), number_cell(m.information.bits));
   }
   return csv;
 }

@@ -97,8 +97,6 @@ void put(JsonWriter& json, std::string_view key, const TwoTables& tables) {
   json.key("correct").begin_object(JsonWriter::Style::line);
   put(json, "chi_square", tables.correct.chi_square);
   put(json, "p", tables.correct.p);
-  put(json, "chi_square_yates", tables.correct_yates);
-  put(json, "p_yates", tables.p_correct_yates);
   json.end_object().end_object();
 }
 
@@ -119,7 +117,6 @@ void put_measures(JsonWriter& json, const Measures& measures) {
   put_counts(json, table);
   put(json, "accuracy", measures.accuracy);
   put(json, "clopper_pearson", std::optional(measures.clopper_pearson));
-  put(json, "wilson", std::optional(measures.wilson));
   put(json, "p_chance", measures.p_chance);
   json.key("recall").begin_array();
   for (std::size_t i = 0; i < table.size(); ++i)
@@ -128,7 +125,6 @@ void put_measures(JsonWriter& json, const Measures& measures) {
   for (std::size_t i = 0; i < table.size(); ++i)
     json.rounded(precision(table, i).value_or(std::numeric_limits<double>::infinity()), digits);
   json.end_array();
-  put(json, "kappa", measures.kappa);
   put(json, "dprime", measures.dprime);
   json.key("dprime_pairs").begin_array();
   for (const PairDistance& pair : measures.pairs) {
@@ -136,16 +132,7 @@ void put_measures(JsonWriter& json, const Measures& measures) {
     put(json, "dprime", pair.dprime);
     json.end_object();
   }
-  json.end_array().key("luce");
-  if (measures.luce) {
-    json.begin_object();
-    put_square(json, "similarity", measures.luce->similarity, table.size());
-    put(json, "bias", measures.luce->bias);
-    json.end_object();
-  } else {
-    json.null();
-  }
-  json.key("luce_fit");
+  json.end_array().key("luce_fit");
   if (const auto& fit = measures.luce_fit) {
     json.begin_object();
     put_square(json, "similarity", fit->model.similarity, table.size());
@@ -163,7 +150,6 @@ void put_measures(JsonWriter& json, const Measures& measures) {
   put(json, "corrected_bits", measures.information.corrected_bits);
   put(json, "most_bits", measures.information.most_bits);
   put(json, "chi_square", measures.information.chi_square);
-  put(json, "cramers_v", measures.information.cramers_v);
   json.end_object();
 }
 

@@ -43,38 +43,34 @@ void add_measures(HtmlPage& page, const Measures& measures) {
               fmt::format("{}: shares of the answers (columns) for each actual shape (rows). {} of {} {} correct.",
                           measures.name, table.correct(), counted(table.total(), "trial"),
                           table.correct() == 1 ? "is" : "are"));
-  std::vector<HtmlRow> rows{{"shape", "trials", "recall", "precision", "bias", "bias (fit)"}};
+  std::vector<HtmlRow> rows{{"shape", "trials", "recall", "precision", "bias"}};
   for (std::size_t i = 0; i < table.size(); ++i) {
     rows.push_back({table.shapes[i], std::to_string(table.row(i)), shown(recall(table, i)), shown(precision(table, i)),
-                    measures.luce ? shown(measures.luce->bias[i]) : no_value,
                     measures.luce_fit ? shown(measures.luce_fit->model.bias[i]) : no_value});
   }
   page.table(
       "Recall is the share of a shape's trials that were answered correctly, precision the share of its answers "
       "that were correct. Bias is Luce's: the preference for an answer, whatever was shown.",
       rows);
-  rows = {{"pair", "d'", "similarity", "similarity (fit)"}};
+  rows = {{"pair", "d'", "similarity"}};
   for (const PairDistance& pair : measures.pairs) {
     const std::size_t cell = pair.a * table.size() + pair.b;
     rows.push_back({fmt::format("{}, {}", table.shapes[pair.a], table.shapes[pair.b]), shown(pair.dprime),
-                    measures.luce ? shown(measures.luce->similarity[cell]) : no_value,
                     measures.luce_fit ? shown(measures.luce_fit->model.similarity[cell]) : no_value});
   }
   page.table(
       "How different two shapes feel. d' counts in standard deviations of the sensation's noise; 0 means that "
       "they cannot be told apart. Luce's similarity is 1 for shapes that feel the same and 0 for shapes that are "
-      "never confused.",
+      "never confused. Bias and similarity are those of the fit, which some tables do not have.",
       rows);
   rows = {{"measure", "value"},
           {"accuracy", shown(measures.accuracy)},
           {"95 % interval (Clopper-Pearson)", shown(std::optional(measures.clopper_pearson))},
           {"p of at least as many correct answers by chance", shown_p(measures.p_chance)},
           {"d' of all shapes", shown(measures.dprime)},
-          {"Cohen's kappa", shown(measures.kappa)},
           {"transmitted information",
            fmt::format("{} of {} bit", shown(measures.information.bits), shown(measures.information.most_bits))},
-          {"corrected for the number of trials", fmt::format("{} bit", shown(measures.information.corrected_bits))},
-          {"Cramer's V", shown(measures.information.cramers_v)}};
+          {"corrected for the number of trials", fmt::format("{} bit", shown(measures.information.corrected_bits))}};
   if (const auto& fit = measures.luce_fit) {
     rows.push_back({"fit of Luce's model", fmt::format("G2 = {} with {} of freedom, {}", shown(fit->deviance),
                                                        counted(fit->degrees, "degree"), shown_p(fit->p))});

@@ -21,22 +21,13 @@ namespace {
 struct Begun {
   std::uint32_t step = 0;
   std::int64_t begin_ns = 0;
-  std::optional<std::int64_t> end_ns{};  ///< of its last touch, or of the break
+  std::optional<std::int64_t> end_ns{};  ///< of its touch, or of the break
   std::optional<std::int64_t> answer_ns{};
   EventStatus status = EventStatus::broken;
   std::string answer{}, why{};
   double deep_s = 0;
-  std::optional<TouchLosses> losses{};  ///< of all its touches
+  std::optional<TouchLosses> losses{};  ///< of its touch
 };
-
-void add(std::optional<TouchLosses>& sum, const std::optional<Stimulus>& stimulus) {
-  if (!stimulus || !stimulus->losses) return;
-  if (!sum) sum.emplace();
-  sum->drives += stimulus->losses->drives;
-  sum->skipped_drives += stimulus->losses->skipped_drives;
-  sum->outdated_frames += stimulus->losses->outdated_frames;
-  sum->thinned_frames += stimulus->losses->thinned_frames;
-}
 
 /// What the log says of a step that was under way when the program ended, however it did.
 constexpr const char* program_ended = "the program ended";
@@ -53,8 +44,8 @@ std::vector<Begun> begun_in(std::span<const Entry> run) {
     switch (entry.kind) {
       case EntryKind::touched:
         last.end_ns = entry.at_ns;
-        last.deep_s += entry.deep_s.value_or(0);
-        add(last.losses, entry.stimulus);
+        last.deep_s = entry.deep_s.value_or(0);
+        if (entry.stimulus) last.losses = entry.stimulus->losses;
         break;
       case EntryKind::answer:
         last.answer_ns = entry.at_ns;
@@ -95,16 +86,8 @@ const Entry& start_of(std::span<const Entry> run) {
 
 /// Whether the answer was right; nothing for questions without a right answer.
 std::optional<bool> is_right(const StudyPlan& plan, const Step& step, const Begun& begun) {
-  if (begun.status != EventStatus::answered) return std::nullopt;
-  switch (plan.blocks[step.block].kind) {
-    case BlockKind::practice:
-    case BlockKind::trial:
-      return begun.answer == plan.shapes[*step.shape].name;
-    case BlockKind::same_different:
-      return (begun.answer == "same") == (step.shape == step.second);
-    default:
-      return std::nullopt;
-  }
+  if (begun.status != EventStatus::answered || !asks(plan.blocks[step.block].kind)) return std::nullopt;
+  return begun.answer == plan.shapes[*step.shape].name;
 }
 
 void column(JsonWriter& json, const char* name, const char* what, const char* unit = "") {
@@ -131,45 +114,36 @@ std::vector<PlayedStep> played_steps(const StudyPlan& plan, std::span<const Step
   std::vector<PlayedStep> played;
   std::int64_t begin_ns = 0;
   std::optional<std::string> chosen;
-  bool second = false;
   for (const Entry& entry : entries) {
     if (entry.kind == EntryKind::begin) {
       begin_ns = entry.at_ns;
       chosen.reset();
-      second = false;
     }
     if (entry.kind == EntryKind::choose) chosen = entry.text;
     if (entry.kind != EntryKind::touched || !entry.step || *entry.step >= steps.size()) continue;
-    const Step& step = steps[*entry.step];
-    const std::uint32_t shape = second ? step.second.value_or(0) : step.shape.value_or(0);
+    const std::uint32_t shape = steps[*entry.step].shape.value_or(0);
     played.push_back({&entry, begin_ns, chosen.value_or(plan.shapes[shape].name)});
-    second = step.second.has_value() && !second;
-    begin_ns = entry.at_ns;
   }
   return played;
 }
 
 std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> run) {
   std::string table =
-      "onset\tduration\ttrial_type\tmethod\tshape\tsecond_shape\tanswer\tcorrect\tresponse_time\tstatus\tdeep_time\t"
+      "onset\tduration\ttrial_type\tmethod\tshape\tanswer\tcorrect\tresponse_time\tstatus\tdeep_time\t"
       "step\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\n";
-  const auto name = [&](const std::optional<std::uint32_t>& shape) {
-    return shape ? plan.shapes[*shape].name : std::string(not_available);
-  };
   for (const Begun& begun : begun_in(run)) {
     const Step& step = steps[begun.step];
     const PlanBlock& block = plan.blocks[step.block];
     // In the free exploration, the participant chose the shapes; the stimuli say which.
-    const bool free = block.kind == BlockKind::free;
+    const bool named = step.shape && block.kind != BlockKind::free;
     const std::optional<bool> right = is_right(plan, step, begun);
     const auto number = [&](std::uint64_t TouchLosses::*which) {
       return begun.losses ? std::to_string((*begun.losses).*which) : std::string(not_available);
     };
-    fmt::format_to(std::back_inserter(table),
-                   "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{}\n", seconds(begun.begin_ns),
-                   begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
+    fmt::format_to(std::back_inserter(table), "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{}\n",
+                   seconds(begun.begin_ns), begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
                    word_of(block_words, block.kind), plan.methods[step.method].name,
-                   free ? std::string(not_available) : name(step.shape), name(step.second), cell(begun.answer),
+                   named ? plan.shapes[*step.shape].name : std::string(not_available), cell(begun.answer),
                    !right   ? not_available
                    : *right ? std::string_view("true")
                             : std::string_view("false"),
@@ -212,17 +186,16 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
     json.end_object();
   }
   column(json, "onset", "when the step began, on a clock that only goes forward, from the start of the program", "s");
-  column(json, "duration", "from the onset to the end of the last touch", "s");
+  column(json, "duration", "from the onset to the end of the touch", "s");
   column(json, "trial_type", "the kind of the block");
   column(json, "method", "the method of the plan");
   json.key("shape").begin_object().member("Description", "the shape that was touched").key("Levels").begin_object();
   for (const PlanShape& shape : plan.shapes)
     json.member(shape.name, "");
   json.end_object().end_object();
-  column(json, "second_shape", "the shape of the second touch");
   column(json, "answer", "the answer of the participant");
   column(json, "correct", "whether the answer was right, if there is a right one");
-  column(json, "response_time", "from the end of the last touch to the answer", "s");
+  column(json, "response_time", "from the end of the touch to the answer", "s");
   column(json, "status", "answered, done, or void: broken off, and repeated later");
   column(json, "deep_time", "how long nothing was played because a point was too deep", "s");
   column(json, "step", "the number in the participant's order; a repeated step has the same number");

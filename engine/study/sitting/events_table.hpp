@@ -19,7 +19,7 @@ std::vector<std::span<const Entry>> runs_of(std::span<const Entry> entries);
 /// A touch that has ended.
 struct PlayedStep {
   const Entry* entry = nullptr;  ///< `touched`
-  std::int64_t begin_ns = 0;     ///< of its step, or the end of the step's first touch
+  std::int64_t begin_ns = 0;     ///< of its step
   std::string shape{};           ///< by name
 };
 /// The touches of a run, or of several, in their order.

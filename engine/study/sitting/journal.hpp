@@ -36,7 +36,7 @@ enum class EntryKind {
   start,    ///< the program was started: times count from here. Whatever was open before is void
   consent,  ///< the participant's answers to the consent pages
   level,    ///< the predicted sound level at the ears
-  begin,    ///< a step begins: its first touch, or its break
+  begin,    ///< a step begins: its touch, or its break
   touched,  ///< a touch has ended
   choose,   ///< the participant chose a shape in the free exploration
   answer,   ///< the step is complete, with its answer

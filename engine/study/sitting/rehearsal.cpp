@@ -11,16 +11,10 @@ std::size_t ScriptedParticipant::answer(const StudyPlan& plan, const Sitting& si
   const std::uint32_t index = *sitting.agenda().current();
   const Step& step = sitting.agenda().step(index);
   Random random(Random(seed_ ^ (std::uint64_t{index} + 1) * 0x9e3779b97f4a7c15u).next());
-  const std::size_t choices = sitting.choices().size();
+  if (!asks(plan.blocks[step.block].kind)) return 0;  // something was felt
+  const std::size_t choices = sitting.choices().size(), shape = *step.shape;
   const bool right = random.uniform() < accuracy_;
-  const BlockKind kind = plan.blocks[step.block].kind;
-  if (kind == BlockKind::trial || kind == BlockKind::practice) {
-    const std::size_t shape = *step.shape;
-    return right ? shape : (shape + 1 + random.below(choices - 1)) % choices;
-  }
-  if (kind == BlockKind::same_different) return (step.shape == step.second) == right ? 0 : 1;
-  if (kind == BlockKind::familiarise) return 0;  // something was felt
-  return random.below(choices);
+  return right ? shape : (shape + 1 + random.below(choices - 1)) % choices;
 }
 
 void ScriptedParticipant::go_on(const StudyPlan& plan, Sitting& sitting, std::int64_t& now_ns) const {
@@ -37,7 +31,6 @@ void ScriptedParticipant::go_on(const StudyPlan& plan, Sitting& sitting, std::in
       sitting.act(Act::accept, now_ns += moment_ns);
       break;
     case Screen::touching:
-    case Screen::between:
     case Screen::rest:
       // In steps, as a window would.
       sitting.advance(now_ns = std::min(*sitting.next_ns(), now_ns + Sitting::longest_gap_ns));

@@ -16,7 +16,7 @@ namespace palpa::study {
 /// A participant who follows every instruction, and whose answers are drawn at random.
 class ScriptedParticipant {
  public:
-  /// `accuracy`: the share of right answers in trials, practice and same-different.
+  /// `accuracy`: the share of right answers in trials and practice.
   ScriptedParticipant(double accuracy, std::uint64_t seed) : accuracy_(accuracy), seed_(seed) {}
 
   /// Does the next thing that the screen asks for, at the earliest moment, and moves the time there.

@@ -53,13 +53,12 @@ Presented Sitting::presented() const {
   if (!agenda_.current()) return {};
   Presented presented{.sounds = sounding_ && !deep_, .method = step().method};
   presented.shape = step().shape.value_or(0);
-  if ((second_ || screen_ == Screen::between) && step().second) presented.shape = *step().second;
   if (agenda_.open() && block().kind == BlockKind::free) presented.shape = chosen_;
   return presented;
 }
 
 std::optional<std::int64_t> Sitting::next_ns() const {
-  if (screen_ == Screen::touching || screen_ == Screen::between || screen_ == Screen::rest) return until_ns_;
+  if (screen_ == Screen::touching || screen_ == Screen::rest) return until_ns_;
   return std::nullopt;
 }
 
@@ -68,14 +67,14 @@ bool Sitting::shows_object() const {
 }
 
 bool Sitting::shows_marker() const {
-  return screen_ == Screen::touching || screen_ == Screen::between || screen_ == Screen::ready;
+  return screen_ == Screen::touching || screen_ == Screen::ready;
 }
 
 // ---- steps --------------------------------------------------------------------------------------------------------
 
 /// After a step is complete or void, and after the start.
 void Sitting::next_step() {
-  sounding_ = second_ = false;
+  sounding_ = false;
   if (agenda_.current()) {
     screen_ = Screen::ready;
     return;
@@ -86,7 +85,6 @@ void Sitting::next_step() {
 
 void Sitting::begin_step(std::int64_t now_ns) {
   record({.kind = EntryKind::begin, .at_ns = now_ns, .step = agenda_.current()});
-  second_ = false;
   chosen_ = step().shape.value_or(0);
   if (block().kind == BlockKind::rest) {
     screen_ = Screen::rest;
@@ -119,10 +117,7 @@ void Sitting::end_touch(std::int64_t now_ns) {
           .step = agenda_.current(),
           .deep_s = deep_s_,
           .stimulus = std::exchange(stimulus_, std::nullopt)});
-  if (has_two_touches(block().kind) && !second_) {
-    screen_ = Screen::between;
-    until_ns_ = now_ns + ns_of(block().between_s);
-  } else if (asks_now()) {
+  if (asks_now()) {
     screen_ = Screen::question;
   } else {
     complete({.kind = EntryKind::done, .at_ns = now_ns});
@@ -136,7 +131,7 @@ void Sitting::complete(Entry entry) {
 }
 
 void Sitting::break_off(const std::string& why, std::int64_t now_ns) {
-  sounding_ = second_ = false;
+  sounding_ = false;
   if (agenda_.open()) record({.kind = EntryKind::broken, .at_ns = now_ns, .step = agenda_.current(), .text = why});
 }
 
@@ -218,7 +213,6 @@ void Sitting::act(Act act, std::int64_t now_ns) {
         next_step();
       }
       break;
-    case Screen::between:
     case Screen::question:
     case Screen::rest:
     case Screen::end:
@@ -271,9 +265,6 @@ void Sitting::advance(std::int64_t now_ns) {
   if (!next_ns() || now < until_ns_) return;
   if (screen_ == Screen::touching) {
     end_touch(now);
-  } else if (screen_ == Screen::between) {
-    second_ = true;
-    begin_touch(now);
   } else if (screen_ == Screen::rest) {
     complete({.kind = EntryKind::done, .at_ns = now});
   }
@@ -300,21 +291,9 @@ std::string Sitting::text() const {
     case Screen::ready:
     case Screen::rest:
     case Screen::touching:
-    case Screen::between:
       return instruction_of(plan_, block());
     case Screen::question:
-      switch (block().kind) {
-        case BlockKind::same_different:
-          return plan_.text(TextId::same_or_different);
-        case BlockKind::two_interval:
-          return plan_.text(TextId::which_interval);
-        case BlockKind::rating:
-          return plan_.text(TextId::how_much);
-        case BlockKind::familiarise:
-          return plan_.text(TextId::felt);
-        default:
-          return plan_.text(TextId::which_shape);
-      }
+      return plan_.text(block().kind == BlockKind::familiarise ? TextId::felt : TextId::which_shape);
     case Screen::feedback:
       return plan_.text(was_right_ ? TextId::right_answer : TextId::wrong_answer);
     case Screen::paused:
@@ -340,39 +319,20 @@ bool Sitting::has_choice(std::size_t choice) const {
 }
 
 std::vector<std::string> Sitting::coming_choices() const {
-  const BlockKind kind = block().kind;
-  if (kind == BlockKind::familiarise) return {plan_.text(TextId::accept), plan_.text(TextId::decline)};
-  if (kind == BlockKind::same_different) return {plan_.text(TextId::same), plan_.text(TextId::different)};
-  if (kind == BlockKind::two_interval) return {plan_.text(TextId::first), plan_.text(TextId::second)};
+  if (block().kind == BlockKind::familiarise) return {plan_.text(TextId::accept), plan_.text(TextId::decline)};
   std::vector<std::string> choices;
-  if (kind == BlockKind::rating) {
-    for (std::uint32_t rating = 1; rating <= block().ratings; ++rating)
-      choices.push_back(std::to_string(rating));
-  } else {
-    for (std::size_t shape = 0; shape < plan_.shapes.size(); ++shape)
-      choices.push_back(plan_.label(shape));
-  }
+  for (std::size_t shape = 0; shape < plan_.shapes.size(); ++shape)
+    choices.push_back(plan_.label(shape));
   return choices;
 }
 
 /// The choice as logs have it, in every language.
 std::string Sitting::answer_word(std::size_t choice) const {
-  switch (block().kind) {
-    case BlockKind::familiarise:
-      return choice == 0 ? "yes" : "no";
-    case BlockKind::same_different:
-      return choice == 0 ? "same" : "different";
-    case BlockKind::two_interval:
-      return choice == 0 ? "first" : "second";
-    case BlockKind::rating:
-      return std::to_string(choice + 1);
-    default:
-      return plan_.shapes[choice].name;
-  }
+  if (block().kind == BlockKind::familiarise) return choice == 0 ? "yes" : "no";
+  return plan_.shapes[choice].name;
 }
 
 std::string Sitting::right_answer() const {
-  if (block().kind == BlockKind::same_different) return step().shape == step().second ? "same" : "different";
   return plan_.shapes[step().shape.value_or(0)].name;
 }
 

@@ -24,7 +24,6 @@ enum class Screen {
   depth_consent,  ///< accept or decline that depth images are kept
   ready,          ///< before a step: go_on begins it
   touching,
-  between,   ///< silence between two touches
   question,  ///< choices()
   feedback,  ///< whether the answer was right: go_on
   rest,      ///< a break
@@ -122,7 +121,6 @@ class Sitting {
   double deep_s_ = 0;
   bool sounding_ = false;  ///< a touch is under way
   bool deep_ = false;
-  bool second_ = false;  ///< the second touch of a pair
   bool was_right_ = false;
   std::uint32_t chosen_ = 0;  ///< shape of the free exploration
   std::optional<Stimulus> stimulus_{};

@@ -1,4 +1,4 @@
-// Intervals of a proportion, k of n independent trials.
+// The interval of a proportion, k of n independent trials.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,5 @@ namespace palpa::study {
 
 /// The exact 95 % interval of Clopper and Pearson. n must be positive.
 Interval clopper_pearson(std::uint64_t k, std::uint64_t n);
-/// Wilson's 95 % interval, which is shorter and approximate.
-Interval wilson(std::uint64_t k, std::uint64_t n);
 
 }  // namespace palpa::study

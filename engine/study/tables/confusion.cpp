@@ -58,14 +58,4 @@ std::optional<double> precision(const Confusion& table, std::size_t shape) {
   return quotient(table.at(shape, shape), table.column(shape));
 }
 
-std::optional<double> kappa(const Confusion& table) {
-  const auto n = static_cast<double>(table.total());
-  if (n == 0) return std::nullopt;
-  double chance = 0;
-  for (std::size_t i = 0; i < table.size(); ++i)
-    chance += static_cast<double>(table.row(i)) / n * static_cast<double>(table.column(i)) / n;
-  if (chance >= 1) return std::nullopt;
-  return (accuracy(table) - chance) / (1 - chance);
-}
-
 }  // namespace palpa::study

@@ -40,7 +40,5 @@ std::optional<double> share(const Confusion& table, std::size_t actual, std::siz
 std::optional<double> recall(const Confusion& table, std::size_t shape);
 /// The share of a shape's answers that were correct; empty if it was never answered.
 std::optional<double> precision(const Confusion& table, std::size_t shape);
-/// Cohen's kappa: agreement beyond chance, 1 if all is correct; empty if chance alone gives full agreement.
-std::optional<double> kappa(const Confusion& table);
 
 }  // namespace palpa::study

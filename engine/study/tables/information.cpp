@@ -29,8 +29,6 @@ Information information(const Confusion& table) {
   }
   found.bits = std::max(0.0, found.bits);
   found.corrected_bits = found.bits - (rows - 1) * (columns - 1) / (2 * n * std::numbers::ln2);
-  const double least = std::min(rows, columns) - 1;
-  if (least > 0) found.cramers_v = std::sqrt(found.chi_square / (n * least));
   return found;
 }
 

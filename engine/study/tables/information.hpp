@@ -10,7 +10,6 @@ struct Information {
   double corrected_bits = 0;  ///< less the bias of a small sample (Miller and Madow); may be below 0
   double most_bits = 0;       ///< entropy of the shapes, which perfect answers transmit
   double chi_square = 0;      ///< of independence of shape and answer
-  double cramers_v = 0;       ///< 0 to 1
 };
 /// All 0 without trials.
 Information information(const Confusion& table);

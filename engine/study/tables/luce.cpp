@@ -32,19 +32,6 @@ void make_sum_one(std::vector<double>& biases) {
     bias /= all;
 }
 
-/// The mean of all pairs' ratios; all cells must be positive.
-std::vector<double> mean_bias(const std::vector<double>& cells, std::size_t m) {
-  std::vector<double> biases(m);
-  for (std::size_t j = 0; j < m; ++j) {
-    double sum = 0;
-    for (std::size_t i = 0; i < m; ++i)
-      sum += i == j ? 0 : std::log(bias_ratio(cells, m, i, j));
-    biases[j] = std::exp(sum / static_cast<double>(m));
-  }
-  make_sum_one(biases);
-  return biases;
-}
-
 /// From pair to pair of cells that fit the model, where all pairs agree. Empty if some shapes are never confused with
 /// the others, not even by way of a third shape: nobody can know the ratio of their biases.
 std::vector<double> chained_bias(const std::vector<double>& cells, std::size_t m) {
@@ -111,19 +98,6 @@ std::vector<double> fitted(const Confusion& table) {
 }
 
 }  // namespace
-
-std::optional<Luce> luce_closed_form(const Confusion& table) {
-  const std::size_t m = table.size();
-  if (m < 2 || has_empty_row(table)) return std::nullopt;
-  const double added = std::ranges::find(table.counts, 0u) == table.counts.end() ? 0 : 0.5;
-  std::vector<double> shares(m * m);
-  for (std::size_t i = 0; i < m; ++i) {
-    const double row = static_cast<double>(table.row(i)) + added * static_cast<double>(m);
-    for (std::size_t j = 0; j < m; ++j)
-      shares[i * m + j] = (static_cast<double>(table.at(i, j)) + added) / row;
-  }
-  return Luce{.similarity = similarity_of(shares, m), .bias = mean_bias(shares, m)};
-}
 
 std::optional<LuceFit> luce_fit(const Confusion& table) {
   const std::size_t m = table.size();

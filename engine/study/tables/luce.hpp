@@ -14,10 +14,6 @@ struct Luce {
   std::vector<double> bias;        ///< beta
 };
 
-/// From the shares in closed form, without a fit. If a cell is 0, half a trial is added to each cell. Empty if a shape
-/// has no trials.
-std::optional<Luce> luce_closed_form(const Confusion& table);
-
 struct LuceFit {
   Luce model;
   double deviance = 0;  ///< G2: twice the logarithm of the likelihood ratio to the table itself

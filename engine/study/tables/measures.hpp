@@ -22,12 +22,10 @@ struct Measures {
   std::string name{};  ///< of the method or the file
   Confusion table{};
   double accuracy = 0;
-  Interval clopper_pearson{}, wilson{};  ///< 95 %, as if all trials were independent
-  double p_chance = 1;                   ///< of at least as many correct answers by chance
-  std::optional<double> kappa{};
+  Interval clopper_pearson{};      ///< 95 %, as if all trials were independent
+  double p_chance = 1;             ///< of at least as many correct answers by chance
   std::optional<double> dprime{};  ///< of m alternatives
   std::vector<PairDistance> pairs{};
-  std::optional<Luce> luce{};  ///< in closed form
   std::optional<LuceFit> luce_fit{};
   Information information{};
 };

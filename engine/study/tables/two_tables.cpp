@@ -46,14 +46,6 @@ std::vector<std::uint64_t> row_of(const Confusion& table, std::size_t i) {
   return {begin, begin + static_cast<std::ptrdiff_t>(table.size())};
 }
 
-/// chi-square of two by two counts with Yates' correction.
-double yates(double a, double b, double c, double d) {
-  const double n = a + b + c + d, rows = (a + b) * (c + d), columns = (a + c) * (b + d);
-  if (rows == 0 || columns == 0) return 0;
-  const double gap = std::max(0.0, std::abs(a * d - b * c) - n / 2);
-  return n * gap * gap / (rows * columns);
-}
-
 }  // namespace
 
 TwoTables compare(const Confusion& a, const Confusion& b) {
@@ -80,9 +72,6 @@ TwoTables compare(const Confusion& a, const Confusion& b) {
   const std::uint64_t a_wrong = a.total() - a.correct(), b_wrong = b.total() - b.correct();
   found.correct = rows_differ({a.correct(), a_wrong}, {b.correct(), b_wrong});
   find_p(found.correct);
-  found.correct_yates = yates(static_cast<double>(a.correct()), static_cast<double>(a_wrong),
-                              static_cast<double>(b.correct()), static_cast<double>(b_wrong));
-  found.p_correct_yates = chi_square_tail(found.correct_yates, 1);
   return found;
 }
 

@@ -21,11 +21,9 @@ struct Difference {
 };
 
 struct TwoTables {
-  std::vector<Difference> rows;  ///< for each actual shape, the answers in both tables
-  Difference all;                ///< their sum
-  Difference correct;            ///< correct and wrong answers; likelihood_ratio is not computed
-  double correct_yates = 0;      ///< chi_square of `correct` with Yates' correction
-  double p_correct_yates = 1;
+  std::vector<Difference> rows;       ///< for each actual shape, the answers in both tables
+  Difference all;                     ///< their sum
+  Difference correct;                 ///< correct and wrong answers; likelihood_ratio is not computed
   double rms = 0;                     ///< root mean square difference of the shares
   std::optional<Correlation> errors;  ///< of the shares off the diagonal
 };
