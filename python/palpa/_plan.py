@@ -1,5 +1,4 @@
 """Plans of sweeps: a command, its options, which of them vary, and the cases that this makes (docs/sweeps.md)."""
-import ast
 import difflib
 import functools
 import hashlib
@@ -8,74 +7,85 @@ import json
 import math
 import os
 import pathlib
-import random
 import re
 import urllib.parse
 
 from . import _engine  # type: ignore[attr-defined]  # it has no stub of its own
 
 MOST_CASES = 1_000_000
+NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?([a-zA-Z/]*)"
 UNITS = {"LENGTH": {"": 0, "m": 0, "cm": -2, "mm": -3, "um": -6}, "TIME": {"": 0, "s": 0, "ms": -3, "us": -6}, "N": {"": 0}, "CELSIUS": {"": 0},
          "FREQUENCY": {"": 0, "Hz": 0, "kHz": 3, "MHz": 6}, "SPEED": {"": 0, "m/s": 0}, "PRESSURE": {"": 0, "Pa": 0, "kPa": 3}}
-NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?([a-zA-Z/]*)"
 SEVERAL = ("FILES", "POINTS")
+OF_THE_SWEEP = {"gpu", "backend", "validation", "allow_outside"}
 # The functions that a command's options belong to, options that are arguments of these, and of which options it needs one.
 COMMANDS = {
-    "touch": (("Scene", "Scene.touch"),
-              {"scene": "FILE", "points": "FILE", "depth": "FILES", "camera": "FILES", "rig": "FILE", "penetration": "LENGTH"},
-              [("scene",), ("points", "depth")]),
-    "drive": (("Layout.solve",),
-              {"layout": "NAME|FILE", "focus": "POINTS", "touch": "FILE", "slot": "N", "mesh": "FILE", "force": "FLAG"},
-              [("layout",), ("focus", "touch")]),
-    "field": (("Layout.solve", "Layout.field"),
-              {"layout": "NAME|FILE", "focus": "POINTS", "drive": "FILE", "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST",
-               "pixels": "LIST", "line": "POINTS", "samples": "N", "points": "FILE"},
-              [("layout",), ("focus", "drive"), ("plane", "line", "points")]),
-    "simulate": (("Scene", "simulate"),
-                 {"scene": "FILE", "finger": "FILE", "penetration": "LENGTH", "skin": ("vertices", "cameras"), "noise_free": "FLAG",
-                  "force": "FLAG"},
-                 [("scene",), ("finger",)]),
+    "touch": (("Scene", "Scene.touch"), {"scene": "FILE", "points": "FILE", "depth": "FILES", "camera": "FILES", "rig": "FILE",
+                                         "penetration": "LENGTH"}, ("scene", "points depth")),
+    "drive": (("Layout.solve",), {"layout": "NAME|FILE", "focus": "POINTS", "touch": "FILE", "slot": "N", "mesh": "FILE", "force": "FLAG"},
+              ("layout", "focus touch")),
+    "field": (("Layout.solve", "Layout.field"), {
+        "layout": "NAME|FILE", "focus": "POINTS", "drive": "FILE", "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST",
+        "pixels": "LIST", "line": "POINTS", "samples": "N", "points": "FILE"}, ("layout", "focus drive", "plane line points")),
+    "simulate": (("Scene", "simulate"), {"scene": "FILE", "finger": "FILE", "penetration": "LENGTH", "skin": ("vertices", "cameras"),
+                                         "noise_free": "FLAG", "force": "FLAG"}, ("scene", "finger")),
 }
-OF_THE_SWEEP = {"gpu", "backend", "validation", "allow_outside"}
-KEYS = ("command", "results", "keep", "options", "vary", "derive", "where", "functions")
 
 
-# ---- results --------------------------------------------------------------------------------------------------------
+def error(text, kind=_engine.BadUsage):
+    """An error of palpa with its exit code, in one line."""
+    made = kind(text.replace("\n", "\\n").replace("\0", "\\0"))
+    made.exit_code = {_engine.BadUsage: 2, _engine.NoDevice: 3, _engine.BadInput: 4}.get(kind, 1)
+    return made
+
+
+def brief(value):
+    try:
+        return repr(value)[:80]
+    except ValueError:  # Python writes no number of more than 4300 digits
+        return "a number of very many digits"
+
+
+def path_of(name, value):
+    text = os.fsdecode(value)
+    if not text or "\0" in text or not text.isprintable() and re.search("[\ud800-\udc7f\udd00-\udfff]", text):
+        raise error(f"{name}: {brief(value)} is no path")
+    return text
+
 
 def under(path, names):
     return " ".join(f"{path}.{name}" for name in names.split())
 
 
 # The single values in the JSON of each command; # is any index of a list.
-TUNE = "perimeter_m foci stride dwell_s field felt_share_before felt_share flutter_share_before flutter_share"
-FELT = " ".join([under("fingers.#.tune", TUNE), under("fingers.#.spectrum", "perimeter_m period_s variance field felt_share flutter_share skin_m.#"),
-                 under("fingers.#.spectrum.lines.#", "frequency_hz amplitude phase_rad around hold felt"), "fingers.#.solid"])
-PRESSURE = "peak_pa peak_m.# half_area_m2 half_radius_m elongation"
-PRESSURES = "peak_pa.# peak_m.#.# half_area_m2.# half_radius_m.# elongation.#"
+FELT = "fingers.#.solid " + under(
+    "fingers.#.tune", "perimeter_m foci stride dwell_s field felt_share_before felt_share flutter_share_before flutter_share") + " " + under(
+    "fingers.#.spectrum", "perimeter_m period_s variance field felt_share flutter_share skin_m.# lines.#.frequency_hz lines.#.amplitude "
+    "lines.#.phase_rad lines.#.around lines.#.hold lines.#.felt")
+SCHEDULE = "schedule.order.# schedule.order.#.# schedule.dwell_s "
+PRESSURE, PRESSURES = ("peak_pa peak_m.# half_area_m2 half_radius_m elongation",
+                       "peak_pa.# peak_m.#.# half_area_m2.# half_radius_m.# elongation.# ")
+SOLUTION = "solution.iterations solution.residual spread.draws spread.seed "
 OUTCOMES = {
-    "touch": "points contacts.count contacts.indices.# contacts.depths_m.# schedule.order.#.# schedule.dwell_s " + FELT + " " + under(
-        "fingers.#", "indices.# centroid_m.# axes.#.# eigenvalues_m2.# foci_m.#.# focus_points.# gain asked_pa pressure_pa pressures_pa.# "
-        "schedule.order.#.# schedule.dwell_s"),
-    "drive": "layout transducers sound_speed_m_s frequency_hz foci_m.#.# aimed_m.#.# gains.# pressures_pa.# over_free_field.# "
-             "weakest_to_strongest unresolved_pairs.#.# amplitudes.# phases_rad.# solution.iterations solution.residual " + under(
-                 "spread", "draws seed pressures_pa.#.# weakest_to_strongest.#"),
-    "field": "points peak_pa peak_m.# sound_speed_m_s density_kg_m3 absorption_np_m " + under("spread", "draws seed peak_pa.# peak_m.#.#"),
-    "simulate": " ".join([
-        "finger.faces finger.vertices method penetration_m foci_m.#.# aimed_m.#.# force_N.# force_far_N.# torque_Nm.# solution.iterations "
-        "solution.residual spread.draws spread.seed spread.force_N.#.# spread.torque_Nm.#.#", FELT, under("langevin", PRESSURE),
-        under("squared", PRESSURE), under("spread.langevin", PRESSURES), under("spread.squared", PRESSURES)]),
+    "touch": "points contacts.count contacts.indices.# contacts.depths_m.# " + SCHEDULE + FELT + " " + under(
+        "fingers.#", SCHEDULE + "indices.# centroid_m.# axes.#.# eigenvalues_m2.# foci_m.#.# focus_points.# gain asked_pa pressure_pa pressures_pa.#"),
+    "drive": SOLUTION + "layout transducers sound_speed_m_s frequency_hz foci_m.#.# aimed_m.#.# gains.# pressures_pa.# over_free_field.# "
+             "weakest_to_strongest unresolved_pairs.#.# amplitudes.# phases_rad.# spread.pressures_pa.#.# spread.weakest_to_strongest.#",
+    "field": "points peak_pa peak_m.# sound_speed_m_s density_kg_m3 absorption_np_m spread.draws spread.seed spread.peak_pa.# spread.peak_m.#.#",
+    "simulate": SOLUTION + "finger.faces finger.vertices method penetration_m foci_m.#.# aimed_m.#.# force_N.# force_far_N.# torque_Nm.# "
+                + " ".join([FELT, under("langevin", PRESSURE), under("squared", PRESSURE), under("spread.langevin", PRESSURES),
+                            under("spread.squared", PRESSURES), "spread.force_N.#.# spread.torque_Nm.#.#"]),
 }
 # The results of a plan that names none.
 USUAL = {
-    "touch": "points contacts.count contacts.depths_m.max fingers.count fingers.0.indices.count fingers.0.centroid_m.0 fingers.0.centroid_m.1 "
-             "fingers.0.centroid_m.2 fingers.0.eigenvalues_m2.0 fingers.0.eigenvalues_m2.1 fingers.0.foci_m.count fingers.0.pressures_pa.min "
-             "fingers.0.pressures_pa.max",
+    "touch": "points contacts.count contacts.depths_m.max fingers.count " + under(
+        "fingers.0", "indices.count centroid_m.0 centroid_m.1 centroid_m.2 eigenvalues_m2.0 eigenvalues_m2.1 foci_m.count pressures_pa.min "
+        "pressures_pa.max"),
     "drive": "transducers sound_speed_m_s frequency_hz pressures_pa.min pressures_pa.max weakest_to_strongest amplitudes.min amplitudes.mean "
              "amplitudes.max",
     "field": "points peak_pa peak_m.0 peak_m.1 peak_m.2 sound_speed_m_s density_kg_m3 absorption_np_m",
-    "simulate": "finger.faces langevin.peak_pa langevin.half_area_m2 langevin.half_radius_m langevin.elongation squared.peak_pa "
-                "squared.half_area_m2 squared.half_radius_m squared.elongation force_N.0 force_N.1 force_N.2 force_far_N.1 torque_Nm.0 "
-                "torque_Nm.1 torque_Nm.2",
+    "simulate": " ".join(["finger.faces", under("langevin", PRESSURE.replace("peak_m.# ", "")), under("squared", PRESSURE.replace("peak_m.# ", "")),
+                          "force_N.0 force_N.1 force_N.2 force_far_N.1 torque_Nm.0 torque_Nm.1 torque_Nm.2"]),
 }
 OF_LISTS = {"count": len, "min": min, "max": max, "sum": math.fsum, "mean": lambda values: math.fsum(values) / len(values)}
 
@@ -87,22 +97,19 @@ def near(word, known):
 
 def path_fault(command, path):
     """What is wrong with a path of `results`; empty if cases of this command may have it."""
-    known = OUTCOMES[command].split()
-    plain = re.sub(r"(?<=\.)\d+(?=\.|$)", "#", str(path))
+    known, plain = OUTCOMES[command].split(), re.sub(r"(?<=\.)\d+(?=\.|$)", "#", str(path))
     before, _, last = plain.rpartition(".")
-    if plain in known:
-        return ""
-    if any(entry.startswith(before + (".#" if last != "count" else ".")) for entry in known) and before and last in OF_LISTS:
+    if plain in known or (last in OF_LISTS and any(entry.startswith(before + (".#" if last != "count" else ".")) for entry in known)):
         return ""
     if inside := [entry for entry in known if entry.startswith(plain + ".")]:
         kind = "a list" if inside[0].startswith(plain + ".#") else "an object"
         return f"{path} is {kind}; name one of its entries, such as {inside[0].replace('#', '0')}, or {path}.count"
-    found = difflib.get_close_matches(plain, known, n=1, cutoff=0.5)
+    found = difflib.get_close_matches(plain, known, n=1)
     return f"a case of {command} has no {path}" + (f"; did you mean {found[0].replace('#', '0')}?" if found else "")
 
 
 def find(document, path):
-    """The value that a path leads to; None if this case has none."""
+    """The single value that a path leads to; None if this case has none."""
     at = document
     for part in path.split("."):
         if isinstance(at, dict) and part in at:
@@ -114,17 +121,15 @@ def find(document, path):
             at = OF_LISTS[part](values) if values or part == "count" else None
         else:
             return None
-    return at
+    return None if isinstance(at, (dict, list)) else at
 
-
-# ---- values ---------------------------------------------------------------------------------------------------------
 
 class Fault(Exception):
     """What is wrong with a plan, without its name."""
 
 
 def quantity(text, kind):
-    """The number in SI units that a text such as "1.5mm" is; None if it is none of this kind."""
+    """The number in SI units that a text such as "1.5mm" means; None if the text is not of this kind."""
     match = re.fullmatch(NUMBER, text)
     power = UNITS[kind].get(match[3]) if match else None
     # The power is added to the exponent, so that the number is rounded once.
@@ -142,16 +147,17 @@ def options_of(command):
 
 def shown(value):
     """A flag or texts as in tables."""
-    return ("true" if value else "false") if isinstance(value, bool) else " ".join(value)
+    return str(value).lower() if isinstance(value, bool) else " ".join(value)
 
 
 def text_of(where, value):
+    """A value as it would stand on a command line."""
     if isinstance(value, (list, tuple)) and value:
         return ",".join(text_of(where, part) for part in value)
     if isinstance(value, (str, os.PathLike)) and os.fspath(value):
         return os.fspath(value)
     if isinstance(value, bool) or not hasattr(value, "__float__") or not math.isfinite(value):
-        raise Fault(f"{where} must be a text or a finite number, not {value!r}")
+        raise Fault(f"{where} must be a text or a finite number, not {brief(value)}")
     return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
@@ -170,113 +176,53 @@ def digest_of(path):
     return ",".join([f"{path.suffix}:{hashlib.sha256(data).hexdigest()}"] + [digest_of(file) for file in files if file.is_file() and file != path])
 
 
-# ---- expressions ----------------------------------------------------------------------------------------------------
+def software():
+    """Which palpa computes."""
+    return f"{_engine.__version__} {_engine._commit}".strip()
 
-MATHS = {name: getattr(math, name) for name in ("gcd", "sqrt", "floor", "ceil", "exp", "log", "log10", "sin", "cos", "radians", "pi")} | {
-    "abs": abs, "min": min, "max": max, "round": round}
-DRAWS = ("uniform", "gauss", "randint", "choice")
-ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp, ast.Call, ast.Name, ast.Load, ast.Constant, ast.List,
-           ast.operator, ast.unaryop, ast.boolop, ast.cmpop)
-
-
-def expression(text, option, known):
-    """The function of a case's values that "gcd(stride, foci) == 1" is. Random numbers depend on the case's seed and the option."""
-    if callable(text):
-        return text
-    try:
-        tree = ast.parse(str(text).strip(), mode="eval")
-    except (SyntaxError, ValueError):
-        raise Fault(f"{text!r} is no expression such as gcd(stride, foci) == 1") from None
-    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    if not all(isinstance(node, ALLOWED) and not (isinstance(node, ast.Call) and not isinstance(node.func, ast.Name)) for node in ast.walk(tree)):
-        raise Fault(f"{text!r} has more than options, numbers, texts, operators and the functions {', '.join([*MATHS, *DRAWS])}")
-    for name in sorted(names - set(known) - set(MATHS) - set(DRAWS)):
-        raise Fault(f"{name} is not set in the plan{near(name, list(known))}")
-    code = compile(tree, "plan", "eval")
-
-    def evaluate(values):
-        numbers = random.Random(f"{values.get('seed', 0)} {option}")
-        try:
-            return eval(code, {"__builtins__": {}}, MATHS | {name: getattr(numbers, name) for name in DRAWS} | values)
-        except (ArithmeticError, TypeError, ValueError, NameError, IndexError) as error:
-            raise Fault(f"{option}: {text!r}: {error}") from None
-    return evaluate
-
-
-# ---- plans ----------------------------------------------------------------------------------------------------------
 
 class Plan:
-    """A plan that was read from a TOML file or a dict, and checked. Raises BadInput for what is wrong with it."""
+    """A plan that was read from a file or a dict, and checked. Raises BadInput for what is wrong with it."""
 
     def __init__(self, plan):
         self.files, self.inputs = [], {}  # (option, text) -> the text with the file's whole path, and with its digest
-        self.name = "the plan" if isinstance(plan, dict) else os.fspath(plan)
-        self.folder = pathlib.Path.cwd() if isinstance(plan, dict) else pathlib.Path(plan).absolute().parent
+        self.name = "the plan" if isinstance(plan, dict) else path_of("plan", plan)
+        self.folder = pathlib.Path.cwd() if isinstance(plan, dict) else pathlib.Path(self.name).absolute().parent
         try:
-            self._read(plan if isinstance(plan, dict) else self._table())
+            self._read(plan if isinstance(plan, dict) else self._loaded())
         except Fault as fault:
-            raise self.error(fault) from None
+            made = error(f"{self.name}: {fault}", _engine.BadInput)
+            made.file = self.name
+            raise made from None
 
-    def error(self, fault):
-        """BadInput with the name of the plan."""
-        error = _engine.BadInput(f"{self.name}: {fault}")
-        error.file, error.exit_code = self.name, 4
-        return error
-
-    def _table(self):
+    def _loaded(self):
         import tomllib
         self.files.append(pathlib.Path(self.name))
         try:
-            return tomllib.loads(self.files[0].read_text(encoding="utf-8"))
-        except OSError as error:
-            raise Fault(error.strerror) from None
-        except ValueError as error:
-            raise Fault(f"is not TOML: {error}") from None
+            text = self.files[0].read_text(encoding="utf-8")
+            if self.files[0].suffix != ".py":
+                return tomllib.loads(text)
+            names = {"__name__": "plan", "__file__": self.name}
+            exec(compile(text, self.name, "exec"), names)  # the user's own program
+            return names["plan"]
+        except OSError as fault:
+            raise Fault(fault.strerror) from None
+        except (ValueError, SyntaxError) as fault:
+            raise Fault(f"is not {'Python' if self.name.endswith('.py') else 'TOML'}: {fault}") from None
+        except KeyError:
+            raise Fault("makes no dict that is called plan") from None
 
     def _read(self, table):
+        if not isinstance(table, dict):
+            raise Fault("is not a table")
         for key in table:
-            if key not in KEYS:
-                raise Fault(f"unknown key {key}{near(key, KEYS)}")
-        for key in ("options", "vary", "derive", "functions"):
-            if not isinstance(table.setdefault(key, {}) if isinstance(table, dict) else {}, dict):
+            if key not in (keys := ("command", "results", "keep", "options", "vary", "functions")):
+                raise Fault(f"unknown key {key}{near(key, keys)}")
+            if key in keys[3:] and not isinstance(table[key], dict):
                 raise Fault(f"{key} must be a table")
         self.command = table.get("command")
         if self.command not in COMMANDS:
-            raise Fault(f"command is {self.command!r}, but must be one of {', '.join(COMMANDS)}")
-        self._read_results(table)
-        self.functions = {}
-        for name, own in table["functions"].items():
-            if not isinstance(own, dict) or set(own) != {"function", "version"} or not callable(own["function"]) or own["version"] in ("", None):
-                raise Fault(f'functions: {name} must be {{"function": a function, "version": "1"}}, with another version whenever it changes')
-            self.functions[name] = own["function"], str(own["version"])
-        self.fixed, self.axes, self.derived, places = {}, [], {}, {}
-
-        def once(option, place):
-            if option in places:
-                raise Fault(f"{option} is set in {places[option]} and in {place}: set it in one place")
-            places[option] = place
-        for key, value in table["options"].items():
-            self.fixed |= self._setting(f"[options] {key}", key, value)
-            once(self._option(key), "[options]")
-        for key, value in table["vary"].items():
-            self.axes.append(self._axis(f"[vary] {key}", key, value))
-            for option in dict.fromkeys(itertools.chain.from_iterable(self.axes[-1])):
-                once(option, f"{key} of [vary]")
-        for key, value in table["derive"].items():
-            self.derived[self._option(key)] = expression(value, self._option(key), places)
-            once(self._option(key), "[derive]")
-        self.varied = [option for option, place in places.items() if place != "[options]"]
-        where = table.get("where", [])
-        self.where = [expression(one, "where", places) for one in (where if isinstance(where, list) else [where])]
-        for needed in COMMANDS[self.command][2]:
-            if not any(option in places for option in needed):
-                raise Fault(f"{self.command} needs {' or '.join(needed)}: set it in [options] or [vary]")
-        count = math.prod(len(axis) for axis in self.axes)
-        if count > MOST_CASES:
-            factors = " x ".join(f"{len(axis):,} {' and '.join(axis[0])}" for axis in self.axes)
-            raise Fault(f"has {count:,} cases ({factors}); a plan has at most {MOST_CASES:,}: vary less, or divide it")
-
-    def _read_results(self, table):
+            raise Fault(f"command is {brief(self.command)}, but must be one of {', '.join(COMMANDS)}")
         if table.get("keep", "results") not in ("results", "everything"):
             raise Fault('keep must be "results" or "everything"')
         self.everything = table.get("keep") == "everything"
@@ -286,35 +232,48 @@ class Plan:
         for path in self.results:
             if fault := path_fault(self.command, path) or (f"{path} is there twice" if self.results.count(path) > 1 else ""):
                 raise Fault(f"results: {fault}")
+        self.functions, self.fixed, self.axes, places = {}, {}, [], {}
+        for name, own in table.get("functions", {}).items():
+            if not isinstance(own, dict) or set(own) != {"function", "version"} or not callable(own["function"]) or own["version"] in ("", None):
+                raise Fault(f'functions: {name} must be {{"function": a function, "version": "1"}}, with another version whenever it changes')
+            self.functions[name] = own["function"], str(own["version"])
+        for key, value in table.get("options", {}).items():
+            self.fixed |= self._setting(f"[options] {key}", key, value, places, "[options]")
+        for key, value in table.get("vary", {}).items():
+            self.axes.append(self._axis(f"[vary] {key}", key, value, places))
+        self.varied = [option for option, place in places.items() if place != "[options]"]
+        for needed in COMMANDS[self.command][2]:
+            if places.keys().isdisjoint(needed.split()):
+                raise Fault(f"{self.command} needs {needed.replace(' ', ' or ')}: set it in [options] or [vary]")
+        if (count := math.prod(map(len, self.axes))) > MOST_CASES:
+            factors = " x ".join(f"{len(axis):,} {' and '.join(axis[0])}" for axis in self.axes)
+            raise Fault(f"has {count:,} cases ({factors}); a plan has at most {MOST_CASES:,}: vary less, or divide it")
 
-    def _option(self, key):
+    def _setting(self, where, key, value, places, place):
+        """{option: a flag, or the texts that it would have on a command line}."""
         option, known = str(key).replace("-", "_"), options_of(self.command)
         if option not in known:
             raise Fault(f"{key} is not an option that a case of {self.command} can have{near(option, known)}")
-        return option
-
-    def _setting(self, where, key, value):
-        """{option: a flag, or the texts that it would have on a command line}."""
-        option = self._option(key)
-        kind, words = options_of(self.command)[option]
+        if places.setdefault(option, place) != place:
+            raise Fault(f"{option} is set in {places[option]} and in {place}: set it in one place")
+        kind, words = known[option]
         if kind == "FLAG":
             if not isinstance(value, bool):
                 raise Fault(f"{where} must be true or false")
             return {option: value}
         is_list = isinstance(value, (list, tuple))
         if is_list and (not value or kind not in (*SEVERAL, "LIST")):
-            raise Fault(f"{where} " + (f"must be one value, not {value!r}" if value else "has an empty list"))
+            raise Fault(f"{where} " + (f"must be one value, not {brief(value)}" if value else "has an empty list"))
         several = is_list and kind in SEVERAL and not all(hasattr(part, "__float__") for part in value)
         texts = tuple(text_of(where, one) for one in (value if several else [value]))
+        words = (*words, *self.functions) if option in ("solver", "method") else words
         for text in texts:
-            if option in ("solver", "method"):
-                words = (*words, *self.functions)
             if words and text not in words:
                 raise Fault(f"{where}: {text} is not one of its words{near(text, words)}")
             number = quantity(text, kind) if kind in UNITS else 0
             if number is None or (kind == "N" and number != int(number)):
-                raise Fault(f"{where}: {text} is no {'whole ' * (kind == 'N')}number, alone or with a unit of {', '.join(filter(None, UNITS[kind]))}"
-                            .removesuffix(", alone or with a unit of "))
+                units = ", ".join(filter(None, UNITS[kind]))
+                raise Fault(f"{where}: {text} is not a {'whole ' * (kind == 'N')}number" + (f", alone or with {units}" if units else ""))
             self._input(where, option, kind, text)
         return {option: texts}
 
@@ -334,79 +293,59 @@ class Plan:
                     raise Fault(f"{where}: {path}: is not a regular file")
                 self.inputs[option, text] = text.replace(name, str(path)), text.replace(name, digest_of(path))
                 self.files.append(path)
-        except OSError as error:
-            raise Fault(f"{where}: {path}: {error.strerror}") from None
-        except _engine.Error as error:
-            raise Fault(f"{where}: {error}") from None
+        except OSError as fault:
+            raise Fault(f"{where}: {path}: {fault.strerror}") from None
+        except _engine.Error as fault:
+            raise Fault(f"{where}: {fault}") from None
 
-    def _axis(self, where, key, value):
+    def _axis(self, where, key, value, places):
         """The choices of a key of [vary]; each sets one option, or some that belong together."""
-        if isinstance(value, dict):
-            value = self._steps(where, value)
+        value = steps(where, value) if isinstance(value, dict) else value
         if not isinstance(value, (list, tuple)) or not value:
             raise Fault(f"{where} must be a list of values, or have from, to and count")
-        choices = []
+        together = all(isinstance(one, dict) for one in value)
+        choices, known = [], set()
         for one in value:
             choice = {}
-            for name, part in one.items() if all(isinstance(other, dict) for other in value) else [(key, one)]:
-                choice |= self._setting(where, name, part)
-            if choice in choices or not choice:
+            for name, part in one.items() if together else [(key, one)]:
+                choice |= self._setting(where, name, part, places, f"{key} of [vary]")
+            if not choice or (frozen := frozenset(choice.items())) in known:
                 raise Fault(f"{where} has " + (f"a value twice: {', '.join(map(shown, choice.values()))}" if choice else "an empty table"))
+            known.add(frozen)
             choices.append(choice)
         return choices
 
-    @staticmethod
-    def _steps(where, table):
-        if set(table) != {"from", "to", "count"}:
-            raise Fault(f"{where} must have from, to and count, not {', '.join(table) or 'nothing'}")
-        first, last = (re.fullmatch(NUMBER, text_of(where, table[end])) for end in ("from", "to"))
-        if not first or not last or first[3] != last[3]:
-            raise Fault(f'{where}: from and to must be numbers with the same unit, such as "1mm" and "3mm"')
-        count, unit = table["count"], first[3]
-        if not isinstance(count, int) or not 2 <= count <= MOST_CASES:
-            raise Fault(f"{where}: count must be a whole number from 2 to {MOST_CASES:,}")
-        first, last = (float(end[0].removesuffix(unit)) for end in (first, last))
-        # Twelve digits, so that they read as people write them.
-        return [text_of(where, float(f"{first + (last - first) * i / (count - 1):.12g}")) + unit for i in range(count)]
-
     def cases(self):
         """The settings of each case; the last key of [vary] varies fastest."""
-        def number(option, value):
-            kind = options_of(self.command)[option][0]
-            found = quantity(value[0], kind if kind in UNITS else "N") if not isinstance(value, bool) and len(value) == 1 else None
-            return int(found) if kind == "N" and found is not None else found if found is not None else value if value in (True, False) else shown(value)
-        try:
-            for chosen in itertools.product(*self.axes):
-                settings = functools.reduce(dict.__or__, chosen, self.fixed)
-                if self.derived or self.where:
-                    values = {option: number(option, value) for option, value in settings.items()}
-                    for option, evaluate in self.derived.items():
-                        made = evaluate(values)
-                        settings = settings | self._setting(f"[derive] {option}", option, float(f"{made:.12g}") if isinstance(made, float) else made)
-                        values[option] = number(option, settings[option])
-                    if not all(evaluate(values) for evaluate in self.where):
-                        continue
-                yield settings
-        except Fault as fault:
-            raise self.error(fault) from None
+        return [functools.reduce(dict.__or__, chosen, self.fixed) for chosen in itertools.product(*self.axes)]
+
+    def _replaced(self, settings, which):
+        """The settings that are given, with paths (0) or digests (1) of their files."""
+        return {option: value if isinstance(value, bool) else [self.inputs.get((option, text), (text, text))[which] for text in value]
+                for option, value in settings.items() if value}
 
     def id(self, settings, backend):
         """The digest of what a case computes, and with what."""
-        canonical = {option: value if isinstance(value, bool) else [self.inputs.get((option, text), (text, text))[1] for text in value]
-                     for option, value in settings.items() if value}
-        own = {option: self.functions.get(shown(settings[option]), ("", ""))[1] for option in ("solver", "method") if option in settings}
+        own = [self.functions[name][1] if name in self.functions else "" for name in (shown(settings.get(key, "")) for key in ("solver", "method"))]
         kept = "everything" if self.everything else self.results
-        text = json.dumps(["a case of palpa.sweep", software(), backend, self.command, kept, canonical, own], sort_keys=True)
+        text = json.dumps([software(), backend, self.command, kept, self._replaced(settings, 1), own], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:20]
 
     def ready(self, settings):
-        """The settings for functions of the module: files with whole paths, and no lists of single values."""
-        made = {option: value if isinstance(value, bool) else [self.inputs.get((option, text), (text, text))[0] for text in value]
-                for option, value in settings.items() if value}
+        """The settings for functions of the module: single values are no lists."""
         return {option: value[0] if isinstance(value, list) and options_of(self.command)[option][0] not in SEVERAL else value
-                for option, value in made.items()}
+                for option, value in self._replaced(settings, 0).items()}
 
 
-def software():
-    """Which palpa computes."""
-    return f"{_engine.__version__} {_engine._commit}".strip()
+def steps(where, table):
+    """Equal steps from one value to another. They have twelve digits, so that they read as people write them."""
+    if set(table) != {"from", "to", "count"}:
+        raise Fault(f"{where} must have from, to and count, not {', '.join(table) or 'nothing'}")
+    first, last = (re.fullmatch(NUMBER, text_of(where, table[end])) for end in ("from", "to"))
+    if not first or not last or first[3] != last[3]:
+        raise Fault(f'{where}: from and to must be numbers with the same unit, such as "1mm" and "3mm"')
+    count, unit = table["count"], first[3]
+    if not isinstance(count, int) or not 2 <= count <= MOST_CASES:
+        raise Fault(f"{where}: count must be a whole number from 2 to {MOST_CASES:,}")
+    begin, end = (float(match[0].removesuffix(unit)) for match in (first, last))
+    return [text_of(where, float(f"{begin + (end - begin) * i / (count - 1):.12g}")) + unit for i in range(count)]

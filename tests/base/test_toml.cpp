@@ -178,7 +178,8 @@ TEST(TomlGuard, CountsKeyPartsOutsideOfStringsOnly) {
 }
 
 TEST(TomlTable, KeysAreInTheOrderOfTheFile) {
-  EXPECT_EQ(table_of("zebra = 1\napple = 2\n[middle]\n").keys(), (std::vector<std::string>{"zebra", "apple", "middle"}));
+  EXPECT_EQ(table_of("zebra = 1\napple = 2\n[middle]\n").keys(),
+            (std::vector<std::string>{"zebra", "apple", "middle"}));
 }
 
 }  // namespace
