@@ -222,6 +222,16 @@ def shard_of(shard, variables=os.environ):
     return index, count
 
 
+def of_shard(cases, index, count):
+    """The cases of a shard: some runs of neighbours, which often share a model or a finger. They are dealt to and fro."""
+    size, mine = max(1, len(cases) // (8 * count)), []
+    for at, case in enumerate(cases):
+        turn, place = divmod(at // size, count)
+        if index == (place if turn % 2 == 0 else count - 1 - place):
+            mine.append(case)
+    return mine
+
+
 # ---- the folder of results ------------------------------------------------------------------------------------------
 
 @contextlib.contextmanager
@@ -308,7 +318,7 @@ def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, g
         A distributed.Client, which computes the cases with Dask instead.
     backend : {"auto", "gpu", "cpu"}, optional
         What computes.
-    gpu : str or list of str, optional
+    gpu : str, int, or list of these, optional
         Name or index of the GPU. Several are dealt to the processes in turn.
     allow_outside : bool, optional
         Also take files outside a model's folder that the model names.
@@ -342,8 +352,7 @@ def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, g
         pickle.dumps(functions if workers > 1 else None)
     except Exception as fault:
         raise error(f"functions: cannot be sent to other processes: {fault}; define them in a module") from None
-    cases = plan.cases()
-    cases = cases[len(cases) * index // count:len(cases) * (index + 1) // count]
+    cases = of_shard(plan.cases(), index, count)
     used, lines = used_backend(common), stored(out)
     ids = [plan.id(settings, used) for settings in cases]
     open_cases = {case: settings for case, settings in zip(ids, cases) if lines.get(case, {"state": "failed"})["state"] == "failed"}
