@@ -23,7 +23,7 @@ setup(
     package_dir={"": "python"},
     package_data={"palpa": ["py.typed", "*.pyi"]},
     include_package_data=False,
-    python_requires=">=3.9",
+    python_requires=">=3.11",
     install_requires=[numpy()],
     cmake_install_dir="python",
     cmake_install_target="install-python",

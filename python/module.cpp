@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "base/version.hpp"
 #include "base/words.hpp"
 #include "driver/guard/process.hpp"
 #include "running.hpp"
@@ -267,6 +268,7 @@ void guard(const py::module_& m) {
 PYBIND11_MODULE(_engine, m) {
   using namespace palpa::python;
   m.attr("__version__") = PALPA_VERSION;
+  m.attr("_commit") = palpa::commit();
   pybind11::options options;
   options.disable_enum_members_docstring();
   m.def(
@@ -294,7 +296,6 @@ PYBIND11_MODULE(_engine, m) {
   add_tasks(m);
   add_recording(m);
   add_session(m);
-  add_sweeps(m);
   add_pickles(m);
   guard(m);
 }

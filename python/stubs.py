@@ -11,7 +11,7 @@ import palpa  # noqa: E402  pylint: disable=wrong-import-position
 
 PATH = "_Path"
 WORDS = {  # the types in docstrings, and in stubs; the first that fits a part of a text counts
-    "array_like": "ArrayLike", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]", "(float, float)": "tuple[float, float]",
+    "array_like": "ArrayLike", "dict": "dict[str, Any]", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]", "(float, float)": "tuple[float, float]",
     "(int, int)": "tuple[int, int]", "path": PATH, "float": "float", "int": "int", "bool": "bool", "str": "str", "callable": "Callable[..., Any]",
 }
 ARRAYS = {"float64": "np.float64", "complex128": "np.complex128", "uint32": "np.uint32", "uint16": "np.uint16", "int64": "np.int64"}
@@ -98,8 +98,19 @@ def option_lines(name, known):
     return lines
 
 
+def signature(name, target):
+    """As pybind11 writes it before a docstring."""
+    parts = []
+    for part in inspect.signature(target).parameters.values():
+        parts += ["*"] * (part.kind is part.KEYWORD_ONLY and "*" not in parts)
+        parts.append(f"{part.name}: object" + ("" if part.default is part.empty else f" = {part.default}"))
+    return f"{name}({', '.join(parts)})"
+
+
 def function(name, target, indent, owner=None):
     doc = inspect.getdoc(target) or ""
+    if inspect.isfunction(target):
+        doc = f"{signature(name, target)}\n\n{doc}"
     head, _, body = doc.partition("\n")
     match = re.match(r"(\w+)\((.*)\)(?: -> (.*))?$", head)
     known = parameters(body)
@@ -113,6 +124,7 @@ def function(name, target, indent, owner=None):
         if part_name.startswith("**"):
             continue
         default = " = ..." if " = " in part else ""
+        default = " | None" * (inspect.isfunction(target) and part.endswith(" = None")) + default
         arguments.append(f"{part_name}: {known.get(part_name, given_type(part.partition(':')[2]))}{default}")
     full = f"{owner}.{name}" if owner else name
     options = option_lines(owner if name == "__init__" else full, known)

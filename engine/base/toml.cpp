@@ -243,42 +243,6 @@ std::vector<const toml::key*> in_order(const toml::table& table) {
   return keys;
 }
 
-/// nullopt for dates, numbers that are not finite, texts of several lines, and values that are nested too deeply.
-std::optional<TomlValue> value_of(const toml::node& node, int levels) {
-  using Kind = TomlValue::Kind;
-  if (levels == 0) return std::nullopt;
-  if (const auto* text = node.as_string()) {
-    if (printable(text->get(), 1024) != text->get()) return std::nullopt;
-    return TomlValue{Kind::text, text->get(), {}};
-  }
-  if (const auto* flag = node.as_boolean()) return TomlValue{Kind::flag, flag->get() ? "true" : "false", {}};
-  if (const auto* whole = node.as_integer()) return TomlValue{Kind::number, fmt::format("{}", whole->get()), {}};
-  if (const auto* real = node.as_floating_point()) {
-    if (!std::isfinite(real->get())) return std::nullopt;
-    return TomlValue{Kind::number, fmt::format("{}", real->get()), {}};
-  }
-  if (const toml::array* list = node.as_array()) {
-    TomlValue value{Kind::list, {}, {}};
-    for (const toml::node& item : *list) {
-      std::optional<TomlValue> inner = value_of(item, levels - 1);
-      if (!inner) return std::nullopt;
-      value.items.push_back(std::move(*inner));
-    }
-    return value;
-  }
-  if (const toml::table* table = node.as_table()) {
-    TomlValue value{Kind::table, {}, {}};
-    for (const toml::key* key : in_order(*table)) {
-      std::optional<TomlValue> inner = value_of(*table->get(key->str()), levels - 1);
-      if (!inner) return std::nullopt;
-      value.keys.emplace_back(key->str());
-      value.items.push_back(std::move(*inner));
-    }
-    return value;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::vector<std::string> TomlTable::keys() const {
@@ -287,15 +251,6 @@ std::vector<std::string> TomlTable::keys() const {
   for (const toml::key* key : in_order(as_table(table_)))
     names.emplace_back(key->str());
   return names;
-}
-
-TomlValue TomlTable::value(std::string_view key) {
-  std::optional<TomlValue> value = value_of(as_node(need(key)), 4);
-  if (!value) {
-    throw fault(key, fmt::format("{} must be a text of one line, a finite number, true or false, or a list of these",
-                                 printable(key, 40)));
-  }
-  return std::move(*value);
 }
 
 const void* TomlTable::need(std::string_view key) {

@@ -32,15 +32,6 @@ struct TomlLimits {
 /// but does not check that the text is TOML.
 void guard_toml(std::string_view text, const std::string& file, const TomlLimits& limits = {});
 
-/// A value of any kind, for tables whose keys are not known in advance.
-struct TomlValue {
-  enum class Kind { text, number, flag, list, table };
-  Kind kind = Kind::text;
-  std::string text;                 ///< of a number, its shortest exact form; of a flag, "true"
-  std::vector<TomlValue> items;     ///< of a list or a table, in the file's order
-  std::vector<std::string> keys{};  ///< of a table: those of its items
-};
-
 /// One table. Every getter throws bad_input; `done()` at the end refuses keys that were never read. The first getter
 /// that finds its key, or else `done()`, refuses a file that gives a key twice.
 class TomlTable {
@@ -55,8 +46,6 @@ class TomlTable {
   bool has(std::string_view key);
   /// All keys, in the file's order.
   std::vector<std::string> keys() const;
-  /// A text of one line, a finite number, true or false, a list or a table of these, at most four levels deep.
-  TomlValue value(std::string_view key);
   /// Any finite number.
   double number(std::string_view key);
   double number(std::string_view key, double low, double high);

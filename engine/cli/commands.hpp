@@ -18,7 +18,6 @@ void add_link(Program& program);
 void add_calibrate(Program& program);
 void add_decompose(Program& program);
 void add_study(Program& program);
-void add_sweep(Program& program);
 void add_bench(Program& program);
 
 /// The whole program: parses, runs, reports; returns the exit code.

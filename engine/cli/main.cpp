@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
 #include "base/version.hpp"
@@ -18,6 +20,8 @@ namespace palpa::cli {
 namespace {
 
 void parse_and_run(int argc, const char* const* argv, const Extensions& extensions) {
+  if (argc > 1 && std::string_view(argv[1]) == "sweep")
+    throw bad_usage("palpa sweep is now a Python program: python3 -m palpa.sweeps PLAN; docs/sweeps.md describes it");
   CLI::App app("", "palpa");
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "show this help and exit");
@@ -36,7 +40,6 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_afferents(program);
   add_decompose(program);
   add_study(program);
-  add_sweep(program);
   add_bench(program);
   for (const auto& add : extensions.commands)
     add(program);

@@ -130,14 +130,6 @@ void check_spread(const std::string& text) {
   read_text(text);
 }
 
-std::string_view rig_of_spread(std::string_view text) {
-  std::string_view rig;
-  read_items(text, [&](const Key& key, std::string_view value) {
-    if (key.value == &array::Spread::position_m && is_rig(value)) rig = value;
-  });
-  return rig;
-}
-
 void check(const SpreadOptions& options, const MediumOptions& medium) {
   if (options.text.empty()) {
     if (options.draws) throw bad_usage("--draws goes with --spread");

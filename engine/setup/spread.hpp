@@ -36,8 +36,6 @@ void add_spread_options(CLI::App& app, SpreadOptions& options);
 array::Spread parse_spread(const std::string& text);
 /// The same checks, but of the text alone: a rig is not read.
 void check_spread(const std::string& text);
-/// The file of a rig in such a text, where it stands; empty if there is none.
-std::string_view rig_of_spread(std::string_view text);
 
 /// Throws bad_usage for draws without a spread, and for a spread of the temperature where the sound speed is given.
 void check(const SpreadOptions& options, const MediumOptions& medium);

@@ -23,7 +23,16 @@ except ImportError:
 from ._engine import *  # noqa: F401,F403
 from ._engine import __version__  # noqa: F401
 
-__all__ = [name for name in dir(_engine) if not name.startswith("_")]
+__all__ = sorted([*(name for name in dir(_engine) if not name.startswith("_")), "gather", "sweep"])
+
+
+def __getattr__(name):
+    """The functions of sweeps, which few programs need."""
+    if name not in ("gather", "sweep"):
+        raise AttributeError(f"module 'palpa' has no attribute '{name}'")
+    from . import sweeps
+    return getattr(sweeps, name)
+
 
 # palpa's own models and rigs: in the package, or where `cmake --install` puts them.
 for _folder in (_pathlib.Path(__file__).parent / "assets", _pathlib.Path(__file__).parent / "../../../../share/palpa/assets"):

@@ -3,8 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "base/error.hpp"
-#include "base/locked_bytes.hpp"
 #include "base/sha256.hpp"
 #include "base/version.hpp"
 #include "support/files.hpp"
@@ -30,27 +28,6 @@ TEST(Sha256, OfAFileInPieces) {
   EXPECT_EQ(digest.sha256, sha256(text));
   EXPECT_EQ(digest.bytes, text.size());
   EXPECT_REFUSED(sha256_of_file(file.string() + "-none"), "file-none");
-}
-
-TEST(LockedBytes, ALockExcludesOthersAndAMarkStays) {
-  const std::filesystem::path file = test::scratch_folder("locked-bytes") / "locks";
-  std::filesystem::remove(file);
-  {
-    LockedBytes first(file), second(file);
-    EXPECT_TRUE(first.try_lock(7));
-    EXPECT_FALSE(second.try_lock(7));
-    EXPECT_TRUE(second.try_lock(8)) << "another byte";
-    first.mark(7);
-    EXPECT_TRUE(second.is_marked(7));
-    EXPECT_FALSE(second.is_marked(6));
-    EXPECT_FALSE(second.is_marked(1'000'000));
-    first.unlock(7);
-    EXPECT_TRUE(second.try_lock(7));
-  }
-  LockedBytes third(file);
-  EXPECT_TRUE(third.try_lock(7)) << "a lock ends with its holder";
-  EXPECT_TRUE(third.is_marked(7));
-  EXPECT_ERROR(LockedBytes(file / "none"), Exit::failed, "locks/none");
 }
 
 TEST(Version, SaysWhatWasBuilt) {

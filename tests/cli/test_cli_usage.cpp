@@ -28,6 +28,8 @@ TEST(Usage, ABadLineIsOneLineAndExitCode2) {
   expect_failure(palpa({"drive", "extra\nlines\nhere"}), 2, "'extra\\nlines\\nhere'");
   expect_failure(palpa({"doctor", "drive"}), 2, "drive");
   expect_failure(palpa({"drive", "--json", ""}), 2, "--json");
+  expect_failure(palpa({"sweep", "plan.toml", "--out", "x"}), 2,
+                 "palpa sweep is now a Python program: python3 -m palpa.sweeps PLAN");
 }
 
 TEST(Usage, OneCameraBesideTheDefaultRigIsOfferedARigOfItsOwn) {

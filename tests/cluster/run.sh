@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh [parallel|slurm|mpirun|snakemake|dask|claim|scaling]...: sweeps under real schedulers on this machine; all of them if none
+# run.sh [parallel|slurm|mpirun|snakemake|dask|scaling]...: sweeps under real schedulers on this machine; all of them if none
 # is named. A scheduler that is not installed is skipped with a reason; if all are, the exit code is still 0.
 #
 #   parallel   GNU parallel with three shards
@@ -8,18 +8,16 @@
 #   mpirun     OpenMPI with two processes
 #   snakemake  the Snakefile of docs/examples/sweep
 #   dask       the program of docs/sweeps.md
-#   claim      two processes with --claim, one of them killed
 #   scaling    the times of 1, 2 and 4 processes
 #
 # Each of them must give the same table, byte for byte, as one process alone. PALPA_CLUSTER_KEEP: if set, the scratch
-# folder stays. build/release/bin/palpa and the Python module must be built.
+# folder stays. The Python module must be built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-palpa=$PWD/build/release/bin/palpa python=$PWD/build/release/python
 # The interpreter that the Python module was built for; another one may come first in PATH.
 interpreter=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' build/release/CMakeCache.txt)
-export PATH=$PWD/build/release/bin:$PATH LP_NUM_THREADS=1
-export PALPA_ASSETS=$PWD/assets
+export PYTHONPATH=$PWD/build/release/python PALPA_ASSETS=$PWD/assets LP_NUM_THREADS=1
+sweeps=("$interpreter" -m palpa.sweeps)
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/palpa-cluster.XXXXXX")
 started=() # the programs to be ended
@@ -55,21 +53,22 @@ pixels = "64,64"
 layout = ["openmpd", "autd3", "paper"]
 temperature = { from = 15, to = 34, count = 20 }
 END
-sweep() { "$palpa" sweep "$work/plan.toml" --backend cpu --quiet "$@"; }
+sweep() { "${sweeps[@]}" "$work/plan.toml" --backend cpu --quiet "$@"; }
+gather() { "${sweeps[@]}" "$work/plan.toml" --out "$work/$1" --gather "$work/$1/table.csv" --quiet; }
 
 sweep --out "$work/one"
-"$palpa" sweep "$work/plan.toml" --out "$work/one" --gather "$work/one/table.csv" --quiet
+gather one
 
 # same NAME: its table is the one process'.
 same() {
-  "$palpa" sweep "$work/plan.toml" --out "$work/$1" --gather "$work/$1/table.csv" --quiet || die "$1: does not gather"
+  gather "$1" || die "$1: does not gather"
   cmp "$work/one/table.csv" "$work/$1/table.csv" || die "$1: the table differs from that of one process"
-  say "$1: the same table, from $(find "$work/$1/runs" -name cases.jsonl | wc -l) processes"
+  say "$1: the same table, from $(find "$work/$1" -name '*.jsonl' | wc -l) files"
 }
 
 with_parallel() {
   needs parallel parallel || return 0
-  parallel --will-cite --jobs 2 "$palpa" sweep "$work/plan.toml" --backend cpu --quiet --out "$work/parallel" \
+  parallel --will-cite --jobs 2 "${sweeps[@]}" "$work/plan.toml" --backend cpu --quiet --out "$work/parallel" \
     --shard {}/3 ::: 0 1 2
   same parallel
 }
@@ -78,8 +77,8 @@ with_mpirun() {
   needs mpirun openmpi-bin || return 0
   local root=()
   ((EUID != 0)) || root=(--allow-run-as-root)
-  mpirun "${root[@]}" --oversubscribe -n 2 "$palpa" sweep "$work/plan.toml" --backend cpu --quiet --out "$work/mpirun" --shard env
-  [[ $(find "$work/mpirun/runs" -name run.json | wc -l) == 2 ]] || die "mpirun: not two processes computed"
+  mpirun "${root[@]}" --oversubscribe -n 2 "${sweeps[@]}" "$work/plan.toml" --backend cpu --quiet --out "$work/mpirun" --shard env
+  [[ $(find "$work/mpirun" -name '*.jsonl' | wc -l) == 2 ]] || die "mpirun: not two processes computed"
   same mpirun
 }
 
@@ -88,7 +87,7 @@ with_snakemake() {
   mkdir "$work/snakemake-job"
   cp docs/examples/sweep/Snakefile "$work/snakemake-job/"
   cp "$work/plan.toml" "$work/snakemake-job/"
-  (cd "$work/snakemake-job" && snakemake --cores 2 --config shards=3 options='--backend cpu --quiet' >log 2>&1) || {
+  (cd "$work/snakemake-job" && snakemake --cores 2 --config shards=3 options='--backend cpu --quiet' python="$interpreter" >log 2>&1) || {
     tail -n 20 "$work/snakemake-job/log"
     die "snakemake failed"
   }
@@ -105,28 +104,14 @@ with_dask() {
   # shellcheck disable=SC2016  # Markdown
   awk '/^```python$/ { inside = 1; text = ""; next }
        /^```$/ { if (inside && text ~ /import distributed/) printf "%s", text; inside = 0 }
-       inside { text = text $0 "\n" }' docs/sweeps.md | sed 's/shard=(i, n)/&, backend="cpu"/' >"$work/dask-job/many.py"
+       inside { text = text $0 "\n" }' docs/sweeps.md | sed 's/client=client/&, backend="cpu"/' >"$work/dask-job/many.py"
   cp "$work/plan.toml" "$work/dask-job/"
-  (cd "$work/dask-job" && PYTHONPATH=$python "$interpreter" many.py >log 2>&1) || {
+  (cd "$work/dask-job" && "$interpreter" many.py >log 2>&1) || {
     tail -n 20 "$work/dask-job/log"
     die "dask failed"
   }
   cmp "$work/one/table.csv" "$work/dask-job/results/table.csv" || die "dask: the table differs"
   say "dask: the same table, $(cat "$work/dask-job/log")"
-}
-
-with_claim() {
-  local first second
-  sweep --out "$work/claim" --claim &
-  first=$!
-  sweep --out "$work/claim" --claim &
-  second=$!
-  sleep 0.3
-  kill -KILL "$first" 2>/dev/null || true
-  wait "$first" 2>/dev/null || true
-  wait "$second"
-  sweep --out "$work/claim" --claim # the case of the killed one, if the other was too quick to notice
-  same claim
 }
 
 # ---- Slurm ----------------------------------------------------------------------------------------------------------
@@ -193,7 +178,7 @@ END
 }
 
 with_slurm() {
-  local program job id pid
+  local program job pid killed
   for program in slurmctld:slurmctld slurmd:slurmd sbatch:slurm-client munged:munge; do
     needs "${program%:*}" "${program#*:}" || return 0
   done
@@ -201,19 +186,19 @@ with_slurm() {
   start_slurm
   # A job array of four tasks with the numbers 3 to 6, at most two at a time.
   sbatch --quiet --wait --array=3-6 --chdir="$work" --output="$work/array-%a.log" --wrap \
-    "'$palpa' sweep plan.toml --backend cpu --quiet --out array --shard env" || {
+    "'$interpreter' -m palpa.sweeps plan.toml --backend cpu --quiet --out array --shard env" || {
     cat "$work"/array-*.log
     die "slurm: the job array failed"
   }
   same array
   # srun starts two processes in one job.
-  srun --quiet --ntasks=2 --chdir="$work" "$palpa" sweep plan.toml --backend cpu --quiet --out srun --shard env ||
+  srun --quiet --ntasks=2 --chdir="$work" "${sweeps[@]}" plan.toml --backend cpu --quiet --out srun --shard env ||
     die "slurm: srun failed"
   same srun
   # A task is killed by SIGKILL while it computes, and Slurm starts it again.
   cat >"$work/requeued.sh" <<END
 #!/bin/bash
-'$palpa' sweep plan.toml --backend cpu --quiet --out requeued --shard env && exit
+'$interpreter' -m palpa.sweeps plan.toml --backend cpu --quiet --out requeued --shard env && exit
 # SIGKILL is like a lost node: back into the queue.
 scontrol requeue "\${SLURM_ARRAY_JOB_ID}_\$SLURM_ARRAY_TASK_ID"
 sleep 60
@@ -224,19 +209,18 @@ END
   mv "$work/longer.toml" "$work/plan.toml"
   job=$(sbatch --parsable --requeue --array=0-1 --chdir="$work" --output="$work/requeued-%a.log" --open-mode=append "$work/requeued.sh")
   # shellcheck disable=SC2016  # expanded by the shell that is started
-  wait_for 60 bash -c '[[ $(cat "$1"/requeued/runs/0-2-*/cases.jsonl | wc -l) -ge 3 ]]' _ "$work" || die "slurm: no case was computed"
-  for id in "$work"/requeued/runs/0-2-*; do
-    pid=${id%-*}
-    pid=${pid##*-}
-  done
+  wait_for 60 bash -c '[[ $(cat "$1"/requeued/shard-0-of-2.jsonl | wc -l) -ge 3 ]]' _ "$work" || die "slurm: no case was computed"
+  link=$(find /proc/[0-9]*/fd -lname "$work/requeued/shard-0-of-2.jsonl" 2>/dev/null | head -n 1 || true)
+  pid=${link#/proc/} pid=${pid%%/*}
   kill -KILL "$pid"
-  say "slurm: killed process $pid after $(cat "$work"/requeued/runs/0-2-*/cases.jsonl | wc -l) cases"
+  killed=$(wc -l <"$work/requeued/shard-0-of-2.jsonl")
+  say "slurm: killed process $pid after $killed cases"
   # shellcheck disable=SC2016
   wait_for 180 bash -c '[[ -z $(squeue --noheader --jobs "$1" 2>/dev/null) ]]' _ "$job" || die "slurm: the requeued job does not end: $(squeue)"
-  [[ $(find "$work/requeued/runs" -maxdepth 1 -name '0-2-*' | wc -l) == 2 ]] || die "slurm: the killed task did not run again"
+  [[ $(wc -l <"$work/requeued/shard-0-of-2.jsonl") -gt $killed ]] || die "slurm: the killed task did not run again"
   sweep --out "$work/alone"
-  "$palpa" sweep "$work/plan.toml" --out "$work/requeued" --gather "$work/requeued/table.csv" --quiet || die "slurm: requeued: does not gather"
-  "$palpa" sweep "$work/plan.toml" --out "$work/alone" --gather "$work/alone/table.csv" --quiet
+  gather requeued || die "slurm: requeued: does not gather"
+  gather alone
   cmp "$work/alone/table.csv" "$work/requeued/table.csv" || die "slurm: requeued: the table differs"
   say "slurm: a task that was killed and requeued gives the same table"
   mv "$work/short.toml" "$work/plan.toml"
@@ -248,7 +232,7 @@ with_scaling() {
   for n in 1 2 4; do
     begin=$(date +%s.%N) pids=()
     for ((i = 0; i < n; i++)); do
-      { time taskset -c $((i % $(nproc))) "$palpa" sweep "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n; } \
+      { time taskset -c $((i % $(nproc))) "${sweeps[@]}" "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n; } \
         2>>"$work/scaling-$n.log" &
       pids+=($!)
     done
@@ -259,7 +243,7 @@ with_scaling() {
   done
 }
 
-(($#)) || set -- parallel mpirun claim snakemake dask slurm scaling
+(($#)) || set -- parallel mpirun snakemake dask slurm scaling
 for what; do
   declare -F "with_$what" >/dev/null || die "there is no $what here"
   "with_$what"

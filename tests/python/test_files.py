@@ -42,21 +42,6 @@ def test_a_scene_that_is_read_again_is_read_as_before(tmp_path):
         palpa.decompose(low, gltf_scene=0)
 
 
-def test_a_gathered_table_replaces_no_input(tmp_path, openmpd):
-    drive = tmp_path / "drive.csv"
-    openmpd.write_drive(drive, openmpd.drive([0, 0, 0.1], backend="cpu"))
-    plan = tmp_path / "plan.csv"
-    plan.write_text("command = \"field\"\n[options]\nlayout = \"openmpd\"\ndrive = \"drive.csv\"\nline = [\"0,0,0.1\", \"0,0,0.2\"]\n"
-                    "samples = 3\n[vary]\ntemperature = [20, 25]\n")
-    assert [row["state"] for row in palpa.sweep(plan, tmp_path / "out", backend="cpu")] == ["done", "done"]
-    for file in (drive, plan):
-        before = file.read_bytes()
-        with pytest.raises(palpa.BadUsage, match=f"{file.name} is read by this command"):
-            palpa.gather(plan, tmp_path / "out", file)
-        assert file.read_bytes() == before
-    assert palpa.gather(plan, tmp_path / "out", tmp_path / "t.csv")["rows"] == 2
-
-
 @pytest.mark.parametrize("output", ["drives", "foci", "events"])
 def test_an_export_replaces_no_input(tmp_path, output):
     # The ending decides nothing about a model; the foci's file must end in .csv or .json.

@@ -125,7 +125,7 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
         (palpa.write_nudged_rig, {"file": folder / "nudged.toml", "offset": (1e-3, 0, 0)}, "write_nudged_rig"),
         (palpa.learn_background, {"out": folder / "rig.toml", "source": "none", "frames": 10}, "learn_background"), (palpa.export, {"scene": cube, "source": "none", **cpu}, "export"),
         (palpa.export_played, {"played": folder / "played.json", "drives": folder / "drives.bin"}, "export_played"),
-        (palpa.sweep, {"plan": plan, "out": folder / "out", "shard": (0, 1), "claim": False, **cpu}, "sweep"),
+        (palpa.sweep, {"plan": plan, "out": folder / "out", "shard": (0, 1), "workers": 1, "client": None, "gpu": None, "after": None, **cpu}, None),
         (palpa.gather, {"plan": plan, "out": folder / "out", "file": folder / "t.csv", "partial": False}, None),
     ]
 

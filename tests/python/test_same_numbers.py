@@ -3,7 +3,6 @@ import json
 import pathlib
 import re
 import shlex
-import shutil
 
 import pytest
 
@@ -166,40 +165,6 @@ def test_a_nudge_is_small(tmp_path):
 def test_there_are_examples():
     assert len(lines("touch", "drive", "field", "scatter", "simulate")) > 20
     assert len(lines("decompose")) > 1 and len(lines("export")) > 1 and len(live_lines()) > 8
-
-
-def plan_of_the_page():
-    page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
-    lines = page[page.index("    command = \"simulate\""):page.index("| key | meaning |", page.index("    command = \"simulate\""))]
-    return "".join(line[4:] + "\n" for line in lines.splitlines())
-
-
-@pytest.fixture(scope="module")
-def folder_of_plans(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("plans")
-    for name in ("finger.ply", "cube.glb", "semi-sphere.glb"):
-        shutil.copy(ROOT / "assets" / name, folder)
-    (folder / "plan.toml").write_text(plan_of_the_page())
-    return folder
-
-
-def test_the_plan_of_the_page(folder_of_plans):
-    """It has as many cases as the page says, and those of the example."""
-    (product,) = re.findall(r"has ([0-9 x]+) = 24 cases", re.sub(r"\s+", " ", (ROOT / "docs/files.md").read_text(encoding="utf-8")))
-    assert eval(product.replace("x", "*")) == 24
-    listed = run(["sweep", str(folder_of_plans / "plan.toml"), "--list"]).splitlines()
-    example = run(["sweep", "docs/examples/sweep/plan.toml", "--list"]).splitlines()
-    assert len(listed) == 25 and [re.sub(r"[^,]*/", "", line).split(",")[1:] for line in example] == [line.split(",")[1:] for line in listed]
-
-
-@pytest.mark.exhaustive
-def test_the_plan_of_the_page_in_both(folder_of_plans):
-    plan, cli, python = folder_of_plans / "plan.toml", folder_of_plans / "cli", folder_of_plans / "python"
-    run(["sweep", str(plan), "--out", str(cli), "--shard", "3/12", "--backend", "cpu", "--quiet"])
-    run(["sweep", str(plan), "--out", str(cli), "--gather", str(cli / "t.csv"), "--partial", "--quiet"])
-    assert [row["state"] for row in palpa.sweep(plan, python, shard=(3, 12), backend="cpu")] == ["done", "done"]
-    assert palpa.gather(plan, python, python / "t.csv", partial=True)["missing"] == 22
-    assert (python / "t.csv").read_bytes() == (cli / "t.csv").read_bytes()
 
 
 @pytest.mark.parametrize("line", [

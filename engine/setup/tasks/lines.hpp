@@ -1,5 +1,4 @@
-// The options of `palpa touch`, `drive`, `field` and `simulate`: what each of them reads from a command line. The
-// command itself and the cases of a sweep (sweep/case_runner.hpp) have the same options with the same meaning.
+// The options of `palpa touch`, `drive`, `field` and `simulate`: what each of them reads from a command line.
 #pragma once
 
 #include <cstdint>

@@ -71,9 +71,6 @@ class CliAliases : public testing::Test {
                R"({"SamplingFrequency": 50, "StartTime": 0, "Columns": ["depth"]})");
     write_text(folder_ / "counts.csv", "actual,cube,prism\ncube,3,1\nprism,1,3\n");
     write_text(folder_ / "take.bag", "#ROSBAG V2.0\n");
-    write_text(folder_ / "plan.toml",
-               "command = \"touch\"\n[options]\nscene = \"scene.gltf\"\npoints = \"finger.ply\"\n"
-               "layout = \"layout.toml\"\n");
     write_text(folder_ / "study.toml",
                "[[shape]]\nname = \"a\"\nmodel = \"scene.gltf\"\n[[shape]]\nname = \"b\"\nmodel = \"scene.gltf\"\n"
                "[[method]]\nname = \"single-focus\"\nlayout = \"layout.toml\"\n"
@@ -279,9 +276,6 @@ class CliAliases : public testing::Test {
          {"study.toml", "scene.gltf", "layout.toml", "counts.csv", "finger.ply"},
          {json_, csv_, html_, {"--prediction", "", ""}}},
         {{"study", "withdraw", "7", "--out", path("study")}, {}, {json_}},
-        {{"sweep", path("plan.toml"), "--out", path("new")},
-         and_also(scene_files, {"finger.ply", "layout.toml", "plan.toml"}),
-         {json_, {"--gather", "", ".csv"}}},
         {{"afferents", "--scene", scene, "--finger", points, "--layout", layout},
          and_also(scene_files, {"layout.toml", "finger.ply"}),
          {json_, csv_, png_, {"--times", "", ""}}},

@@ -92,10 +92,9 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   std::filesystem::create_directories(folder_ / "withdrawn/sub-02");
   write_text(folder_ / "level.toml",
-             "[[shape]]\nname = \"a\"\nmodel = \"plan.toml\"\n[[shape]]\nname = \"b\"\n"
-             "model = \"plan.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
+             "[[shape]]\nname = \"a\"\nmodel = \"level.toml\"\n[[shape]]\nname = \"b\"\n"
+             "model = \"level.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
              "[level]\nceiling = 0.05\n");
-  write_text(folder_ / "plan.toml", "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,100mm\"\n");
   write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
   lines_ = {
       {"doctor", {"doctor", "--backend", "cpu"}},
@@ -134,7 +133,6 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder
         "--rehearse", "1"}},
       {"study simulate", {"study", "simulate", folder_ / "study-plan.toml", "--finger", fingertip}},
       {"study withdraw", {"study", "withdraw", "2", "--out", folder_ / "withdrawn"}},
-      {"sweep", {"sweep", folder_ / "plan.toml", "--out", folder_ / "sweep", "--backend", "cpu"}},
       {"bench", {"bench", "--suite", "links", "--runs", "3"}},
       {"emulate", {"emulate", "autd3", "--port", "0"}},
   };

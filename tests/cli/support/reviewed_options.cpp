@@ -430,33 +430,6 @@ std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
                          {{"--png", "OUT/spikes.png"}}}}};
 }
 
-std::vector<ReviewedLine> of_sweep(const std::string& scratch) {
-  const std::string plan = scratch + "/plan.toml";
-  write_text(plan, "command = \"drive\"\n[options]\nfocus = \"0,0,0.1\"\n[vary]\nlayout = [\"openmpd\", \"autd3\"]\n");
-  const Idles not_computing = joined<IdleOption>(
-      {no_gpu_at_all("nothing is computed"), {{{"--backend", "cpu"}, "--backend: nothing is computed"}}});
-  return {{.line = {"sweep", plan, "--list"},
-           .idle = joined<IdleOption>({not_computing,
-                                       {{{"--claim"}, "--claim computes cases"},
-                                        {{"--gather", "x.csv"}, "--gather excludes --list and --estimate"},
-                                        {{"--partial"}, "--partial goes with --gather"},
-                                        {{"--out", "x"}, "--out has no effect on --list"},
-                                        {{"--json", "x"}, "--json: --list prints CSV"},
-                                        {{"--seed", "3"}, "--seed belongs to the cases"}}}),
-           .untried = "--list",
-           .effective = {{{"--shard", "0/2"}}, {{"--estimate"}}}},
-          {.line = {"sweep", plan, "--out", scratch + "/results", "--gather", scratch + "/t.csv"},
-           .idle = joined<IdleOption>({not_computing,
-                                       {{{"--claim"}, "leave out --claim"},
-                                        {{"--shard", "0/2"}, "leave out --shard"},
-                                        {{"--list"}, "--gather excludes"},
-                                        {{"--estimate"}, "--gather excludes"}}}),
-           .untried = "--partial --out"},
-          {.line = {"sweep", plan, "--out", scratch + "/results", "--backend", "cpu"},
-           .idle = joined<IdleOption>({no_gpu, {{{"--claim", "--shard", "0/2"}, "exclude each other"}}}),
-           .untried = "--out --shard --claim --gather"}};
-}
-
 }  // namespace
 
 std::vector<std::string> words_of(const std::string& text) {
@@ -491,7 +464,6 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
        of_drive(scratch),
        of_scatter(scratch),
        of_simulate(scratch),
-       of_sweep(scratch),
        of_afferents(scratch),
        of_emulate()});
 }
