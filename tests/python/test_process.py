@@ -200,6 +200,8 @@ except KeyboardInterrupt:
         begin = time.perf_counter()
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
+        if "VHACD.h" in err:
+            pytest.skip("palpa is built without V-HACD")
         assert (err, process.returncode) == ("", 0)
         return out, time.perf_counter() - begin
 
@@ -298,6 +300,7 @@ def test_stubs_with_mypy(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.skipif(sys.version_info >= (3, 13), reason="Python 3.13 loads no compiled module from a folder whose name the locale cannot decode")
 @pytest.mark.parametrize("locale", [{"LC_ALL": "POSIX"}, {"LC_ALL": "de_DE.ISO-8859-1"}])
 def test_finds_its_models_in_any_locale(locale, tmp_path):
     """The folder's name is not ASCII, and the locale is not UTF-8."""
