@@ -211,7 +211,7 @@ TEST_F(WindowStudy, ARehearsalThatPausesSaysWhy) {
   const LiveRun::End end = study.run().wait(20);
   EXPECT_TRUE(end.ended);
   EXPECT_EQ(end.exit_code, 1) << study.said();
-  // The first of its threads that runs again says what it sees: that time has passed, or that no drives have.
+  // The reason depends on which of its threads runs again first.
   const std::string said = study.said();
   EXPECT_TRUE(said.find(": error: the program stood still") != std::string::npos ||
               said.find(": error: the array takes no drives") != std::string::npos)
