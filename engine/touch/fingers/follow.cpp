@@ -64,7 +64,7 @@ struct Follow {
   void merge();
   void move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers);
   void choose_who_stays();
-  Float3 joined(std::uint32_t finger, const Tracks& known) const;
+  Float3 joined(std::uint32_t finger, const Tracks& all) const;
   Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined);
 };
 
@@ -237,13 +237,13 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
 }
 
 /// Zero for a finger that is nearly where it is expected, or was not in the frame before.
-Float3 Follow::joined(std::uint32_t f, const Tracks& known) const {
+Float3 Follow::joined(std::uint32_t f, const Tracks& all) const {
   const std::uint32_t t = track_of[f];
-  if (t == none || t >= known.skin_before.fingers) return {0, 0, 0};
+  if (t == none || t >= all.skin_before.fingers) return {0, 0, 0};
   const Candidate& track = candidates[t];
   constexpr float near = 0.3e-3F;
   if (square_apart(float3(fingers[f].section.centroid), track.place) <= near * near) return {0, 0, 0};
-  return moved_by_members(known.skin_before.places[t], known.skin.places[f],
+  return moved_by_members(all.skin_before.places[t], all.skin.places[f],
                           minus(track.place, float3(track.old.place)));
 }
 

@@ -81,5 +81,34 @@ TEST(Depths, DoNotDependOnTheOrderOfPoints) {
   }
 }
 
+TEST(Depths, FlyingPixelsDoNotPress) {
+  sensing::Camera camera{.width = 20, .height = 20, .fx = 600, .fy = 600, .cx = 10, .cy = 10, .depth_unit_m = 1e-4};
+  const sensing::RayTables tables = sensing::make_rays({&camera, 1});
+  const std::vector<SightCamera> cameras = sight_cameras({&camera, 1}, tables);
+  // Skin at 0.5 m, and a pixel that flies 15 mm behind it.
+  std::vector<sensing::DepthFrame> images(1);
+  images[0].depth.assign(std::size_t{20} * 20, 5000);
+  const std::uint32_t flying = 7 * 20 + 7, firm = 12 * 20 + 12;
+  images[0].depth[flying] = 5150;
+  Touch touch;
+  add_finger(touch, 0);
+  for (Contact& contact : touch.contacts)
+    contact.point = firm;
+  Contact flies = deep(0.001F, 0.018F), presses = deep(0.001F, 0.004F);
+  flies.point = flying;
+  presses.point = firm;
+  touch.deep = {flies, presses};
+  find_depths({cameras, tables, images}, touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.004F);
+  // The same for contacts.
+  touch.deep.clear();
+  touch.contacts[1].point = flying;
+  touch.contacts[1].depth_m = 0.0014F;
+  find_depths({cameras, tables, images}, touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.001F);
+  depths_of(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.0014F) << "without cameras, all points are firm";
+}
+
 }  // namespace
 }  // namespace palpa::touch
