@@ -1,4 +1,4 @@
-#include "setup/manual.hpp"
+#include "setup/completion.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,44 +8,11 @@
 #include <sstream>
 #include <utility>
 
-#include "base/version.hpp"
-
 namespace palpa::setup {
 namespace {
 
-/// Text that man shows as it is.
-std::string roff(std::string_view text) {
-  std::string safe;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    const bool begins = i == 0 || text[i - 1] == '\n';
-    if (begins && (c == '.' || c == '\'')) safe += "\\&";
-    safe += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
-  }
-  return safe;
-}
-
-/// "palpa touch" is the page palpa-touch.
-std::string page_name(std::string name) {
-  std::ranges::replace(name, ' ', '-');
-  return name;
-}
-
-std::string heading(const std::string& name, const std::string& summary) {
-  return fmt::format(".TH {} 1 \"\" \"palpa {}\" \"palpa\"\n.SH NAME\n{} \\- {}\n", page_name(name), version(),
-                     roff(page_name(name)), roff(summary));
-}
-
-std::string examples_section(const std::string& examples) {
-  return examples.empty() ? "" : fmt::format(".SH EXAMPLES\n.nf\n{}\n.fi\n", roff(examples));
-}
-
-constexpr const char* exit_section =
-    ".SH EXIT STATUS\n0: done. 1: failed. 2: wrong usage. 3: no usable Vulkan device or display. 4: bad or missing "
-    "input.\n";
-
 /// The part of a subcommand's name behind the program's: "study analyse".
-std::string words_of(const ManualCommand& command, const std::string& program) {
+std::string words_of(const CompletedCommand& command, const std::string& program) {
   return command.text.name == program ? "" : command.text.name.substr(program.size() + 1);
 }
 
@@ -70,9 +37,9 @@ std::string single(const std::string& text) {
 
 /// The subcommands' first words with what may follow them.
 std::map<std::string, std::vector<std::string>> words_by_first(const std::string& program,
-                                                               const std::vector<ManualCommand>& commands) {
+                                                               const std::vector<CompletedCommand>& commands) {
   std::map<std::string, std::vector<std::string>> all;
-  for (const ManualCommand& command : commands) {
+  for (const CompletedCommand& command : commands) {
     const std::string words = words_of(command, program);
     if (words.empty()) continue;
     const std::size_t space = words.find(' ');
@@ -82,7 +49,7 @@ std::map<std::string, std::vector<std::string>> words_by_first(const std::string
   return all;
 }
 
-std::string bash_case(const std::string& words, const ManualCommand& command) {
+std::string bash_case(const std::string& words, const CompletedCommand& command) {
   std::string text = fmt::format("    {})\n      case $prev in\n", words.empty() ? "*" : single(words));
   std::string names;
   for (const OptionInfo& option : command.options) {
@@ -99,7 +66,7 @@ std::string bash_case(const std::string& words, const ManualCommand& command) {
   return text + fmt::format("      esac\n      options={} ;;\n", single(names + " --help"));
 }
 
-std::string bash(const std::string& program, const std::vector<ManualCommand>& commands) {
+std::string bash(const std::string& program, const std::vector<CompletedCommand>& commands) {
   std::string function = program;
   std::ranges::replace(function, '-', '_');
   std::string text = fmt::format(
@@ -125,7 +92,7 @@ std::string bash(const std::string& program, const std::vector<ManualCommand>& c
     }
   }
   text += "  case $command in\n";
-  for (const ManualCommand& command : commands)
+  for (const CompletedCommand& command : commands)
     text += bash_case(words_of(command, program), command);
   return text + fmt::format(
                     "  esac\n"
@@ -155,9 +122,9 @@ std::string zsh_option(const OptionInfo& option) {
   return fmt::format("      {} \\\n", single(spec));
 }
 
-std::string zsh(const std::string& program, const std::vector<ManualCommand>& commands) {
+std::string zsh(const std::string& program, const std::vector<CompletedCommand>& commands) {
   std::string text = fmt::format("#compdef {0}\n# Completion of {0} for zsh, made from its options.\n", program);
-  const auto arguments = [](const ManualCommand& command) {
+  const auto arguments = [](const CompletedCommand& command) {
     std::string lines = "    _arguments \\\n";
     for (const OptionInfo& option : command.options)
       lines += zsh_option(option);
@@ -168,7 +135,7 @@ std::string zsh(const std::string& program, const std::vector<ManualCommand>& co
   text += "local -a subcommands\nsubcommands=(\n";
   for (const auto& [first, seconds] : firsts) {
     const auto command = std::ranges::find_if(
-        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
+        commands, [&, &word = first](const CompletedCommand& one) { return words_of(one, program) == word; });
     text += fmt::format("  {}\n", single(command == commands.end() ? first : first + ":" + command->text.summary));
   }
   text +=
@@ -182,17 +149,17 @@ std::string zsh(const std::string& program, const std::vector<ManualCommand>& co
         first, fmt::join(seconds, " "));
   }
   text += "case $command in\n";
-  for (const ManualCommand& command : commands)
+  for (const CompletedCommand& command : commands)
     text += fmt::format("  {})\n{}    ;;\n", single(words_of(command, program)), arguments(command));
   return text + "esac\n";
 }
 
-std::string fish(const std::string& program, const std::vector<ManualCommand>& commands) {
+std::string fish(const std::string& program, const std::vector<CompletedCommand>& commands) {
   std::string text = fmt::format("# Completion of {} for fish, made from its options.\n", program);
   const auto firsts = words_by_first(program, commands);
   for (const auto& [first, seconds] : firsts) {
     const auto command = std::ranges::find_if(
-        commands, [&, &word = first](const ManualCommand& one) { return words_of(one, program) == word; });
+        commands, [&, &word = first](const CompletedCommand& one) { return words_of(one, program) == word; });
     text +=
         fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
                     command == commands.end() ? std::string() : fmt::format(" -d {}", single(command->text.summary)));
@@ -201,7 +168,7 @@ std::string fish(const std::string& program, const std::vector<ManualCommand>& c
         "complete -c {0} -n '__fish_seen_subcommand_from {1}; and not __fish_seen_subcommand_from {2}' -f -a '{2}'\n",
         program, first, fmt::join(seconds, " "));
   }
-  for (const ManualCommand& command : commands) {
+  for (const CompletedCommand& command : commands) {
     std::istringstream words(words_of(command, program));
     std::string condition;
     for (std::string word; words >> word;)
@@ -230,47 +197,7 @@ std::optional<Shell> shell_of(std::string_view word) {
   return std::nullopt;
 }
 
-std::string man_page(const ManualCommand& command) {
-  const HelpText& text = command.text;
-  std::string page = heading(text.name, text.summary);
-  page += fmt::format(".SH SYNOPSIS\n.B {}\n{}[OPTION ...]\n", roff(text.name),
-                      text.arguments.empty() ? "" : roff(text.arguments) + " ");
-  if (!text.notes.empty()) page += fmt::format(".SH DESCRIPTION\n{}\n", roff(text.notes));
-  std::vector<std::string> headings;
-  for (const OptionInfo& option : command.options) {
-    if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
-  }
-  page += ".SH OPTIONS\n";
-  for (const std::string& title : headings) {
-    page += fmt::format(".SS {}\n", roff(title));
-    for (const OptionInfo& option : command.options) {
-      if (option.heading != title) continue;
-      page += fmt::format(".TP\n.B {}{}\n{}", roff(option.name),
-                          option.flag ? std::string() : fmt::format(" {}", roff(option.type)), roff(option.help));
-      if (!option.words.empty()) page += roff(fmt::format(": {}", fmt::join(option.words, ", ")));
-      if (!option.initial.empty()) page += roff(fmt::format(" [default: {}]", option.initial));
-      page += "\n";
-    }
-  }
-  return page + examples_section(text.examples) + exit_section;
-}
-
-std::string man_page(const std::string& program, const std::string& summary, const std::string& examples,
-                     const std::vector<ManualCommand>& commands) {
-  std::string page = heading(program, summary);
-  page += fmt::format(".SH SYNOPSIS\n.B {}\nSUBCOMMAND [OPTION ...]\n.SH SUBCOMMANDS\n", roff(program));
-  std::string also;
-  for (const ManualCommand& command : commands) {
-    page += fmt::format(".TP\n.B {}\n{}\n", roff(words_of(command, program)), roff(command.text.summary));
-    also += fmt::format("{}.BR {} (1)\n", "", roff(page_name(command.text.name)));
-  }
-  page +=
-      ".SH UNITS\nA number without a unit is in SI units: metres, seconds, hertz, pascals. You can give a unit: "
-      "1.5mm, 11ms, 40kHz, 343m/s, 8kPa.\n";
-  return page + examples_section(examples) + exit_section + ".SH SEE ALSO\n" + also;
-}
-
-std::string completion(Shell shell, const std::string& program, const std::vector<ManualCommand>& commands) {
+std::string completion(Shell shell, const std::string& program, const std::vector<CompletedCommand>& commands) {
   switch (shell) {
     case Shell::bash:
       return bash(program, commands);
