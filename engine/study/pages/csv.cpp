@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <cstddef>
-
 #include "base/text.hpp"
 
 namespace palpa::study {
@@ -13,11 +11,7 @@ std::string number_cell(const std::optional<double>& value) {
 }
 
 std::string name_cell(const std::string& name) {
-  std::string safe = printable(name);
-  if (safe.find_first_of(",\"") == std::string::npos) return safe;
-  for (std::size_t at = safe.find('"'); at != std::string::npos; at = safe.find('"', at + 2))
-    safe.insert(at, 1, '"');
-  return '"' + safe + '"';
+  return csv_cell(printable(name));
 }
 
 }  // namespace palpa::study
