@@ -18,6 +18,7 @@
 #include "study/files/study_folder.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/study_files.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "x_display.hpp"
 
@@ -38,11 +39,7 @@ fs::path plan_in(const fs::path& folder, const std::string& blocks, const std::s
                                        "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = 0.05\n"
                                        "[run]\nmasking = \"off\"\n[level]\n" +
                                        level + "\n" + blocks);
-  const std::string camera = read_text(source_file("tests/cli/support/small_rig.toml"));
-  const std::string paper = read_text(source_file("assets/rigs/paper.toml"));
-  const std::size_t screen = paper.find("[screen]");
-  write_text(folder / "rig.toml", camera.substr(0, camera.find("[array]")) +
-                                      paper.substr(screen, paper.find("\n\n", screen) - screen) + "\n");
+  write_study_rig(folder);
   return folder / "plan.toml";
 }
 
