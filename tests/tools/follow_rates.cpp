@@ -156,7 +156,8 @@ Flicker print(const Still& still, const char* how, const StageSetting& setting) 
 }
 
 constexpr std::uint32_t every_rule =
-    known_few | known_islands | known_apart | known_together | known_edges | known_falling;
+    known_few | known_islands | known_apart | known_together | known_edges | known_falling | known_whole |
+    known_again | known_members;
 constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"off", 0},
     {"on", every_rule},
@@ -166,6 +167,9 @@ constexpr std::pair<const char*, std::uint32_t> variants[] = {
     {"not one", every_rule & ~known_together},
     {"no edges", every_rule & ~known_edges},
     {"lingers", every_rule & ~known_falling},
+    {"not whole", every_rule & ~known_whole},
+    {"again", every_rule & ~known_again},
+    {"members move", every_rule & ~known_members},
 };
 
 /// Two upright fingers that move, and which of them each id of a frame has: the one whose axis is nearer.
