@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "touch/fingers/depths.hpp"
 #include "touch/fingers/known.hpp"
 
 namespace palpa::touch {
@@ -51,7 +50,6 @@ Float3 inside_of(const Touch& touch, const Finger& finger, const FingerSkin& ski
 
 /// One frame's decisions.
 struct Admission {
-  const Sight& sight;
   const Parameters& parameters;
   const Known& known;
   const Touch& touch;
@@ -70,15 +68,18 @@ struct Admission {
   }
 
   /// Whether it lies where a finger has ended, and does not press.
-  bool hovers(const Finger& finger, const FingerSkin& skin) const {
+  bool hovers(const Finger& finger, const FingerSkin& skin) {
     const Float3 inside = inside_of(touch, finger, skin, known.finger_width);
     const float reach = 0.5F * known.finger_width;
-    return std::ranges::any_of(ended,
-                               [&](const EndedFinger& before) {
-                                 return before.solid == finger.solid &&
-                                        square_apart(before.inside, inside) <= reach * reach;
-                               }) &&
-           depth_of_contacts(sight, touch, finger) < pressing_m;
+    const auto before = std::ranges::find_if(ended, [&](const EndedFinger& other) {
+      return other.solid == finger.solid && square_apart(other.inside, inside) <= reach * reach;
+    });
+    if (before == ended.end()) return false;
+    const auto presses = std::ranges::count_if(
+        finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].depth_m >= pressing_m; });
+    if (static_cast<std::uint32_t>(presses) >= least_contacts(parameters.min_points, false)) return false;
+    before->since_us = 0;
+    return true;
   }
 
   /// Whether the cluster has been there for long enough.
@@ -102,8 +103,9 @@ struct Admission {
                          !next_fall(known.table->fingers[claimed].fall, contacts_in_shell(touch, finger)).falls;
     if (finger.contact_count < least_contacts(parameters.min_points, goes_on)) return false;
     const bool faint = claimed == none && small_alone(finger.contact_count, parameters.min_points);
-    const bool waits = (known.has(known_islands) && (faint || claims.is_island(known, finger, skins[f], f))) ||
-                       (known.has(known_again) && claimed == none && hovers(finger, skins[f]));
+    const bool again = known.has(known_again) && claimed == none && hovers(finger, skins[f]);
+    if (again && faint) return false;
+    const bool waits = again || (known.has(known_islands) && (faint || claims.is_island(known, finger, skins[f], f)));
     return !waits || has_waited(finger);
   }
 
@@ -111,7 +113,7 @@ struct Admission {
     if (known.table == nullptr) return;
     for (std::size_t k = 0; k < known.table->islands.size(); ++k) {
       Island island = known.table->islands[k];
-      const std::uint32_t lost_us = known.elapsed_us / 2;
+      const std::uint32_t lost_us = known.elapsed_us;
       if (seen[k] || island.evidence_us <= lost_us || islands.size() == max_fingers) continue;
       island.evidence_us -= lost_us;
       islands.push_back(island);
@@ -123,7 +125,7 @@ struct Admission {
 
 ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
                         Touch& out, FingerSkins& skins) {
-  Admission admission{sight, parameters, known, out, skins};
+  Admission admission{parameters, known, out, skins};
   const Claims& claims = admission.claims;
   admission.remember_ended();
   std::array<bool, max_fingers> stays{}, grows{}, goes_on{};

@@ -2,8 +2,8 @@
 // - The largest cluster of a known finger, its heir, is a finger with half of min_points contacts; any other cluster
 //   needs min_points.
 // - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, one
-//   that is no known finger and has fewer than twice min_points contacts, or one where a finger has just ended that is
-//   not 0.3 mm deep.
+//   that is no known finger and has fewer than twice min_points contacts, or one where a finger has just ended with
+//   fewer than min_points contacts 0.3 mm deep.
 // - Skin of a known finger that does not become a finger of its own is the heir's.
 #pragma once
 

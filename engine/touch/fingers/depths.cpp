@@ -31,22 +31,16 @@ float deeper(const Sight& sight, float depth, const Contact& point) {
 
 }  // namespace
 
-float depth_of_contacts(const Sight& sight, const Touch& touch, const Finger& finger) {
-  float depth = 0;
-  for (const std::uint32_t i : finger.contacts)
-    depth = deeper(sight, depth, touch.contacts[i]);
-  return depth;
-}
-
 void find_depths(const Sight& sight, Touch& touch) {
   std::array<Bounds, max_fingers> bounds;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
-    finger.depth_m = depth_of_contacts(sight, touch, finger);
+    finger.depth_m = 0;
     for (const std::uint32_t index : finger.contacts) {
-      const glm::vec3& place = touch.contacts[index].position;
-      bounds[f].low = glm::min(bounds[f].low, place);
-      bounds[f].high = glm::max(bounds[f].high, place);
+      const Contact& contact = touch.contacts[index];
+      finger.depth_m = deeper(sight, finger.depth_m, contact);
+      bounds[f].low = glm::min(bounds[f].low, contact.position);
+      bounds[f].high = glm::max(bounds[f].high, contact.position);
     }
   }
   for (const Contact& deep : touch.deep) {

@@ -9,9 +9,6 @@ namespace palpa::touch {
 /// A deep point that is farther than this from the box around a finger's contacts belongs to no finger.
 inline constexpr float deep_reach_m = 0.03F;
 
-/// The depth of a finger's deepest firm contact; 0 if none is.
-float depth_of_contacts(const Sight& sight, const Touch& touch, const Finger& finger);
-
 /// Fills `depth_m` of the first `finger_count` fingers: the depth of their deepest firm skin point (is_firm()); 0 if
 /// none is. A finger's skin points are its contacts and, if deep points were requested, the touch's deep points of the
 /// same solid that are nearer to the box around its contacts than to the box of any other finger. If two boxes are

@@ -80,7 +80,7 @@ inline constexpr float known_reach = 0.4F;
 inline constexpr std::uint32_t island_wait_us = 50000;
 inline constexpr float island_reach_m = 8e-3F;
 
-/// Skin at the place of a finger that ended less than this ago is an island, unless it is that deep.
+/// Skin at the place of a finger that ended less than this ago is an island, unless min_points contacts are that deep.
 inline constexpr std::uint32_t ended_us_most = 500000;
 inline constexpr float pressing_m = 0.3e-3F;
 
