@@ -2,9 +2,9 @@
 //
 //   hand_rates [--csv FILE] [--trace] [--draw FOLDER] [--without RULE]... [CLASS | SEED]...
 //
-// Without classes or seeds, all of them. A class with a seed replays one hand. --csv: also a line for each hand, in a
-// file. --trace: also a line for each frame. --draw: also a picture of each hand, in an existing folder. --without:
-// leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, or all).
+// Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed. --csv: also a
+// line for each hand, in a file. --trace: also a line for each frame. --draw: also a picture of each hand, in an
+// existing folder. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, or all).
 //
 // Hands and fingers are rendered as one to three D415 see them, with that sensor's noise, and go through palpa's chain
 // frame by frame: contacts, fingers, foci, prediction, events. The same arguments give the same bytes, with any number
@@ -124,10 +124,12 @@ std::vector<Job> jobs_for(const Asked& asked) {
   std::vector<Job> jobs;
   for (const HandClass& kind : hand_classes()) {
     if (!asked.names.empty() && std::ranges::find(asked.names, kind.name) == asked.names.end()) continue;
-    for (std::uint64_t seed = kind.first_seed; seed < kind.first_seed + kind.hands; ++seed) {
-      const bool wanted = asked.seeds.empty() || std::ranges::find(asked.seeds, seed) != asked.seeds.end();
-      if (wanted) jobs.push_back({&kind, seed, {}, {}, {}});
+    const std::uint64_t end = kind.first_seed + kind.hands;
+    for (const std::uint64_t seed : asked.seeds) {
+      if (!asked.names.empty() || (seed >= kind.first_seed && seed < end)) jobs.push_back({&kind, seed, {}, {}, {}});
     }
+    for (std::uint64_t seed = kind.first_seed; asked.seeds.empty() && seed < end; ++seed)
+      jobs.push_back({&kind, seed, {}, {}, {}});
   }
   return jobs;
 }

@@ -171,6 +171,11 @@ RatedHand pinch(std::uint64_t seed) {
   const Transform T_world_pinch = turned({0, 1, 0}, turn) * turned({1, 0, 0}, lean) * turned({0, 0, 1}, low);
   add(hand, skin, standing(skin, T_world_pinch * T_pinch_skin * scaled(usual_scale(random)), 2e-3));
   hand.what = fmt::format("the thumb is lower by {:.0f} degrees", low);
+  if (seed % 2 == 1) {  // from farther away, as many contacts are a larger patch
+    const double elevation = random.between(-55, -20), azimuth = random.between(0, 360);
+    hand.cameras = ring(1 + static_cast<int>(seed % 3), elevation, azimuth, random.between(0.5, 0.65));
+    hand.what += ", far cameras";
+  }
   press_to(hand, 44, 10e-3, [](const TrueFrame& frame) { return frame.contacts[1]; });
   Visit visit{.deep_m = 0, .comes_s = some_time(hand, random, 0.12)};
   visit.down_m_s = random.of(std::array{0.05, 0.1, 0.2});
