@@ -62,9 +62,8 @@ HandScene fingers_scene(int count, double thickness_m, double press_m, double ti
 HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m, double turn_deg) {
   const HandSkin& hand = hand_skin(*assets::named_hand_pose(pose));
   HandScene scene{.name = pose, .plate_m = plate_m, .digits = hand.parts};
-  scene.skin.push_back(
-      {&hand.mesh, pressed(hand.mesh, turned({0, 1, 0}, 180 + turn_deg) * turned({1, 0, 0}, -tilt_deg), press_m),
-       hand.part});
+  const Transform T = turned({0, 1, 0}, 180 + turn_deg) * turned({1, 0, 0}, -tilt_deg);
+  scene.skin.push_back({&hand.mesh, pressed(hand.mesh, T, press_m), hand.part});
   return scene;
 }
 

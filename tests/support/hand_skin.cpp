@@ -92,10 +92,14 @@ const HandSkin& finger_skin() {
   return skin;
 }
 
-Transform turned(const Vec3& axis, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+Transform rotation(const Vec3& axis, double radians) {
+  const double c = std::cos(radians), s = std::sin(radians);
   const auto turn = [&](const Vec3& v) { return v * c + glm::cross(axis, v) * s + axis * glm::dot(axis, v) * (1 - c); };
   return Transform(Vec4(turn({1, 0, 0}), 0), Vec4(turn({0, 1, 0}), 0), Vec4(turn({0, 0, 1}), 0), Vec4(0, 0, 0, 1));
+}
+
+Transform turned(const Vec3& axis, double degrees) {
+  return rotation(axis, degrees * std::numbers::pi / 180);
 }
 
 Transform pressed(const geometry::Mesh& mesh, Transform T, double press) {

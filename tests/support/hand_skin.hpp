@@ -28,6 +28,7 @@ const HandSkin& hand_skin(const assets::HandPose& pose, bool left = false);
 const HandSkin& finger_skin();
 
 /// A rotation about a unit vector through the origin.
+Transform rotation(const Vec3& axis, double radians);
 Transform turned(const Vec3& axis, double degrees);
 /// `T` lowered until the lowest point of the mesh lies `press` below y = 0.
 Transform pressed(const geometry::Mesh& mesh, Transform T, double press);

@@ -53,7 +53,6 @@ struct HandClass {
 /// In the order of the table.
 std::span<const HandClass> hand_classes();
 
-/// Throws bad_usage for a recording that is not there.
 RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed);
 
 }  // namespace palpa::test

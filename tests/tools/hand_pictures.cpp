@@ -34,8 +34,8 @@ void draw_view(Canvas& canvas, std::uint32_t column, std::uint32_t row, const Ra
       const std::uint16_t raw = image.depth[static_cast<std::size_t>(v) * camera.width + static_cast<std::size_t>(u)];
       if (raw == 0) continue;
       const Vec3 place = sensing::deproject(camera, u, v, raw);
-      const auto light = static_cast<float>(
-          std::clamp(0.9 - 0.6 * (raw * camera.depth_unit_m - origin.z + 0.06) / 0.2, 0.1, 0.95));
+      const auto light =
+          static_cast<float>(std::clamp(0.9 - 0.6 * (raw * camera.depth_unit_m - origin.z + 0.06) / 0.2, 0.1, 0.95));
       Colour colour{light, light, light};
       double deepest = -1;
       for (const geometry::Solid& solid : hand.solids)

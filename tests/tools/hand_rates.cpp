@@ -1,10 +1,10 @@
-// Prints what palpa makes of hundreds of rendered hands, class by class. It is not a test; run it by hand.
+// Prints what palpa makes of hundreds of rendered hands (hand_classes.cpp), class by class. Not a test; run it by hand.
 //
-//   hand_rates [--csv] [--trace] [--draw FOLDER] [--without RULE]... [CLASS | SEED]...
+//   hand_rates [--csv FILE] [--trace] [--draw FOLDER] [--without RULE]... [CLASS | SEED]...
 //
-// Without classes or seeds, all of them. A class with a seed replays one hand. --csv: a line for each hand instead of a
-// table. --trace: also a line for each frame. --draw: also a picture of each hand, in an existing folder. --without:
-// leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, or all).
+// Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed. --csv: also a
+// line for each hand, in a file. --trace: also a line for each frame. --draw: also a picture of each hand, in an
+// existing folder. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, whole, again, members, or all).
 //
 // Hands and fingers are rendered as one to three D415 see them, with that sensor's noise, and go through palpa's chain
 // frame by frame: contacts, fingers, foci, prediction, events. The same arguments give the same bytes, with any number
@@ -12,29 +12,31 @@
 //
 // The truth comes from the model of the hand, and from a picture of the same moment, by the same cameras, without
 // noise. A digit is a visible finger if at least min_points (5) of its pixels are in the shell. Digits that touch each
-// other are still several. The palm, with the back of the hand and the forearm, is one more finger; a digit's contacts
-// that continue the palm's (steps of at most the finger gap, within that digit and the palm) are the palm's. The
-// columns:
+// other are still several. A digit's contacts that continue those of the palm, the back of the hand or the forearm
+// (steps of at most the finger gap, within that digit and the palm) are the palm's. Each patch of a palm is a finger of
+// its own, unless the means of two are within a finger width. The columns:
 //
 //   frames, right  frames that count: after the first 0.1 s, and not in the 0.1 s after a true touch begins or ends; in
 //                  % of them, there are as many fingers as are visible
 //   fair           the same, if digits with 1 to 9 contacts, and skin up to 0.3 mm above the surface, may be counted or
-//                  not, and patches of a palm that no contacts connect may be counted one by one
+//                  not, patches of a palm may be one finger or several, and so may digits that continue it
 //   events         touch and release events after the first 0.1 s, beyond those of true touches and releases
 //   ids            the same for the ids that begin and end from frame to frame
-//   jump           99 % and most, mm: from frame to frame, the way of each focus that sounds, relative to its skin. It
+//   swaps          ids that have another digit than before, in frames with the right number of fingers
+//   jump, most     99 % and most, mm: from frame to frame, the way of each focus that sounds, relative to its skin. It
 //                  is the distance from the way of the skin along the surface, or from that of the centroid of the
 //                  finger's contacts without noise, whichever is less: skin that rolls leaves its contacts behind.
 //                  Predicted foci are compared at the time for which they are predicted. After the first 0.1 s
 //   first, second  ms, 99 %: from the time when a digit's skin enters the solid to the capture of the first frame with
 //                  which it sounds; second: another digit touches already. Of digits with at least 10 visible contacts
-//   leaves         ms, median and 99 %: from the time when the skin has left to the capture of the last frame with
+//   leaves, last   ms, median and 99 %: from the time when the skin has left to the capture of the last frame with
 //                  which the digit sounds
 //   touches        reported, of true ones, after the first 0.1 s
-//   presses        reported, of true ones: the deepest skin of a digit passes the press depth
+//   presses        reported, of true ones: the deepest skin of a digit with at least 10 visible contacts passes the
+//                  press depth
 //   silent         % of the fingers of all frames that are found, but do not sound, although their skin will be less
 //                  than 0.5 mm off the surface at the time that is predicted
-//   deeper         mm, 99 % and most: by how much the reported depth exceeds that of the digit's deepest skin
+//   deeper, most   mm, 99 % and most: by how much the reported depth exceeds that of the digit's deepest skin
 //   ahead          mm, 95 %: of predicted foci, the distance from where their skin takes them (as for jump)
 //   worst          the seed of the worst hand: HandScore::badness() weighs the columns
 #include <fmt/format.h>
@@ -45,9 +47,11 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -68,8 +72,8 @@ struct Job {
 };
 
 struct Asked {
-  bool csv = false, trace = false;
-  std::filesystem::path draw;
+  bool trace = false;
+  std::filesystem::path csv, draw;
   std::uint32_t rules = ~0U;
   std::vector<std::string_view> names;
   std::vector<std::uint64_t> seeds;
@@ -77,8 +81,13 @@ struct Asked {
 
 std::uint32_t rule_of(std::string_view name) {
   constexpr std::pair<std::string_view, std::uint32_t> rules[] = {
-      {"few", touch::known_few},     {"islands", touch::known_islands}, {"apart", touch::known_apart},
-      {"edges", touch::known_edges}, {"falling", touch::known_falling}, {"together", touch::known_together},
+      {"few", touch::known_few},
+      {"islands", touch::known_islands},
+      {"apart", touch::known_apart},
+      {"together", touch::known_together},
+      {"edges", touch::known_edges},
+      {"falling", touch::known_falling},
+      {"whole", touch::known_whole}, {"again", touch::known_again},     {"members", touch::known_members},
       {"all", ~0U},
   };
   for (const auto& [known, bits] : rules) {
@@ -93,8 +102,8 @@ Asked asked_by(int argc, char** argv) {
     const std::string_view word = argv[i];
     std::uint64_t seed = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
-    if (word == "--csv") {
-      asked.csv = true;
+    if (word == "--csv" && i + 1 < argc) {
+      asked.csv = argv[++i];
     } else if (word == "--trace") {
       asked.trace = true;
     } else if (word == "--draw" && i + 1 < argc) {
@@ -116,10 +125,12 @@ std::vector<Job> jobs_for(const Asked& asked) {
   std::vector<Job> jobs;
   for (const HandClass& kind : hand_classes()) {
     if (!asked.names.empty() && std::ranges::find(asked.names, kind.name) == asked.names.end()) continue;
-    for (std::uint64_t seed = kind.first_seed; seed < kind.first_seed + kind.hands; ++seed) {
-      const bool wanted = asked.seeds.empty() || std::ranges::find(asked.seeds, seed) != asked.seeds.end();
-      if (wanted) jobs.push_back({&kind, seed, {}, {}, {}});
+    const std::uint64_t end = kind.first_seed + kind.hands;
+    for (const std::uint64_t seed : asked.seeds) {
+      if (!asked.names.empty() || (seed >= kind.first_seed && seed < end)) jobs.push_back({&kind, seed, {}, {}, {}});
     }
+    for (std::uint64_t seed = kind.first_seed; asked.seeds.empty() && seed < end; ++seed)
+      jobs.push_back({&kind, seed, {}, {}, {}});
   }
   return jobs;
 }
@@ -140,6 +151,7 @@ std::vector<std::string> cells_of(const HandScore& s) {
           percent(s.fair, s.frames),
           std::to_string(s.events),
           std::to_string(s.changes),
+          std::to_string(s.swaps),
           at(s.jumps_m, 0.99, 2),
           at(s.jumps_m, 1, 2),
           at(s.first_s, 0.99, 0),
@@ -153,8 +165,9 @@ std::vector<std::string> cells_of(const HandScore& s) {
           at(s.deeper_m, 1, 2),
           at(s.ahead_m, 0.95, 2)};
 }
-constexpr const char* headings[] = {"frames", "right",  "fair",    "events",  "ids",    "jump",   "most", "first", "second",
-                                    "leaves", "most", "touches", "presses", "silent", "deeper", "most", "ahead"};
+constexpr const char* headings[] = {"frames",  "right",   "fair",   "events", "ids",    "swaps",
+                                    "jump",    "most",    "first",  "second", "leaves", "last",
+                                    "touches", "presses", "silent", "deeper", "most",   "ahead"};
 
 void print_table(const std::vector<Job>& jobs) {
   const auto print = [](std::string_view name, std::string_view hands, const std::vector<std::string>& cells,
@@ -178,17 +191,19 @@ void print_table(const std::vector<Job>& jobs) {
   }
 }
 
-void print_csv(const std::vector<Job>& jobs) {
-  std::string line = "class,seed";
+void write_csv(const std::vector<Job>& jobs, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << "class,seed";
   for (const char* heading : headings)
-    line += fmt::format(",{}", heading);
-  std::printf("%s,badness,what\n", line.c_str());
+    out << ',' << heading;
+  out << ",badness,what\n";
   for (const Job& job : jobs) {
-    line = fmt::format("{},{}", job.kind->name, job.seed);
+    out << job.kind->name << ',' << job.seed;
     for (const std::string& cell : cells_of(job.score))
-      line += "," + cell;
-    std::printf("%s,%.1f,\"%s\"\n", line.c_str(), job.score.badness(), job.what.c_str());
+      out << ',' << cell;
+    out << fmt::format(",{:.1f},\"{}\"\n", job.score.badness(), job.what);
   }
+  if (!out.flush()) throw failure(fmt::format("cannot write {}", file.string()));
 }
 
 void run(const Asked& asked) {
@@ -203,10 +218,12 @@ void run(const Asked& asked) {
       draw_hand(hand, asked.draw / fmt::format("{}-{}.png", job.kind->name, job.seed));
   });
   for (const Job& job : jobs) {
-    if (asked.trace) std::printf("%s %llu: %s\n%s", job.kind->name, static_cast<unsigned long long>(job.seed),
-                                 job.what.c_str(), job.trace.c_str());
+    if (asked.trace)
+      std::printf("%s %llu: %s\n%s", job.kind->name, static_cast<unsigned long long>(job.seed), job.what.c_str(),
+                  job.trace.c_str());
   }
-  asked.csv ? print_csv(jobs) : print_table(jobs);
+  if (!asked.csv.empty()) write_csv(jobs, asked.csv);
+  print_table(jobs);
 }
 
 }  // namespace

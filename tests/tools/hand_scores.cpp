@@ -102,8 +102,8 @@ class Scoring {
     const TrueFrame* truth = truth_ ? &truth_->at(t) : nullptr;
     for (std::uint32_t p = 0; truth && p < then.size(); ++p)
       then[p] = {truth->depth_m[p], truth->contacts[p], truth->of_palm[p], false, truth->centroid[p]};
-    counts_.push_back({touch.finger_count, truth ? truth->fingers : hand_.fingers,
-                       truth ? truth->least : hand_.fingers, truth ? truth->most : hand_.fingers});
+    counts_.push_back({touch.finger_count, truth ? truth->fingers : hand_.fingers, truth ? truth->least : hand_.fingers,
+                       truth ? truth->most : hand_.fingers});
     const bool settled = t >= settled_s;
     const double ahead_s = chain_.ahead_s(), before_s = k > 0 ? hand_.time_of(k - 1) : 0;
 
@@ -123,6 +123,11 @@ class Scoring {
           deepest = std::max(deepest, truth->depth_m[p]);
         score_.deeper_m.push_back(finger.depth_m - std::max(deepest, 0.0));
       }
+      if (truth && hand_.moves && touch.finger_count == truth->fingers && !held.empty()) {
+        const auto [owner, fresh] = owners_.try_emplace(finger.id, part);
+        score_.swaps += !fresh && owner->second != part ? 1 : 0;
+        owner->second = part;
+      }
       ++score_.finger_frames;
       if (!voice) {
         score_.silent += stays(held, t + ahead_s) ? 1 : 0;
@@ -133,7 +138,8 @@ class Scoring {
         const Vec3 slow = k > 0 ? contacts_way(part) * (ahead_s * hand_.rate_hz) : Vec3(0);
         for (std::size_t n = 0; n < voice->foci.size(); ++n) {
           const Vec3 from(finger.foci[n].position);
-          score_.ahead_m.push_back(beside(voice->foci[n] - from, level(truth_->way_of(part, from, t, t + ahead_s)), slow));
+          const Vec3 skin = level(truth_->way_of(part, from, t, t + ahead_s));
+          score_.ahead_m.push_back(beside(voice->foci[n] - from, skin, slow));
         }
       }
     }
@@ -144,8 +150,7 @@ class Scoring {
         continue;
       for (std::size_t n = 0; n < sounding.foci.size(); ++n) {
         const Vec3 from = before->second.foci[n], step = sounding.foci[n] - from;
-        const Vec3 skin =
-            truth ? level(truth_->way_of(sounding.part, from, before_s + ahead_s, t + ahead_s)) : Vec3(0);
+        const Vec3 skin = truth ? level(truth_->way_of(sounding.part, from, before_s + ahead_s, t + ahead_s)) : Vec3(0);
         score_.jumps_m.push_back(beside(step, skin, truth ? contacts_way(sounding.part) : Vec3(0)));
       }
     }
@@ -305,9 +310,13 @@ class Scoring {
       }
       for (std::size_t k = 0; k < parts_.size(); ++k) {
         const double t = hand_.time_of(k);
-        if (t < touch.begin_s || t > next_s || !parts_[k][touch.part].sounds) continue;
-        if (last_s < 0) begins_s = std::min(t, touch.end_s);
-        last_s = t;
+        if (t < touch.begin_s || t > next_s) continue;
+        if (parts_[k][touch.part].sounds) {
+          if (last_s < 0) begins_s = std::min(t, touch.end_s);
+          last_s = t;
+        } else if (t > touch.end_s) {
+          break;
+        }
       }
       if (touch.begins) (second ? score_.second_s : score_.first_s).push_back(begins_s - touch.begin_s);
       if (touch.ends && last_s >= 0) score_.leaves_s.push_back(last_s - touch.end_s);
@@ -317,13 +326,14 @@ class Scoring {
   void count_presses() {
     if (press_m_ <= 0) return;
     for (std::uint32_t p = 0; p < hand_.parts(); ++p) {
-      bool armed = true;
+      const bool visible = std::ranges::any_of(parts_, [&](const auto& then) { return then[p].contacts >= 2 * few; });
+      bool armed = visible;
       for (const auto& then : parts_) {
         if (armed && then[p].depth_m >= press_m_) {
           armed = false;
           ++score_.true_presses;
         } else if (then[p].depth_m < rearm * press_m_) {
-          armed = true;
+          armed = visible;
         }
       }
     }
@@ -346,6 +356,7 @@ class Scoring {
   // Of the frame before.
   std::map<std::uint32_t, Sounding> before_;
   std::vector<std::uint32_t> ids_;
+  std::map<std::uint32_t, std::uint32_t> owners_;  ///< the part that an id had last
 };
 
 void append(std::vector<double>& to, const std::vector<double>& from) {
@@ -360,6 +371,7 @@ void HandScore::add(const HandScore& other) {
   touches += other.touches, true_touches += other.true_touches;
   presses += other.presses, true_presses += other.true_presses;
   finger_frames += other.finger_frames, silent += other.silent;
+  swaps += other.swaps;
   append(jumps_m, other.jumps_m), append(deeper_m, other.deeper_m), append(ahead_m, other.ahead_m);
   append(first_s, other.first_s), append(second_s, other.second_s), append(leaves_s, other.leaves_s);
 }
@@ -377,7 +389,7 @@ double HandScore::badness() const {
     return std::max(0.0, quantile(values, 0.99) - limit);
   };
   return 100 * (1 - right_share()) + 5 * events + 2 * changes + 20 * std::abs(touches - true_touches) +
-         20 * std::abs(presses - true_presses) + 100 * silent_share() + 10e3 * over(jumps_m, 1e-3) +
+         20 * std::abs(presses - true_presses) + 20 * swaps + 100 * silent_share() + 10e3 * over(jumps_m, 1e-3) +
          1e3 * over(deeper_m, 1e-3) + 100 * over(first_s, 25e-3) + 100 * over(second_s, 70e-3) + over(leaves_s, 0);
 }
 

@@ -13,7 +13,7 @@ namespace palpa::test {
 /// The figures of one hand, or of all hands of a class. hand_rates.cpp says what they mean.
 struct HandScore {
   std::size_t frames = 0, right = 0, fair = 0;
-  int events = 0, changes = 0;
+  int events = 0, changes = 0, swaps = 0;
   int touches = 0, true_touches = 0, presses = 0, true_presses = 0;
   std::size_t finger_frames = 0, silent = 0;
   std::vector<double> jumps_m, deeper_m, first_s, second_s, leaves_s, ahead_m;

@@ -9,6 +9,7 @@
 #include <map>
 #include <nanoflann.hpp>
 #include <numeric>
+#include <set>
 
 #include "touch/types.hpp"
 
@@ -18,17 +19,6 @@ namespace {
 const touch::Parameters usual;
 /// Skin so little above a surface, the sensor's noise brings into the shell.
 constexpr double noisy_m = 0.3e-3;
-
-struct Points {
-  const std::vector<Vec3>& all;
-  std::size_t kdtree_get_point_count() const { return all.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return all[i][static_cast<int>(axis)]; }
-  template <class Bounds>
-  bool kdtree_get_bbox(Bounds&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, std::size_t>;
 
 /// Sets of contacts that continue each other.
 struct Sets {
@@ -44,7 +34,20 @@ struct Sets {
 
 }  // namespace
 
+/// Finds the nearest vertex of a skin.
 struct HandTruth::Finder {
+  struct Points {
+    const std::vector<Vec3>& all;
+    std::size_t kdtree_get_point_count() const { return all.size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return all[i][static_cast<int>(axis)]; }
+    template <class Bounds>
+    bool kdtree_get_bbox(Bounds&) const {
+      return false;
+    }
+  };
+  using Metric = nanoflann::L2_Simple_Adaptor<double, Points>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, Points, 3, std::size_t>;
+
   Points points;
   Tree tree;
   explicit Finder(const HandSkin& skin)
@@ -153,38 +156,53 @@ void HandTruth::count(TrueFrame& frame) {
     }
     cells[cell].push_back(i);
   }
-  std::map<std::size_t, std::size_t> palm_sets;  // those with contacts of a palm, and their size
+  struct Patch {
+    std::uint32_t palm = 0;
+    int contacts = 0;
+    Vec3 sum{0};
+    Vec3 mean() const { return sum / static_cast<double>(contacts); }
+  };
+  std::map<std::size_t, Patch> patches;  // sets with contacts of a palm
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (palm[part[i]] == part[i]) palm_sets[sets.of(i)] = 0;
+    if (palm[part[i]] == part[i]) patches[sets.of(i)].palm = part[i];
   }
   std::vector<int> own(parts, 0);  // of the digits: contacts that do not continue the palm
-  std::vector<int> of_palm(parts, 0);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const auto at = palm_sets.find(sets.of(i));
-    if (at == palm_sets.end()) {
+    const auto at = patches.find(sets.of(i));
+    if (at == patches.end()) {
       ++own[part[i]];
       continue;
     }
-    ++at->second;
-    ++of_palm[palm[part[i]]];
+    ++at->second.contacts;
+    at->second.sum += Vec3(contacts[i].position);
   }
   const int few = static_cast<int>(usual.min_points);
   frame.fingers = frame.least = frame.most = 0;
   for (std::uint32_t p = 0; p < parts; ++p) {
-    const bool is_palm = palm[p] == p;
-    const int has = is_palm ? of_palm[p] : own[p];
-    frame.fingers += has >= few ? 1 : 0;
-    frame.least += has >= 2 * few ? 1 : 0;
-    frame.most += has > 0 || (frame.contacts[p] == 0 && frame.depth_m[p] > -noisy_m) ? 1 : 0;
-    frame.of_palm[p] = !is_palm && frame.contacts[p] > 2 * own[p];
+    if (palm[p] == p) continue;
+    frame.fingers += own[p] >= few ? 1 : 0;
+    frame.least += own[p] >= 2 * few ? 1 : 0;
+    frame.most += own[p] > 0 || (frame.contacts[p] == 0 && frame.depth_m[p] > -noisy_m) ? 1 : 0;
+    frame.of_palm[p] = frame.contacts[p] > 2 * own[p];
+    if (!frame.of_palm[p]) continue;
+    frame.depth_m[palm[p]] = std::max(frame.depth_m[palm[p]], frame.depth_m[p]);
+    ++frame.most;
   }
-  // Patches of a palm that no contacts connect may be counted one by one.
-  std::uint32_t patches = 0, palms = 0;
-  for (const auto& [set, size] : palm_sets)
-    patches += size >= usual.min_points ? 1 : 0;
-  for (std::uint32_t p = 0; p < parts; ++p)
-    palms += palm[p] == p && of_palm[p] > 0 ? 1 : 0;
-  if (patches > palms) frame.most += patches - palms;
+  // Patches of one palm that are near each other are one.
+  std::erase_if(patches, [&](const auto& patch) { return patch.second.contacts < few; });
+  std::vector<const Patch*> apart;
+  for (const auto& [set, patch] : patches) {
+    const auto near = [&](const Patch* other) {
+      return other->palm == patch.palm && glm::distance(other->mean(), patch.mean()) <= usual.finger_width_m;
+    };
+    if (std::ranges::none_of(apart, near)) apart.push_back(&patch);
+  }
+  std::set<std::uint32_t> palms;
+  for (const Patch* patch : apart)
+    palms.insert(patch->palm);
+  frame.fingers += static_cast<std::uint32_t>(apart.size());
+  frame.least += static_cast<std::uint32_t>(palms.size());
+  frame.most += static_cast<std::uint32_t>(patches.size());
 }
 
 std::uint32_t HandTruth::body_of(std::uint32_t part) const {

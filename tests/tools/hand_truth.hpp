@@ -14,11 +14,13 @@ namespace palpa::test {
 struct TrueFrame {
   double time_s = 0;
   std::vector<Transform> T_world_body, T_body_world;
-  std::vector<int> contacts;      ///< per part: skin in the shell in the pictures without noise
-  std::vector<Vec3> centroid;     ///< per part: of these contacts
-  std::vector<bool> of_palm;      ///< per part: a digit whose contacts continue those of its palm
-  std::vector<double> depth_m;    ///< per part: of its deepest skin, seen or not; outside of the solids negative
-  std::uint32_t fingers = 0;      ///< with at least min_points contacts; a palm is one
+  std::vector<int> contacts;   ///< per part: skin in the shell in the pictures without noise
+  std::vector<Vec3> centroid;  ///< per part: of these contacts
+  std::vector<bool> of_palm;   ///< per part: a digit whose contacts continue those of its palm
+  /// Per part: of its deepest skin, seen or not; outside of the solids negative. Digits that continue a palm are part
+  /// of it.
+  std::vector<double> depth_m;
+  std::uint32_t fingers = 0;          ///< with at least min_points contacts; patches of a palm count
   std::uint32_t least = 0, most = 0;  ///< the numbers that noise leaves possible
 };
 
