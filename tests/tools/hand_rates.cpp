@@ -4,7 +4,8 @@
 //
 // Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed. --csv: also a
 // line for each hand, in a file. --trace: also a line for each frame. --draw: also a picture of each hand, in an
-// existing folder. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, whole, again, members, or all).
+// existing folder. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, whole,
+// again, members, or all).
 //
 // Hands and fingers are rendered as one to three D415 see them, with that sensor's noise, and go through palpa's chain
 // frame by frame: contacts, fingers, foci, prediction, events. The same arguments give the same bytes, with any number
