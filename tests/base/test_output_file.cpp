@@ -236,7 +236,7 @@ TEST_F(OutputFileTest, KnowsAFileByEveryName) {
   fs::create_symlink("out", folder_ / "soft");
   fs::create_hard_link(file_, folder_ / "hard");
   const OutputPlace place = output_place(file_);
-  EXPECT_EQ(place.kind, OutputPlace::Kind::file);
+  EXPECT_EQ(place.type, fs::file_type::regular);
   EXPECT_EQ(output_place(folder_ / "soft").identity, place.identity);
   EXPECT_EQ(output_place(folder_ / "hard").identity, place.identity);
   EXPECT_NE(output_place(folder_ / "other").identity, place.identity);
