@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "base/outputs.hpp"
 #include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::emulate {
@@ -20,7 +19,7 @@ void put_hex(std::string& out, std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 OpenFile open_trace(const std::string& name) {
-  return open_output(output_place(name), {.stop = &Stop::asked()});
+  return open_output(name, {.stop = &Stop::asked()});
 }
 
 void ByteTrace::bytes(double now_s, std::span<const std::uint8_t> bytes) {

@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // A file has the number of sections and the size of each (64 bits), the sections, each after zeros up to its alignment,
-// and the hash of all bytes before it, of the version and of the key.
-constexpr std::string_view version = "palpa-c2";
+// and the hash of all bytes before it, which depends on the key, too.
+constexpr std::uint64_t version = 2;
 constexpr std::size_t alignment = 64, word = sizeof(std::uint64_t);
 
 /// The bytes from there on up to the next aligned place.
@@ -46,57 +46,40 @@ fs::path file_for(std::string_view kind, const CacheKey& key) {
   return folder / "palpa" / fmt::format("{}-{:016x}{:016x}", kind, key[0], key[1]);
 }
 
-CacheHash begun(const CacheKey& key) {
-  CacheHash hash;
-  hash.add(version.data(), version.size());
-  hash.add(key);
-  return hash;
+std::uint64_t seed_of(const CacheKey& key) {
+  return key[0] ^ key[1] ^ version;
 }
 
-/// The sections; no memory if they are not whole.
-CacheFile parsed(std::shared_ptr<const void> memory, std::size_t size, const CacheKey& key) {
-  const auto* bytes = static_cast<const std::byte*>(memory.get());
+/// The sections of a file; empty if it is damaged or another one.
+std::vector<std::span<const std::byte>> sections_in(std::span<const std::byte> bytes, const CacheKey& key) {
   const auto word_at = [&](std::size_t at) {
     std::uint64_t value = 0;
-    std::memcpy(&value, bytes + at, word);
+    std::memcpy(&value, &bytes[at], word);
     return value;
   };
-  if (size < word + sizeof(key)) return {};
-  size -= sizeof(key);
-  CacheHash hash = begun(key);
-  hash.add(bytes, size);
+  if (bytes.size() < 2 * word) return {};
+  const std::size_t size = bytes.size() - word;
   const std::uint64_t count = word_at(0);
-  if (hash.key() != CacheKey{word_at(size), word_at(size + word)} || count >= size / word) return {};
-  CacheFile file;
+  if (word_at(size) != XXH3_64bits_withSeed(bytes.data(), size, seed_of(key)) || count >= size / word) return {};
+  std::vector<std::span<const std::byte>> sections;
   std::size_t at = (1 + count) * word;
   for (std::size_t i = 1; i <= count; ++i) {
     const std::uint64_t length = word_at(i * word);
     at += padding(at);
     if (at > size || length > size - at) return {};
-    file.sections.emplace_back(bytes + at, length);
+    sections.push_back(bytes.subspan(at, length));
     at += length;
   }
-  file.memory = std::move(memory);
-  return file;
-}
-
-XXH3_state_t* xxh_of(void* state) {
-  return static_cast<XXH3_state_t*>(state);
+  return sections;
 }
 
 }  // namespace
 
-CacheHash::CacheHash() : state_(XXH3_createState(), [](void* state) { XXH3_freeState(xxh_of(state)); }) {
-  XXH3_128bits_reset(xxh_of(state_.get()));
-}
-
 void CacheHash::add(const void* data, std::size_t bytes) {
-  if (bytes > 0) XXH3_128bits_update(xxh_of(state_.get()), data, bytes);
-}
-
-CacheKey CacheHash::key() const {
-  const XXH128_hash_t hash = XXH3_128bits_digest(xxh_of(state_.get()));
-  return {hash.high64, hash.low64};
+  const auto [low, high] = XXH3_128bits(data, bytes);
+  const std::array pieces{key_[0], key_[1], high, low};
+  const auto [next_low, next_high] = XXH3_128bits(pieces.data(), sizeof(pieces));
+  key_ = {next_high, next_low};
 }
 
 std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheKey& key) {
@@ -109,8 +92,11 @@ std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheK
   void* at = is_file ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor, 0) : MAP_FAILED;
   ::close(descriptor);
   CacheFile file;
-  if (at != MAP_FAILED) file = parsed(std::shared_ptr<void>(at, [size](void* it) { ::munmap(it, size); }), size, key);
-  if (file.memory) return std::make_shared<const CacheFile>(std::move(file));
+  if (at != MAP_FAILED) {
+    file.memory = std::shared_ptr<void>(at, [size](void* it) { ::munmap(it, size); });
+    file.sections = sections_in({static_cast<const std::byte*>(at), size}, key);
+  }
+  if (!file.sections.empty()) return std::make_shared<const CacheFile>(std::move(file));
   if (is_file)
     log::debug(path.string() + ": not a complete cache file of this version; palpa makes its contents again");
   return nullptr;
@@ -124,11 +110,13 @@ void store_cached(std::string_view kind, const CacheKey& key, std::span<const st
   try {
     add_own_file(path);
     OutputFile file(path);
-    CacheHash hash = begun(key);
+    XXH3_state_t sum;
+    XXH3_INITSTATE(&sum);
+    XXH3_64bits_reset_withSeed(&sum, seed_of(key));
     std::size_t at = 0;
     const auto put = [&](const void* data, std::size_t bytes) {
       file.write({static_cast<const char*>(data), bytes});
-      hash.add(data, bytes);
+      if (bytes > 0) XXH3_64bits_update(&sum, data, bytes);
       at += bytes;
     };
     std::vector<std::uint64_t> sizes{sections.size()};
@@ -139,8 +127,8 @@ void store_cached(std::string_view kind, const CacheKey& key, std::span<const st
       put(std::array<char, alignment>{}.data(), padding(at));
       put(section.data(), section.size());
     }
-    const CacheKey whole = hash.key();
-    put(whole.data(), sizeof(whole));
+    const std::uint64_t checksum = XXH3_64bits_digest(&sum);
+    put(&checksum, word);
     file.finish();
   } catch (const Error& error) {
     log::debug(fmt::format("no cache: {}", error.what()));

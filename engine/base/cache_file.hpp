@@ -15,10 +15,9 @@ namespace palpa {
 /// 128 bits that identify a cached result.
 using CacheKey = std::array<std::uint64_t, 2>;
 
-/// Hashes bytes, one piece after the other (XXH3, 128 bits).
+/// Hashes pieces of bytes, one after the other (XXH3, 128 bits).
 class CacheHash {
  public:
-  CacheHash();
   void add(const void* data, std::size_t bytes);
   /// Hashes a value without padding.
   template <typename T>
@@ -26,10 +25,10 @@ class CacheHash {
     static_assert(std::is_trivially_copyable_v<T>);
     add(&value, sizeof(value));
   }
-  CacheKey key() const;
+  const CacheKey& key() const { return key_; }
 
  private:
-  std::unique_ptr<void, void (*)(void*)> state_;
+  CacheKey key_{};
 };
 
 /// The contents of a cache file: sections of plain values, each aligned to 64 bytes.

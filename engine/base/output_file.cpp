@@ -65,13 +65,14 @@ std::string link_of(int descriptor) {
   return fmt::format("/proc/self/fd/{}", descriptor);
 }
 
-void copy(int from, const OutputPlace& place) {
-  OpenFile into = open_output(place);
+/// Copies all of a file into another of the same name for messages.
+void copy(const OpenFile& file) {
+  OpenFile into = open_output(file.name());
   constexpr std::size_t piece = 1 << 30;
   ssize_t copied = 1;
   for (off_t at = 0; copied != 0;) {
-    copied = ::sendfile(into.descriptor(), from, &at, piece);
-    if (copied < 0 && errno != EINTR) throw write_failure(place.name, errno);
+    copied = ::sendfile(into.descriptor(), file.descriptor(), &at, piece);
+    if (copied < 0 && errno != EINTR) throw write_failure(file.name(), errno);
   }
   into.close();
 }
@@ -133,8 +134,8 @@ void OpenFile::close() {
   if (::close(std::exchange(descriptor_, -1)) != 0) throw write_failure(name_, errno);
 }
 
-OpenFile open_output(const OutputPlace& place, const Patience& patience) {
-  refuse_undeclared(place);
+OpenFile open_output(const fs::path& path, const Patience& patience) {
+  const OutputPlace place = writable_place(path);
   if (place.is_stdout) return {place.name, ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)};
   std::error_code ignored;
   int descriptor = try_to_open(place.path);
@@ -151,10 +152,9 @@ OpenFile open_output(const OutputPlace& place, const Patience& patience) {
 }
 
 OpenFile open_to_append(const fs::path& path) {
-  const OutputPlace place = output_place(path);
+  const OutputPlace place = writable_place(path);
   const bool absent = place.type == fs::file_type::not_found;
   if (!absent && place.type != fs::file_type::regular) throw failure(place.name + ": is not a regular file");
-  refuse_undeclared(place);
   OpenFile file(place.name, ::open(place.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_APPEND, 0666));
   if (!lock(file)) {
     throw failure(place.name + ": cannot be locked: " + std::system_category().message(errno) +
@@ -164,11 +164,9 @@ OpenFile open_to_append(const fs::path& path) {
   return file;
 }
 
-OutputFile::OutputFile(const fs::path& file) : place_(output_place(file)) {
-  refuse_unwritable(place_);
-  refuse_undeclared(place_);
+OutputFile::OutputFile(const fs::path& file) : place_(writable_place(file)) {
   is_beside_ = !place_.open_already && place_.type != fs::file_type::unknown && open_beside();
-  if (!is_beside_) file_ = open_output(place_);
+  if (!is_beside_) file_ = open_output(file);
 }
 
 /// Opens the file without a name if the file system supports that. False if this cannot replace the file that is there.
@@ -213,7 +211,7 @@ void OutputFile::finish() {
 
 void OutputFile::put_in_place() {
   struct stat there {};
-  if (::stat(place_.path.c_str(), &there) == 0 && there.st_nlink > 1) return copy(file_.descriptor(), place_);
+  if (::stat(place_.path.c_str(), &there) == 0 && there.st_nlink > 1) return copy(file_);
   if (beside_.empty()) {
     // It gets the name of its place, or if that is taken, one under which it takes that place.
     const std::string link = link_of(file_.descriptor());
@@ -227,7 +225,7 @@ void OutputFile::put_in_place() {
   }
   if (::rename(beside_.c_str(), place_.path.c_str()) == 0) return beside_.clear();
   if (errno != EBUSY) throw write_failure(place_.name, errno);
-  copy(file_.descriptor(), place_);
+  copy(file_);
 }
 
 void write_file(const fs::path& file, std::string_view bytes) {

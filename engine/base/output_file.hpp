@@ -54,10 +54,10 @@ class WaitEnded : public Error {
   using Error::Error;
 };
 
-/// Creates the file, or empties it. Locks it against other writers until it is closed, however that ends, if its file
-/// system can do that. Throws bad_usage if it is locked; failure(), also if nobody opens a named pipe to
-/// read it in time. Without a limit, a line says after half a second that palpa waits.
-OpenFile open_output(const OutputPlace& place, const Patience& patience = {});
+/// Creates the file, or empties it; "-" is stdout. If its file system has locks, other writers are kept away until it
+/// is closed, however that ends. Throws bad_usage if another one has it; failure(), also if nobody opens a named pipe
+/// to read it in time. Without a limit, a line says after half a second that palpa waits.
+OpenFile open_output(const std::filesystem::path& file, const Patience& patience = {});
 /// The same for a file that grows by records that must not be lost. It is locked and not emptied. Throws failure() also
 /// if it is no regular file, and on a file system without locks.
 OpenFile open_to_append(const std::filesystem::path& file);

@@ -39,7 +39,7 @@ struct Files {
   std::set<std::pair<FileIdentity, std::string>> written;  ///< by this program, which may write them again
 } the_files;
 
-/// Of an open file, or of a path and AT_FDCWD.
+/// `descriptor` is an open file, or AT_FDCWD for a path.
 FileIdentity identity_of(int descriptor, const fs::path& path, mode_t* mode = nullptr) {
   struct statx status {};
   const int flags = descriptor == AT_FDCWD ? 0 : AT_EMPTY_PATH;
@@ -61,6 +61,35 @@ void follow_links(OutputPlace& place) {
     place.open_already = ::statfs(place.folder().c_str(), &system) == 0 && system.f_type == PROC_SUPER_MAGIC;
     if (!place.open_already) place.path = place.path.parent_path() / target;
   }
+}
+
+/// "-" is stdout. Never throws, whatever exists or does not exist there.
+OutputPlace output_place(const fs::path& file) {
+  const bool dash = file == "-";
+  OutputPlace place{.name = dash ? "stdout" : file.string(), .path = dash ? fs::path("/dev/stdout") : file};
+  if (!dash) follow_links(place);
+  mode_t mode = 0;
+  place.identity = dash ? identity_of(STDOUT_FILENO, "", &mode) : identity_of(AT_FDCWD, place.path, &mode);
+  if (mode != 0) place.type = fs::file_type::unknown;
+  if (S_ISREG(mode)) place.type = fs::file_type::regular;
+  if (S_ISDIR(mode)) place.type = fs::file_type::directory;
+  place.entry = {identity_of(AT_FDCWD, place.folder()), place.path.filename().string()};
+  // Devices do not count: nothing in them can be overwritten, and many descriptors share one (/dev/null).
+  const bool is_device = mode == 0 || S_ISCHR(mode) || S_ISBLK(mode);
+  place.is_stdout = dash || (!is_device && place.identity == identity_of(STDOUT_FILENO, ""));
+  place.open_already = place.open_already || place.is_stdout;
+  return place;
+}
+
+void refuse_unwritable(const OutputPlace& place) {
+  const auto fault_of = [](const fs::path& path, int wanted) {
+    return ::faccessat(AT_FDCWD, path.c_str(), wanted, AT_EACCESS) == 0 ? 0 : errno;
+  };
+  if (place.open_already) return;
+  const bool absent = place.type == fs::file_type::not_found;
+  int fault = place.type == fs::file_type::directory ? EISDIR : fault_of(place.path, absent ? F_OK : W_OK);
+  if (absent && fault == ENOENT) fault = fault_of(place.folder() / "", W_OK | X_OK);
+  if (fault != 0) throw write_failure(place.name, fault);
 }
 
 bool is_at(const OutputPlace& a, const OutputPlace& b) {
@@ -162,36 +191,8 @@ void release(const Outputs* owner) {
 
 }  // namespace
 
-OutputPlace output_place(const fs::path& file) {
-  const bool dash = file == "-";
-  OutputPlace place{.name = dash ? "stdout" : file.string(), .path = dash ? fs::path("/dev/stdout") : file};
-  if (!dash) follow_links(place);
-  mode_t mode = 0;
-  place.identity = dash ? identity_of(STDOUT_FILENO, "", &mode) : identity_of(AT_FDCWD, place.path, &mode);
-  if (mode != 0) place.type = fs::file_type::unknown;
-  if (S_ISREG(mode)) place.type = fs::file_type::regular;
-  if (S_ISDIR(mode)) place.type = fs::file_type::directory;
-  place.entry = {identity_of(AT_FDCWD, place.folder()), place.path.filename().string()};
-  // Devices do not count: nothing in them can be overwritten, and many descriptors share one (/dev/null).
-  const bool is_device = mode == 0 || S_ISCHR(mode) || S_ISBLK(mode);
-  place.is_stdout = dash || (!is_device && place.identity == identity_of(STDOUT_FILENO, ""));
-  place.open_already = place.open_already || place.is_stdout;
-  return place;
-}
-
 Error write_failure(const std::string& name, int code) {
   return failure(fmt::format("{}: cannot be written: {}", name, std::generic_category().message(code)));
-}
-
-void refuse_unwritable(const OutputPlace& place) {
-  const auto fault_of = [](const fs::path& path, int wanted) {
-    return ::faccessat(AT_FDCWD, path.c_str(), wanted, AT_EACCESS) == 0 ? 0 : errno;
-  };
-  if (place.open_already) return;
-  const bool absent = place.type == fs::file_type::not_found;
-  int fault = place.type == fs::file_type::directory ? EISDIR : fault_of(place.path, absent ? F_OK : W_OK);
-  if (absent && fault == ENOENT) fault = fault_of(place.folder() / "", W_OK | X_OK);
-  if (fault != 0) throw write_failure(place.name, fault);
 }
 
 Outputs::Outputs(const std::vector<Output>& outputs) {
@@ -248,14 +249,17 @@ void refuse_output_as_input(const fs::path& file, int descriptor) {
   }
 }
 
-void refuse_undeclared(const OutputPlace& place) {
+OutputPlace writable_place(const fs::path& file) {
+  const OutputPlace place = output_place(file);
+  refuse_unwritable(place);
   const std::lock_guard lock(the_files.mutex);
-  if (the_files.keepers == 0) return;
+  if (the_files.keepers == 0) return place;
   if (was_read(place)) throw bad_usage(place.name + " is read by this command, name another file");
   const auto is_declared = [&](const Claim& claim) { return covers(claim, place); };
   if (!place.is_stdout && std::ranges::none_of(the_files.claims, is_declared))
     throw failure(place.name + ": is not written, since palpa did not declare it as an output: please report this");
   the_files.written.insert(place.entry);
+  return place;
 }
 
 void add_own_file(const fs::path& file) {

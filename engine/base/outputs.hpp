@@ -3,8 +3,8 @@
 //
 // All reading (base/input_file.hpp) and all writing (base/output_file.hpp) asks here (see tests/house/files.py). A
 // command declares its outputs before it opens anything. The order of accesses then does not matter: an output that was
-// read is refused when it is declared, and a declared output when it is read. Links, "..", "//" and /proc/self/fd do not
-// bypass this. Devices and pipes cannot be overwritten and are not refused.
+// read is refused when it is declared, and a declared output when it is read. Links, "..", "//" and /proc/self/fd make
+// no difference. Devices and pipes cannot be overwritten and are not refused.
 #pragma once
 
 #include <array>
@@ -23,30 +23,27 @@ namespace palpa {
 /// may be given to a new one, which is born later. (The time is 0 on file systems that do not know it.)
 using FileIdentity = std::array<std::uint64_t, 3>;
 
-/// What a file name given for writing refers to, determined before anything is opened.
+/// What a file name given for writing refers to.
 struct OutputPlace {
   std::string name;            ///< for messages: what the user wrote, "stdout" for "-"
   std::filesystem::path path;  ///< with symbolic links resolved, dangling ones included
   /// `unknown` is a device, a pipe or a terminal.
   std::filesystem::file_type type = std::filesystem::file_type::not_found;
-  FileIdentity identity{};                        ///< of what is there
+  FileIdentity identity{};                       ///< that of the existing file
   std::pair<FileIdentity, std::string> entry{};  ///< its folder, and its name in that, whether it exists or not
   bool open_already = false;  ///< a descriptor that is already open ("-", /proc/self/fd/3), which is written in place
-  /// "-", or any name of the file or pipe that stdout is open on. Opened twice, each would overwrite the other's output.
-  bool is_stdout = false;
+  bool is_stdout = false;     ///< "-", or any name of what stdout is open on; opened twice, it would overwrite itself
 
   std::filesystem::path folder() const { return path.has_parent_path() ? path.parent_path() : "."; }
 };
 
-/// "-" is stdout. Never throws, whatever exists or does not exist there.
-OutputPlace output_place(const std::filesystem::path& file);
+/// The place of a file that may be written or removed now. Throws bad_usage if it was read; failure() if it is not
+/// declared, or clearly cannot be created or replaced there: no such folder, a folder, no permission, a read-only file
+/// system. Tries nothing. (A full disk only shows during writing.)
+OutputPlace writable_place(const std::filesystem::path& file);
 
 /// failure(): `name: cannot be written:` and the meaning of the system's error code, such as a full disk.
 Error write_failure(const std::string& name, int code);
-
-/// Throws failure() if a file clearly cannot be created or replaced there: no such folder, a folder, no permission, a
-/// read-only file system. Tries nothing. (A full disk only shows during writing.)
-void refuse_unwritable(const OutputPlace& place);
 
 /// One of a command's outputs, as the command line gave it.
 struct Output {
@@ -91,9 +88,6 @@ class Outputs {
 /// For an input that was opened (its descriptor), or is read later or never: remembers it, and throws bad_usage, naming
 /// the option, if it is a declared output. Does nothing for "" and for names that are not files.
 void refuse_output_as_input(const std::filesystem::path& file, int descriptor = -1);
-
-/// Call before a file is written or removed. Throws bad_usage if it was read, failure() if it is not declared.
-void refuse_undeclared(const OutputPlace& place);
 
 /// Adds one of palpa's own files, which palpa reads and writes without being asked: the viewer's settings, the cache.
 /// Throws bad_usage, naming the option, if the file is declared as an output.

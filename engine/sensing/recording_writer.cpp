@@ -92,7 +92,7 @@ void RecordingWriter::refuse_while_written() const {
 void RecordingWriter::begin() {
   if (!old_.empty()) refuse_while_written();  // another recording may have begun meanwhile
   for (const std::filesystem::path& file : old_) {
-    refuse_undeclared(output_place(file));  // refuses a file that was read, under whatever name
+    writable_place(file);  // refuses a file that was read, under whatever name
     std::error_code error;
     std::filesystem::remove(file, error);
     if (error) throw failure(fmt::format("{}: cannot be replaced: {}", file.string(), error.message()));
@@ -108,7 +108,7 @@ void RecordingWriter::begin() {
     text += to_toml(kept) + "\n";
   }
   write_file(folder_ / "recording.toml", text);
-  times_ = open_output(output_place(folder_ / times_name));
+  times_ = open_output(folder_ / times_name);
   times_->write(times_heading(cameras_.size()) + "\n");
 }
 

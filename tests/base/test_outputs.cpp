@@ -84,8 +84,7 @@ TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
   for (const std::string& name : {path("new"), path("free"), path("deep/new"), std::string("/dev/null")}) {
     EXPECT_NE(std::string(test::thrown_by([&] { write_file(name, "x"); }).what()).find(part), std::string::npos)
         << name;
-    EXPECT_NE(std::string(test::thrown_by([&] { open_output(output_place(name)); }).what()).find(part), std::string::npos)
-        << name;
+    EXPECT_NE(std::string(test::thrown_by([&] { open_output(name); }).what()).find(part), std::string::npos) << name;
   }
   EXPECT_EQ(test::read_text(path("free")), "x");
   EXPECT_FALSE(fs::exists(path("new")));
@@ -111,9 +110,7 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
   fs::create_symlink(path("take"), path("same"));
   const std::vector<Output> replaced{{"--record", path("take"), Output::Kind::replaced_recording}};
   EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::folder}}).find("name a new folder"), std::string::npos);
-  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::recording}})
-                .find("give --overwrite"),
-            std::string::npos);
+  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::recording}}).find("give --overwrite"), std::string::npos);
   {
     const auto kept = keep_register();
     const Outputs outputs(replaced);
@@ -133,7 +130,7 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
   const auto kept = keep_register();
   const Outputs outputs(replaced);
   read_file(path("elsewhere"), 100);
-  EXPECT_EQ(test::thrown_by([&] { refuse_undeclared(output_place(path("take/one"))); }).code(), Exit::usage);
+  EXPECT_EQ(test::thrown_by([&] { writable_place(path("take/one")); }).code(), Exit::usage);
 }
 
 TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {

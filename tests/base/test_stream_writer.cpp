@@ -13,7 +13,6 @@
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -27,7 +26,7 @@ StreamWriter writer_on(int pipe, std::size_t room) {
 }
 
 StreamWriter writer_of(const std::string& file) {
-  return {open_output(output_place(file)), 1 << 16};
+  return {open_output(file), 1 << 16};
 }
 
 /// Lines of many lengths, each of one letter.

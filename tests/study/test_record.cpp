@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "base/output_file.hpp"
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "study/files/study_folder.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/withdrawal.hpp"

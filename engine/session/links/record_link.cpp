@@ -16,7 +16,6 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "base/stream_writer.hpp"
 
 namespace palpa::session {
@@ -82,8 +81,7 @@ class RecordLink : public Link {
   bool waits() const { return wait_unless_ && !*wait_unless_; }
   bool add() {
     if (waits() && writer_.add(record_, {.stop = wait_unless_})) return true;
-    return stalled_ ? writer_.add(record_)
-                    : writer_.add(record_, {.seconds = StreamWriter::patience_s}, record_bytes_);
+    return stalled_ ? writer_.add(record_) : writer_.add(record_, {.seconds = StreamWriter::patience_s}, record_bytes_);
   }
   bool flush() { return (waits() && writer_.flush({.stop = wait_unless_})) || writer_.flush(); }
   /// Ends the file in silence now, without waiting for other slow parts of the program.
@@ -100,7 +98,7 @@ class RecordLink : public Link {
   static StreamWriter opened(const std::string& file, const std::atomic<bool>* wait_unless, std::size_t record_bytes) {
     Patience patience{.stop = wait_unless};
     if (wait_unless == nullptr) patience.seconds = link_patience_s;
-    OpenFile out = open_output(output_place(file), patience);
+    OpenFile out = open_output(file, patience);
     const std::size_t room = out.on_disk() ? room_of_disk : room_of_pipe;
     return {std::move(out), room + 4 * record_bytes};
   }

@@ -9,7 +9,6 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "base/stream_writer.hpp"
 #include "session/links/udp.hpp"
 
@@ -20,7 +19,7 @@ class StreamSink : public EventSink {
  public:
   StreamSink(const std::string& file, std::span<const std::string> solid_names, const std::atomic<bool>* stop,
              bool waits)
-      : writer_(open_output(output_place(file), {.stop = stop}), room),
+      : writer_(open_output(file, {.stop = stop}), room),
         solid_names_(solid_names.begin(), solid_names.end()),
         patience_{.seconds = waits ? std::nullopt : std::optional(0.0), .stop = stop} {}
 

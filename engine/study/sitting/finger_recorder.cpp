@@ -41,7 +41,8 @@ std::string finger_sidecar() {
 
 FingerRecorder::FingerRecorder(const ParticipantFolder& folder, std::uint32_t run)
     : file_(open_to_append(folder.file(run, fmt::format("{}.tsv.gz", recording)))) {
-  if (std::filesystem::file_size(file_.name()) > 0) throw failure(file_.name() + ": is there already, and is not replaced");
+  if (std::filesystem::file_size(file_.name()) > 0)
+    throw failure(file_.name() + ": is there already, and is not replaced");
   write_file(folder.file(run, fmt::format("{}.json", recording)), finger_sidecar());
 }
 

@@ -79,7 +79,7 @@ bool contains_rows(const std::string& table, const std::string& log) {
   });
 }
 
-/// Of a journal or a log, which may be empty.
+/// A journal or a log may be empty.
 std::string content_of(const std::filesystem::path& file) {
   std::error_code fault;
   return std::filesystem::file_size(file, fault) == 0 ? std::string() : read_file(file, most_journal_bytes);
@@ -106,8 +106,8 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
   Journal journal = read_journal(content_of(folder_.journal()), file_.name());
   const JournalHead head{.participant = participant, .plan_sha256 = plan.sha256};
   if (journal.head && journal.head->participant != participant) {
-    throw bad_input(file_.name(), fmt::format("is the journal of participant {}, not of {}",
-                                               journal.head->participant, participant));
+    throw bad_input(file_.name(),
+                    fmt::format("is the journal of participant {}, not of {}", journal.head->participant, participant));
   }
   if (journal.head && journal.head->plan_sha256 != plan.sha256) {
     throw bad_usage(
@@ -207,7 +207,8 @@ void Record::refuse_unknown_files(std::span<const Entry> entries) const {
     if (!known && (run || file.ends_with(end_of_log))) refuse(file, "the run of");
     if (!known || folder_.beh() / file != folder_.file(*run, end_of_log)) continue;
     // The log is written from the journal, after each entry that ends a step.
-    if (!contains_rows(events_table(*plan_, steps_, runs[*run - 1]), content_of(folder_.beh() / file))) refuse(file, "all rows of");
+    const std::string log = content_of(folder_.beh() / file);
+    if (!contains_rows(events_table(*plan_, steps_, runs[*run - 1]), log)) refuse(file, "all rows of");
   }
 }
 
