@@ -41,13 +41,14 @@ struct Files {
 
 /// `descriptor` is an open file, or AT_FDCWD for a path.
 FileIdentity identity_of(int descriptor, const fs::path& path, mode_t* mode = nullptr) {
-  struct statx status {};
+  struct stat status {};
+  struct statx more {};
   const int flags = descriptor == AT_FDCWD ? 0 : AT_EMPTY_PATH;
-  if (::statx(descriptor, path.c_str(), flags, STATX_BASIC_STATS | STATX_BTIME, &status) != 0) return {};
-  if (mode != nullptr) *mode = status.stx_mode;
-  const auto born_s = static_cast<std::uint64_t>(status.stx_btime.tv_sec);
-  return {std::uint64_t{status.stx_dev_major} << 32 | status.stx_dev_minor, status.stx_ino,
-          (status.stx_mask & STATX_BTIME) != 0 ? born_s * 1'000'000'000 + status.stx_btime.tv_nsec : 0};
+  if (::fstatat(descriptor, path.c_str(), &status, flags) != 0) return {};
+  if (mode != nullptr) *mode = status.st_mode;
+  const bool dated = ::statx(descriptor, path.c_str(), flags, STATX_BTIME, &more) == 0 && more.stx_mask & STATX_BTIME;
+  const auto born_s = static_cast<std::uint64_t>(more.stx_btime.tv_sec);
+  return {status.st_dev, status.st_ino, dated ? born_s * 1'000'000'000 + more.stx_btime.tv_nsec : 0};
 }
 
 void follow_links(OutputPlace& place) {
@@ -92,9 +93,10 @@ void refuse_unwritable(const OutputPlace& place) {
   if (fault != 0) throw write_failure(place.name, fault);
 }
 
+constexpr FileIdentity nobody{};
+
 bool is_at(const OutputPlace& a, const OutputPlace& b) {
-  constexpr FileIdentity none{};
-  return (a.identity != none && a.identity == b.identity) || (a.entry.first != none && a.entry == b.entry);
+  return (a.identity != nobody && a.identity == b.identity) || (a.entry.first != nobody && a.entry == b.entry);
 }
 
 /// Devices and pipes are never the same output.
@@ -229,19 +231,18 @@ std::shared_ptr<void> keep_register() {
 }
 
 void refuse_output_as_input(const fs::path& file, int descriptor) {
-  const std::lock_guard lock(the_files.mutex);
-  if (file.empty() || (the_files.keepers == 0 && the_files.claims.empty())) return;
   OutputPlace place = output_place(file);
   if (descriptor >= 0) {
     place.identity = identity_of(descriptor, "");
-  } else if (place.type != fs::file_type::regular && place.type != fs::file_type::not_found) {
+  } else if (file.empty() || (place.type != fs::file_type::regular && place.type != fs::file_type::not_found)) {
     return;
   }
+  const std::lock_guard lock(the_files.mutex);
   // Files that this program wrote may be written again, even if they were read meanwhile. Refused reads are remembered,
   // too: the file must not be written, even if the caller continues without reading it.
   const auto is_ours = [&](const Claim& claim) { return claim.is_continued() && covers(claim, place); };
   const bool ours = the_files.written.contains(place.entry) || std::ranges::any_of(the_files.claims, is_ours);
-  if (the_files.keepers > 0 && place.identity != FileIdentity() && !ours) the_files.inputs.insert(place.identity);
+  if (the_files.keepers > 0 && place.identity != nobody && !ours) the_files.inputs.insert(place.identity);
   for (const Claim& claim : the_files.claims) {
     if (claim.is_replaced() && is_inside(place, claim)) throw refused(claim, file.string(), is_read, "folder");
     const bool is_file = !claim.is_folder() && !claim.is_continued();
@@ -250,7 +251,7 @@ void refuse_output_as_input(const fs::path& file, int descriptor) {
 }
 
 OutputPlace writable_place(const fs::path& file) {
-  const OutputPlace place = output_place(file);
+  OutputPlace place = output_place(file);
   refuse_unwritable(place);
   const std::lock_guard lock(the_files.mutex);
   if (the_files.keepers == 0) return place;
@@ -268,7 +269,7 @@ void add_own_file(const fs::path& file) {
   for (const Claim& claim : the_files.claims) {
     if (claim.owner != nullptr) refuse_own(claim, own);
   }
-  the_files.claims.push_back(own);
+  if (the_files.keepers > 0) the_files.claims.push_back(own);
 }
 
 }  // namespace palpa

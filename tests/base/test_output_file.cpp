@@ -77,6 +77,19 @@ TEST_F(OutputFileTest, AFullDiskLeavesWhatWas) {
                "/dev/full: cannot be written: No space left on device");
 }
 
+TEST_F(OutputFileTest, AFileThatCannotGrowEndsWithItsLastWholeRecord) {
+  const OpenFile out = open_output(file_);
+  out.write("one\n");
+  {
+    const test::FileSizeLimit limit(6);
+    EXPECT_STREQ(test::thrown_by([&] { out.write("three\n"); }).what(),
+                 (file_.string() + ": cannot be written: File too large").c_str());
+  }
+  EXPECT_EQ(contents(file_), "one\n");
+  out.write("four\n");
+  EXPECT_EQ(contents(file_), "one\nfour\n");
+}
+
 TEST_F(OutputFileTest, KeepsTheModeOfWhatItReplaces) {
   const mode_t mask = umask(027);
   write_file(file_, "x");

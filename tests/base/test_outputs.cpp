@@ -133,6 +133,19 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
   EXPECT_EQ(test::thrown_by([&] { writable_place(path("take/one")); }).code(), Exit::usage);
 }
 
+TEST_F(RegisterTest, AFolderThatIsContinuedIsReadAndWritten) {
+  fs::create_directory(path("study"));
+  test::write_text(path("study/log"), "old");
+  const auto kept = keep_register();
+  const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
+  EXPECT_EQ(read_file(path("study/log"), 100), "old");
+  write_file(path("study/log"), "new");
+  EXPECT_EQ(read_file(path("study/log"), 100), "new");
+  const Outputs json({{"--json", path("study/result")}});
+  write_file(path("study/result"), "x");
+  EXPECT_EQ(test::thrown_by([&] { read_file(path("study/result"), 100); }).code(), Exit::usage);
+}
+
 TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
   const auto kept = keep_register();
   const Outputs outputs({{"save as", path("scene")}});
