@@ -22,7 +22,7 @@ class HandChain {
   HandChain(const RatedHand& hand, std::uint32_t rules);
 
   void see(std::span<const sensing::DepthFrame> images, double time_s);
-  // Of the newest frame.
+  // The results of the newest frame.
   const touch::Touch& seen() const { return touch_; }
   const array::Schedule& schedule() const { return schedule_; }
   std::span<const session::Event> events() const { return events_; }

@@ -65,7 +65,7 @@ constexpr HandClass classes[] = {
     {"hover", 14000, 12, hands::hover, "0.1 to 0.2 mm above the surface, for 2 s"},
     {"touch", 15000, 18, hands::touch_and_leave, "a finger comes, stays and leaves"},
     {"landing", 16000, 12, hands::landing, "a hand comes down on several fingers"},
-    {"second", 17000, 18, hands::second, "a second finger comes beside one that rests"},
+    {"second", 17000, 18, hands::second_finger, "a second finger comes beside one that rests"},
     {"pinch", 18000, 15, hands::pinch, "thumb and index finger come down, 44 contacts of the index finger"},
     {"taps", 19000, 15, hands::taps, "double taps at 4 to 8 Hz, 1 to 5 mm deep"},
     {"leave", 20000, 18, hands::leave, "withdrawals at 20, 100 and 300 mm/s"},

@@ -14,7 +14,7 @@ namespace palpa::test::hands {
 HandPose named(const char* name) {
   return *assets::named_hand_pose(name);
 }
-HandPose together() {
+HandPose fingers_together() {
   return {{0.10, 0.10, 0.10, -0.10},
           {{{0.12, 0.15, 0.10, -0.06}, {0.10, 0.15, 0.10, 0.0}, {0.12, 0.15, 0.10, -0.05}, {0.15, 0.18, 0.10, -0.10}}}};
 }

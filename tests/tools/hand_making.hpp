@@ -37,7 +37,7 @@ class Random {
 
 HandPose named(const char* name);
 /// Straight fingers that touch each other.
-HandPose together();
+HandPose fingers_together();
 /// The tips of thumb and index finger are 2 mm apart, the other fingers are bent, or straight.
 HandPose pinching();
 HandPose ring_of_two();
@@ -46,6 +46,12 @@ HandPose three_straight();
 HandPose claw();
 /// One of three people's: their joints bend differently.
 HandPose varied(HandPose pose, std::size_t who);
+/// One of these poses, of one of so many people.
+template <std::size_t N>
+HandPose one_of(Random& random, const std::array<HandPose, N>& poses, std::size_t people) {
+  const HandPose pose = random.of(poses);
+  return varied(pose, random.below(people));
+}
 
 // ---- solids and cameras ---------------------------------------------------------------------------------------------
 
@@ -116,7 +122,7 @@ RatedHand hover(std::uint64_t seed);
 
 RatedHand touch_and_leave(std::uint64_t seed);
 RatedHand landing(std::uint64_t seed);
-RatedHand second(std::uint64_t seed);
+RatedHand second_finger(std::uint64_t seed);
 RatedHand pinch(std::uint64_t seed);
 RatedHand taps(std::uint64_t seed);
 RatedHand leave(std::uint64_t seed);

@@ -29,7 +29,7 @@
 //                  finger's contacts without noise, whichever is less: skin that rolls leaves its contacts behind.
 //                  Predicted foci are compared at the time for which they are predicted. After the first 0.1 s
 //   first, second  ms, 99 %: from the time when a digit's skin enters the solid to the capture of the first frame with
-//                  which it sounds; second: another digit touches already. Of digits with at least 10 visible contacts
+//                  which it sounds; second: another digit touches already. Only of digits with 10 visible contacts
 //   leaves, last   ms, median and 99 %: from the time when the skin has left to the capture of the last frame with
 //                  which the digit sounds
 //   touches        reported, of true ones, after the first 0.1 s

@@ -301,7 +301,7 @@ class Scoring {
 
   void time_touches() {
     for (const Interval& touch : touches_) {
-      const bool second = std::ranges::any_of(touches_, [&](const Interval& other) {
+      const bool later = std::ranges::any_of(touches_, [&](const Interval& other) {
         return other.part != touch.part && other.begin_s < touch.begin_s && other.end_s > touch.begin_s;
       });
       double next_s = touch.end_s + 0.3, begins_s = touch.end_s, last_s = -1;
@@ -318,7 +318,7 @@ class Scoring {
           break;
         }
       }
-      if (touch.begins) (second ? score_.second_s : score_.first_s).push_back(begins_s - touch.begin_s);
+      if (touch.begins) (later ? score_.second_s : score_.first_s).push_back(begins_s - touch.begin_s);
       if (touch.ends && last_s >= 0) score_.leaves_s.push_back(last_s - touch.end_s);
     }
   }
@@ -353,7 +353,7 @@ class Scoring {
   std::vector<std::vector<PartThen>> parts_;  ///< per frame
   std::vector<Count> counts_;                 ///< per frame
   std::vector<Interval> touches_;
-  // Of the frame before.
+  // What the frame before has left.
   std::map<std::uint32_t, Sounding> before_;
   std::vector<std::uint32_t> ids_;
   std::map<std::uint32_t, std::uint32_t> owners_;  ///< the part that an id had last

@@ -48,7 +48,7 @@ RatedHand spread(std::uint64_t seed) {
 
 RatedHand flat(std::uint64_t seed) {
   Random random(seed);
-  const HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : together();
+  const HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : fingers_together();
   const Lean lean = lean_of(random, 84, 96, 5);
   const double deep = random.between(3e-3, 15e-3);
   return resting("flat", seed, pose, random, lean, deep, thick_plate(random));
@@ -56,7 +56,7 @@ RatedHand flat(std::uint64_t seed) {
 
 RatedHand palm(std::uint64_t seed) {
   Random random(seed);
-  HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : together();
+  HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : fingers_together();
   pose.thumb.abduction = -0.5;  // in the plane of the palm
   const Lean lean = lean_of(random, 86, 96, 5);
   const double deep = random.between(3e-3, 14e-3);
@@ -66,7 +66,7 @@ RatedHand palm(std::uint64_t seed) {
 RatedHand touching(std::uint64_t seed) {
   Random random(seed);
   if (random.coin()) {
-    const HandPose pose = varied(together(), random.below(3));
+    const HandPose pose = varied(fingers_together(), random.below(3));
     const Lean lean = lean_of(random, 15, 55);
     const double deep = random.between(6e-3, 25e-3);
     return resting("touching", seed, pose, random, lean, deep, thick_plate(random));
@@ -91,7 +91,7 @@ RatedHand relaxed(std::uint64_t seed) {
 
 RatedHand leans(std::uint64_t seed) {
   Random random(seed);
-  const HandPose pose = varied(random.of(std::array{named("spread"), named("relaxed"), together()}), random.below(3));
+  const HandPose pose = one_of(random, std::array{named("spread"), named("relaxed"), fingers_together()}, 3);
   const Lean lean = lean_of(random, 55, 80, 30);
   const double deep = random.between(6e-3, 25e-3);
   return resting("leaning", seed, pose, random, lean, deep, thick_plate(random));
@@ -133,8 +133,8 @@ RatedHand two_people(std::uint64_t seed) {
 
 RatedHand thin(std::uint64_t seed) {
   Random random(seed);
-  const HandPose pose =
-      varied(random.of(std::array{named("spread"), named("relaxed"), together(), named("fist")}), random.below(2));
+  const std::array poses{named("spread"), named("relaxed"), fingers_together(), named("fist")};
+  const HandPose pose = one_of(random, poses, 2);
   const double tilt = random.of(std::array{20.0, 45.0, 65.0, 88.0});
   const Lean lean = lean_of(random, tilt - 5, tilt + 5);
   return resting("thin", seed, pose, random, lean, random.between(1e-3, 12e-3), 2e-3);
@@ -158,8 +158,8 @@ RatedHand back(std::uint64_t seed) {
 
 RatedHand rims(std::uint64_t seed) {
   Random random(seed);
-  const HandPose pose =
-      varied(random.of(std::array{named("spread"), named("relaxed"), together(), named("point")}), random.below(2));
+  const std::array poses{named("spread"), named("relaxed"), fingers_together(), named("point")};
+  const HandPose pose = one_of(random, poses, 2);
   const Lean lean = lean_of(random, 15, 70);
   RatedHand hand = resting("rims", seed, pose, random, lean, random.between(2e-3, 12e-3), 40e-3);
   // The middle of the touch is on an edge of a small box.

@@ -65,7 +65,8 @@ RatedHand sliding(const char* kind, std::uint64_t seed, std::optional<double> pr
   Standing skin = pointer(random);
   const char* what = "a finger";
   if (random.below(3) == 0) {
-    const HandSkin& whole = hand_skin(random.coin() ? named("relaxed") : two_straight(), random.coin());
+    const HandPose pose = random.coin() ? named("relaxed") : two_straight();
+    const HandSkin& whole = hand_skin(pose, random.coin());
     const double turn = usual_turn(random);
     skin = {&whole, leaning(whole, {turn, random.between(15, 50), 0}, 1)};
     what = "a hand";
@@ -118,8 +119,8 @@ RatedHand landing(std::uint64_t seed) {
   Random random(seed);
   RatedHand hand = begun("landing", seed);
   hand.solids = {plate(thick_plate(random))};
-  const HandSkin& skin = hand_skin(
-      varied(random.of(std::array{named("spread"), named("relaxed"), together()}), random.below(3)), random.coin());
+  const HandPose pose = one_of(random, std::array{named("spread"), named("relaxed"), fingers_together()}, 3);
+  const HandSkin& skin = hand_skin(pose, random.coin());
   const double turn = usual_turn(random), tilt = random.between(15, 60), roll = random.between(-10, 10);
   Visit visit{.high_m = 8e-3, .deep_m = random.between(6e-3, 18e-3)};
   visit.comes_s = some_time(hand, random, 0.12);
@@ -131,7 +132,7 @@ RatedHand landing(std::uint64_t seed) {
   return hand;
 }
 
-RatedHand second(std::uint64_t seed) {
+RatedHand second_finger(std::uint64_t seed) {
   Random random(seed);
   RatedHand hand = begun("second", seed);
   hand.solids = {plate(thick_plate(random))};
