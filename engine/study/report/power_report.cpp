@@ -55,7 +55,7 @@ std::string power_text(const PowerSetting& setting, const PowerResult& result,
   text += "\n" + answer_line(setting, result) + "\n";
   if (!others.empty()) text += std::string(why_others) + "\n";
   for (const OtherCorrelation& other : others)
-    text += "  " + other_line(setting, other) + "\n";
+    text += fmt::format("  {}\n", other_line(setting, other));
   return text;
 }
 
