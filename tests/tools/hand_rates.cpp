@@ -82,14 +82,11 @@ struct Asked {
 
 std::uint32_t rule_of(std::string_view name) {
   constexpr std::pair<std::string_view, std::uint32_t> rules[] = {
-      {"few", touch::known_few},
-      {"islands", touch::known_islands},
-      {"apart", touch::known_apart},
-      {"together", touch::known_together},
-      {"edges", touch::known_edges},
-      {"falling", touch::known_falling},
-      {"whole", touch::known_whole}, {"again", touch::known_again},     {"members", touch::known_members},
-      {"all", ~0U},
+      {"few", touch::known_few},         {"islands", touch::known_islands},
+      {"apart", touch::known_apart},     {"together", touch::known_together},
+      {"edges", touch::known_edges},     {"falling", touch::known_falling},
+      {"whole", touch::known_whole},     {"again", touch::known_again},
+      {"members", touch::known_members}, {"all", ~0U},
   };
   for (const auto& [known, bits] : rules) {
     if (known == name) return bits;

@@ -28,9 +28,9 @@ class SecondSearch {
 
   /// Moves finger `f` of `seen` by `way`, with the skin of `frames` that is nearer to it than to other fingers, and
   /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts; a finger that holds
-  /// touches until none of its skin is within 0.5 mm of the shell. Its foci are moved by what the way changes: each by the difference between its sector's centroid
-  /// before and after. So a way of zero changes nothing, and the foci keep their smoothing. The axes stay. Returns
-  /// whether it was added.
+  /// touches until none of its skin is within 0.5 mm of the shell. Its foci are moved by what the way changes: each by
+  /// the difference between its sector's centroid before and after. So a way of zero changes nothing, and the foci keep
+  /// their smoothing. The axes stay. Returns whether it was added.
   bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
 
  private:

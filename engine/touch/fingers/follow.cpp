@@ -243,8 +243,7 @@ Float3 Follow::joined(std::uint32_t f, const Tracks& all) const {
   const Candidate& track = candidates[t];
   constexpr float near = 0.3e-3F;
   if (square_apart(float3(fingers[f].section.centroid), track.place) <= near * near) return {0, 0, 0};
-  return moved_by_members(all.skin_before.places[t], all.skin.places[f],
-                          minus(track.place, float3(track.old.place)));
+  return moved_by_members(all.skin_before.places[t], all.skin.places[f], minus(track.place, float3(track.old.place)));
 }
 
 Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined) {

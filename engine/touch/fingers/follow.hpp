@@ -36,10 +36,10 @@ struct Tracks {
   } skin, skin_before;
 };
 
-/// Gives ids to the first `finger_count` fingers of a frame, whose sections come from find_sections(). If the setting has
-/// steady axes, turns their axes as little as possible from those of the previous frame. Ids count up from 0 in the order
-/// of the fingers and are never reused. In the first frame, the ids are the fingers' order. After each call, the first
-/// tracks are those of the frame's fingers, in their order. `elapsed_us` comes from the tracks' clock.
+/// Gives ids to the first `finger_count` fingers of a frame, whose sections come from find_sections(). If the setting
+/// has steady axes, turns their axes as little as possible from those of the previous frame. Ids count up from 0 in the
+/// order of the fingers and are never reused. In the first frame, the ids are the fingers' order. After each call, the
+/// first tracks are those of the frame's fingers, in their order. `elapsed_us` comes from the tracks' clock.
 void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch);
 
 }  // namespace palpa::touch

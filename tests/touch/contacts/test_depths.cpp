@@ -26,7 +26,7 @@ Contact deep(float x, float depth, std::uint32_t solid = 0) {
   return {0, solid, depth, {x, -depth, 0}};
 }
 
-/// Of points that no camera sees.
+/// The depths of points that no camera sees.
 void depths_of(Touch& touch) {
   const sensing::RayTables tables;
   find_depths({{}, tables, {}}, touch);
