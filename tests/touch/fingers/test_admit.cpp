@@ -130,7 +130,7 @@ TEST(Admit, AnIslandThatIsMissingForAFrameDoesNotBeginAgain) {
     return 30;
   };
   EXPECT_EQ(frames_until_born(false), 6) << "50 ms after it was first seen";
-  EXPECT_EQ(frames_until_born(true), 7) << "a frame counts as half a frame less";
+  EXPECT_EQ(frames_until_born(true), 10) << "a frame without it counts against it";
 }
 
 TEST(Admit, WhereAFingerHasEndedOnlySkinThatPressesBeginsAtOnce) {
