@@ -195,6 +195,7 @@ TEST(Members, ThatStayMoveTheSkin) {
     EXPECT_EQ(moved_by_members(before, patch({way, 0, 0}, 12, 8), {0, 0, 0}).x, 0) << way;
     EXPECT_EQ(moved_by_members(before, patch({0.1F + way, 0, 0}, 12, 8), {0.1F, 0, 0}).x, 0) << way;
   }
+  EXPECT_EQ(moved_by_members(before, patch({9e-3F, 0, 0}, 12, 8), {0, 0, 0}).x, 0) << "faster than expected";
   EXPECT_EQ(moved_by_members(before, patch({0.1F, 0, 0}, 12, 8), {0, 0, 0}).x, 0) << "nothing is common";
   EXPECT_EQ(moved_by_members(before, {}, {0, 0, 0}).x, 0);
 }
