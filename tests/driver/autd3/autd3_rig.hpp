@@ -1,6 +1,8 @@
 // Emulated AUTD3 units behind a server, and a board on it as its guard has it.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -110,12 +112,23 @@ struct Autd3Rig {
     }
     return false;
   }
+  void tend_for(std::chrono::milliseconds time) {
+    tend_until([] { return false; }, time);
+  }
   bool silent() const { return server.silent(driver::autd3::device_time_s()); }
   bool falls_silent() {
     return tend_until([&] { return silent(); });
   }
   bool sounds() {
     return tend_until([&] { return !silent(); });
+  }
+  const driver::autd3::EmulatedDevice& device() const { return server.devices()[0]; }
+  /// Turns everything off, and ends.
+  void end_silent() {
+    board->all_off();
+    EXPECT_TRUE(board->close());
+    EXPECT_TRUE(silent());
+    EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
   }
 };
 
