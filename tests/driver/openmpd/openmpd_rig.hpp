@@ -60,6 +60,21 @@ struct OpenMpdRig {
     }
   }
 
+  /// Takes sixteen boards in their place, on so many buses.
+  void take_sixteen(unsigned buses = 1) {
+    layout.boards.clear();
+    layout.transducers.resize(std::size_t{16} * 256);
+    argument.clear();
+    for (unsigned i = 0; i < 16; ++i) {
+      const std::string serial = "B" + std::to_string(i);
+      argument += (i == 0 ? "" : ",") + serial;
+      emulators.push_back(std::make_unique<driver::openmpd::EmulatedBoard>(serial));
+      faults.push_back(&bus.plug(*emulators.back(), 1 + i % buses));
+      layout.boards.push_back({"openmpd", 256 * i, 256, 0.168, 0.168});
+    }
+  }
+  driver::openmpd::Fpga& fpga(std::size_t i) { return emulators[i]->fpga(); }
+
   void open() { open(bus); }
   void open(driver::usb::Transport& transport) {
     board = std::make_unique<driver::openmpd::OpenMpdBoard>(
