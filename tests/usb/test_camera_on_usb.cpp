@@ -81,7 +81,7 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
              (folder / "take").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto held = camera.port.hold();
-  EXPECT_EQ(unit.depth_unit_um(), 100u);
+  EXPECT_EQ(unit.depth_table[0], 100u);
   EXPECT_EQ(unit.exposure_us(), 4000u);
   EXPECT_FALSE(unit.automatic());
   EXPECT_EQ(unit.preset(), 4u);

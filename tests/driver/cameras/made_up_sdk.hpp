@@ -11,6 +11,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,9 +34,9 @@ struct MadeUpCamera {
   bool keeps_unit = false;
   cameras::Lens lens{50, 50.5, 31.5, 23.5, {}};
   double phase_s = 0, delay_s = 0.004;
-  std::uint32_t padding = 0;  ///< bytes after each row
-  double clock_ahead_s = 0;   ///< the host's clock was set: stamps are wrong by this much
-  std::uint64_t cut = 0;      ///< this frame is too short
+  std::uint32_t padding = 0;    ///< bytes after each row
+  double clock_ahead_s = 0;     ///< the host's clock was set: stamps are wrong by this much
+  std::set<std::uint64_t> cut;  ///< these frames are too short
   bool plugged = true, noticed = true, frozen = false;
 
   // State.
@@ -95,7 +96,7 @@ struct Bench {
       }
       ++camera.given;
       const bool global = camera.options[Option::global_time] == 1;
-      camera.taker({bytes, bytes->data(), frame == camera.cut && frame > 0 ? stride : bytes->size(), width, height,
+      camera.taker({bytes, bytes->data(), camera.cut.contains(frame) ? stride : bytes->size(), width, height,
                     static_cast<std::uint32_t>(stride), global ? now_s - captured_s + camera.clock_ahead_s : 0});
     }
   }
