@@ -61,4 +61,8 @@ constexpr std::uint8_t high(unsigned value) {
   return static_cast<std::uint8_t>(value >> 8 & 0xff);
 }
 
+inline void append(std::vector<std::uint8_t>& to, const std::vector<std::uint8_t>& what) {
+  to.insert(to.end(), what.begin(), what.end());
+}
+
 }  // namespace palpa::test

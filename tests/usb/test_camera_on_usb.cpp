@@ -12,6 +12,7 @@
 #include "sensing/recording.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"
 #include "usb/plugged_camera.hpp"
@@ -23,10 +24,9 @@ using nlohmann::json;
 
 const std::vector<std::string> none;
 
-std::vector<std::string> run_with(const std::string& nodes, const sensing::Rig& rig) {
-  const auto scene = source_file("assets/cube.glb");
-  return {"--scene",    scene.string(), "--layout",      "openmpd",   "--rig",
-          written(rig), "--source",     "v4l2:" + nodes, "--backend", "cpu"};
+std::vector<std::string> run_with(const std::string& nodes, const std::string& rig) {
+  return with({"--scene", source_file("assets/cube.glb").string(), "--layout", "openmpd", "--rig", rig},
+              {"--source", "v4l2:" + nodes, "--backend", "cpu"});
 }
 
 TEST(CameraOnUsb, IsFoundByDoctor) {
@@ -36,7 +36,7 @@ TEST(CameraOnUsb, IsFoundByDoctor) {
   ASSERT_FALSE(cameras.empty()) << result.out << result.err;
   EXPECT_EQ(cameras[0]["id"], "8086:0b07") << cameras;
   EXPECT_EQ(cameras[0]["serial"], "C1") << cameras;
-  EXPECT_NE(cameras.dump().find(camera.node()), std::string::npos) << cameras;
+  EXPECT_CONTAINS(cameras.dump(), camera.node());
 }
 
 TEST(CameraOnUsb, GivesItsFramesBitForBit) {
@@ -47,8 +47,8 @@ TEST(CameraOnUsb, GivesItsFramesBitForBit) {
     picture[i] = static_cast<std::uint16_t>(20000 + 7919 * i % 40000);
   camera.show(picture);
   const auto folder = scratch_folder("take") / "take";
-  const Result result = palpa(
-      with(with({"run"}, run_with(camera.node(), rig)), {"--frames", "5", "--record", folder.string(), "--json", "-"}));
+  const Result result = palpa(with(with({"run"}, run_with(camera.node(), written(rig))),
+                                   {"--frames", "5", "--record", folder.string(), "--json", "-"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(camera.gadget.period_ns, 11111100u);
   const auto take = sensing::make_replay(sensing::load_recording(folder), {.paced = false});
@@ -73,12 +73,9 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
   const auto folder = scratch_folder("set");
   write_text(folder / "rig.toml", rig);
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
-  EXPECT_NE(doctor.out.find("its depth unit is 1 mm"), std::string::npos)
-      << "a step as coarse as the factory's: " << doctor.out;
-  const Result result =
-      palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--layout", "openmpd", "--backend", "cpu",
-             "--source", "v4l2:" + camera.node(), "--rig", (folder / "rig.toml").string(), "--frames", "2", "--record",
-             (folder / "take").string()});
+  EXPECT_CONTAINS(doctor.out, "its depth unit is 1 mm");
+  const Result result = palpa(with(with({"run"}, run_with(camera.node(), (folder / "rig.toml").string())),
+                                   {"--frames", "2", "--record", (folder / "take").string()}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto held = camera.port.hold();
   EXPECT_EQ(unit.depth_table[0], 100u);
@@ -93,8 +90,8 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
 struct Chain {
   Chain() {
     camera.show(touching(rig).at(0));
-    loop = std::make_unique<Loop>("run",
-                                  with(run_with(camera.node(), rig), {"--link", "openmpd:EMU1", "--hold", "500ms"}));
+    loop = std::make_unique<Loop>(
+        "run", with(run_with(camera.node(), written(rig)), {"--link", "openmpd:EMU1", "--hold", "500ms"}));
   }
   bool sounds() {
     return eventually(10, [&] { return board.sounds(); });
@@ -151,8 +148,8 @@ TEST(CameraOnUsb, TwoAreOneSkin) {
   const auto pictures = touching(rig);
   left.show(pictures[0]);
   right.show(pictures[1]);
-  const Result result =
-      palpa(with(with({"run"}, run_with(left.node() + "," + right.node(), rig)), {"--frames", "5", "--json", "-"}));
+  const Result result = palpa(
+      with(with({"run"}, run_with(left.node() + "," + right.node(), written(rig))), {"--frames", "5", "--json", "-"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(json::parse(result.out)["frames"]["touching"], 5);
   EXPECT_EQ(result.err_without_lateness(), "");

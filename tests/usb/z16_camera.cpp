@@ -44,10 +44,6 @@ std::uint32_t get32(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   return value;
 }
 
-void append(std::vector<std::uint8_t>& to, const std::vector<std::uint8_t>& what) {
-  to.insert(to.end(), what.begin(), what.end());
-}
-
 void append32(std::vector<std::uint8_t>& to, std::initializer_list<std::uint32_t> values) {
   for (const std::uint32_t value : values) {
     to.resize(to.size() + 4);
