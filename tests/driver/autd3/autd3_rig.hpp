@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -48,6 +49,14 @@ class Autd3Serving {
   Autd3Serving& operator=(const Autd3Serving&) = delete;
   std::string address() const { return listener_.address(); }
   std::uint16_t port() const { return listener_.port(); }
+  /// Whether this becomes true within ten seconds.
+  bool becomes(const std::function<bool()>& wanted) {
+    for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      const std::lock_guard held(lock);
+      if (wanted()) return true;
+    }
+    return false;
+  }
   std::mutex lock;
 
  private:

@@ -12,6 +12,7 @@
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "driver/autd3/autd3_rig.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -66,6 +67,8 @@ void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& com
   }
   if (means == Means::stop) {
     EXPECT_TRUE(board.falls_silent());
+    loop.signal(SIGCONT);
+    EXPECT_TRUE(board.sounds()) << "it goes on";
     loop.signal(SIGKILL);
   }
   EXPECT_TRUE(board.falls_silent()) << "whatever came";
@@ -94,6 +97,24 @@ TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
       expect_silence(board, sweep(board), signal);
   };
   side_by_side(std::vector<std::function<void()>>(4, one_after_the_other));
+}
+
+TEST(SignalsRun, Autd3UnitsFallSilentWithTheirLoop) {
+  driver::autd3::EmulatedServer server(16);
+  Autd3Serving serving(server);
+  const auto silent = [&] { return server.silent(driver::autd3::device_time_s()); };
+  const auto sounds = [&] { return !silent(); };
+  LiveOptions options;
+  options.command = "link";
+  LiveRun loop({"test", "--layout", "paper", "--link", "autd3:" + serving.address(), "--each", "100s"}, options);
+  ASSERT_TRUE(serving.becomes(sounds));
+  loop.signal(SIGSTOP);
+  EXPECT_TRUE(serving.becomes(silent)) << "stopped";
+  loop.signal(SIGCONT);
+  EXPECT_TRUE(serving.becomes(sounds)) << "and goes on";
+  loop.signal(SIGKILL);
+  EXPECT_TRUE(serving.becomes([&] { return silent() && !server.connected(); })) << "it has also said goodbye";
+  EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
 }
 
 TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
