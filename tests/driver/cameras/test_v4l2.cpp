@@ -27,78 +27,68 @@ using palpa::test::stderr_of;
 using test::described;
 using test::frame_of;
 using test::Machine;
-using test::next_set;
+using test::MadeUpCamera;
 using test::open;
 using test::period_s;
+using test::Rig;
 
 TEST(V4l2, FramesComeWholeInOrderWithTheirTimes) {
   for (const std::uint32_t padding : {0u, 32u}) {
-    Machine machine;
-    const auto camera = machine.plug("/dev/video0", "A");
-    camera->padding = padding;
-    const auto source = open(machine, {"/dev/video0"});
-    EXPECT_DOUBLE_EQ(source->cameras()[0].rate_hz, 90);
-    sensing::FrameSet set;
-    std::uint64_t first = 0;
+    Rig rig;
+    rig.cameras[0]->padding = padding;
+    rig.begin();
+    EXPECT_DOUBLE_EQ(rig.source->cameras()[0].rate_hz, 90);
+    const std::uint64_t first = frame_of(rig.set.frames[0]);
     for (std::uint64_t i = 0; i < 30; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      const std::uint64_t frame = frame_of(set.frames[0]);
-      if (i == 0) first = frame;
+      const std::uint64_t frame = frame_of(rig.set.frames[0]);
       EXPECT_EQ(frame, first + i);
-      EXPECT_EQ(set.sequence, i);
-      EXPECT_NEAR(set.time_s, static_cast<double>(frame) * period_s, 2e-6);
-      EXPECT_EQ(set.frames[0].time_s, set.time_s);
+      EXPECT_EQ(rig.set.sequence, i);
+      EXPECT_NEAR(rig.set.time_s, static_cast<double>(frame) * period_s, 2e-6);
+      EXPECT_EQ(rig.set.frames[0].time_s, rig.set.time_s);
+      ASSERT_TRUE(rig.next());
     }
     // Who comes late gets the newest frame.
-    machine.pass(machine.now_s + 5 * period_s);
-    ASSERT_TRUE(next_set(*source, set));
-    EXPECT_LT(machine.now_s - set.time_s, period_s + 1e-6);
-    EXPECT_EQ(set.sequence, 29u + 5);
+    rig.machine.pass(rig.machine.now_s + 5 * period_s);
+    ASSERT_TRUE(rig.next());
+    EXPECT_LT(rig.machine.now_s - rig.set.time_s, period_s + 1e-6);
+    EXPECT_EQ(rig.set.sequence, 30u + 5);
   }
 }
 
 TEST(V4l2, StampsOfAnotherClockAreReplacedByTheArrival) {
-  Machine machine;
-  machine.plug("/dev/video0", "A")->monotonic = false;
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  EXPECT_EQ(set.time_s, machine.now_s);
+  Rig rig;
+  rig.cameras[0]->monotonic = false;
+  rig.begin();
+  EXPECT_EQ(rig.set.time_s, rig.machine.now_s);
 }
 
 TEST(V4l2, AllocatesNothingPerFrame) {
-  Machine machine;
-  machine.plug("/dev/video0", "A");
-  machine.plug("/dev/video2", "B")->phase_s = 0.003;
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  machine.pass(machine.now_s + 1e-4);
+  Rig rig(2);
+  rig.cameras[1]->phase_s = 0.003;
+  rig.begin();
+  rig.machine.pass(rig.machine.now_s + 1e-4);
   for (int i = 0; i < 50; ++i) {
-    machine.pass(machine.now_s + period_s);
-    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
-    ASSERT_EQ(set.frames.size(), 2u);
+    rig.machine.pass(rig.machine.now_s + period_s);
+    EXPECT_EQ(allocations_of([&] { rig.source->next(rig.set, 0); }), 0u);
+    ASSERT_EQ(rig.set.frames.size(), 2u);
     // The same if no set came in time.
-    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
-    ASSERT_TRUE(set.frames.empty());
+    EXPECT_EQ(allocations_of([&] { rig.source->next(rig.set, 0); }), 0u);
+    ASSERT_TRUE(rig.set.frames.empty());
   }
 }
 
 TEST(V4l2, FramesThatWereSkippedAreGaps) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto other = machine.plug("/dev/video2", "B");
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  camera->skipped = {camera->next + 3, camera->next + 4};
-  other->skipped = {other->next + 7};
+  Rig rig(2);
+  rig.begin();
+  const std::uint64_t next = rig.cameras[0]->next;
+  rig.cameras[0]->skipped = {next + 3, next + 4};
+  rig.cameras[1]->skipped = {rig.cameras[1]->next + 7};
   std::vector<std::uint64_t> sequences;
   const std::string said = stderr_of([&] {
     for (int i = 0; i < 12; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      sequences.push_back(set.sequence);
-      EXPECT_EQ(frame_of(set.frames[0]), frame_of(set.frames[1])) << "both run at once";
+      ASSERT_TRUE(rig.next());
+      sequences.push_back(rig.set.sequence);
+      EXPECT_EQ(frame_of(rig.set.frames[0]), frame_of(rig.set.frames[1])) << "both run at once";
     }
   });
   EXPECT_EQ(sequences, (std::vector<std::uint64_t>{1, 2, 3, 6, 7, 9, 10, 11, 12, 13, 14, 15}));
@@ -106,23 +96,21 @@ TEST(V4l2, FramesThatWereSkippedAreGaps) {
 }
 
 TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  const std::uint64_t from = camera->next;
-  camera->cut = {from + 1, from + 5, from + 9};
-  camera->damaged = {from + 2, from + 6, from + 10};
-  camera->repeated = {from + 4, from + 8, from + 12};
+  Rig rig;
+  MadeUpCamera& camera = *rig.cameras[0];
+  rig.begin();
+  const std::uint64_t from = camera.next;
+  camera.cut = {from + 1, from + 5, from + 9};
+  camera.damaged = {from + 2, from + 6, from + 10};
+  camera.repeated = {from + 4, from + 8, from + 12};
   const std::string said = stderr_of([&] {
-    double last_s = set.time_s;
+    double last_s = rig.set.time_s;
     for (int i = 0; i < 30; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      const std::uint64_t frame = frame_of(set.frames[0]);
-      EXPECT_FALSE(camera->cut.contains(frame) || camera->damaged.contains(frame) || camera->repeated.contains(frame));
-      EXPECT_GT(set.time_s, last_s);
-      last_s = set.time_s;
+      ASSERT_TRUE(rig.next());
+      const std::uint64_t frame = frame_of(rig.set.frames[0]);
+      EXPECT_FALSE(camera.cut.contains(frame) || camera.damaged.contains(frame) || camera.repeated.contains(frame));
+      EXPECT_GT(rig.set.time_s, last_s);
+      last_s = rig.set.time_s;
     }
   });
   EXPECT_CONTAINS(said, "camera 'camera 1' (/dev/video0): 5 frames arrived incomplete, damaged or twice");
@@ -131,23 +119,19 @@ TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
 
 TEST(V4l2, ACameraThatStopsOrFailsKeepsNobodyLongerThanAskedAndNoProcessorBusy) {
   for (const bool fails : {false, true}) {
-    Machine machine;
-    const auto camera = machine.plug("/dev/video0", "A");
-    const auto source = open(machine, {"/dev/video0"});
-    sensing::FrameSet set;
-    ASSERT_TRUE(next_set(*source, set));
-    camera->frozen = !fails;
-    camera->failing = fails;
-    const std::uint64_t before = machine.calls;
+    Rig rig;
+    rig.begin();
+    rig.cameras[0]->frozen = !fails;
+    rig.cameras[0]->failing = fails;
+    const std::uint64_t before = rig.machine.calls;
     stderr_of([&] {
       for (int i = 0; i < 100; ++i) {
-        const double begin_s = machine.now_s;
-        EXPECT_TRUE(source->next(set, 0.1));
-        EXPECT_TRUE(set.frames.empty());
-        EXPECT_LT(machine.now_s - begin_s, 0.11);
+        const double begin_s = rig.machine.now_s;
+        EXPECT_FALSE(rig.next());
+        EXPECT_LT(rig.machine.now_s - begin_s, 0.11);
       }
     });
-    EXPECT_LT(machine.calls - before, 150000u) << "in ten seconds";
+    EXPECT_LT(rig.machine.calls - before, 150000u) << "in ten seconds";
   }
 }
 
