@@ -33,6 +33,7 @@ struct GuardRig {
   std::filesystem::path file = scratch_folder("guard") / "trace";
   session::LinkSetting setting{layout, names, 1.5e-3};
   array::Drive drive;
+  std::uint64_t slot = 0;  ///< the next
   std::unique_ptr<session::Link> link;
 
   explicit GuardRig(std::size_t transducers = 249) : drive(transducers) {
@@ -44,14 +45,20 @@ struct GuardRig {
     return driver::board_link({"trace", "trace:FILE", {}, true}, guard.string()).open(argument, setting);
   }
   void open() { link = open(file.string()); }
-  void send(std::uint64_t slot) {
-    whole_drive(slot, drive);
-    link->send(slot, drive);
+  void send(std::uint64_t s) {
+    whole_drive(s, drive);
+    link->send(s, drive);
   }
-  void send_for(std::chrono::milliseconds time, std::uint64_t& slot) {
+  void send_for(std::chrono::milliseconds time) {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;
          wait(std::chrono::microseconds(1500)))
       send(slot++);
+  }
+  /// Opens it; a first drive is played.
+  void begin() {
+    open();
+    send(slot++);
+    ASSERT_TRUE(wrote("play 0"));
   }
   void plan(std::uint64_t from, std::uint32_t cycle) {
     array::Schedule schedule;

@@ -115,9 +115,7 @@ TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {
 
 TEST(Guard, DrivesThatItDoesNotTakeInTimeAreMissingInItsCounts) {
   Rig rig;
-  rig.open();
-  rig.send(0);
-  ASSERT_TRUE(rig.wrote("play 0"));
+  rig.begin();
   kill(guard_of_ours(), SIGSTOP);
   for (std::uint64_t s = 1; s <= 20; ++s)
     rig.send(s);
@@ -242,23 +240,20 @@ TEST(Guard, AGuardThatIsKilledOrStoppedIsFollowedByOneThatSilences) {
        {std::tuple{SIGKILL, 1s, "signal 9 ended palpa-guard"}, {SIGSTOP, 10s, "palpa-guard took no drive for 1 s"}}) {
     Rig rig;
     rig.open();
-    std::uint64_t slot = 0;
-    rig.send_for(10ms, slot);
+    rig.send_for(10ms);
     kill(guard_of_ours(), signal);
-    const std::string line = test::error_of([&] { rig.send_for(patience, slot); }, Exit::failed);
+    const std::string line = test::error_of([&] { rig.send_for(patience); }, Exit::failed);
     EXPECT_EQ(line, std::string("trace: ") + what + "; a second palpa-guard has silenced the board");
     EXPECT_EQ(rig.count("open"), 2u);
     rig.expect_silent_end();
-    EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards has no effect
+    EXPECT_NO_THROW(rig.link->send(rig.slot, rig.drive));  // what SafeLink tries afterwards has no effect
     EXPECT_NO_THROW(rig.link->finish());
   }
 }
 
 TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
   Rig rig;
-  rig.open();
-  rig.send(0);
-  ASSERT_TRUE(rig.wrote("play"));
+  rig.begin();
   kill(guard_of_ours(), SIGSTOP);
   rig.link->finish();
   rig.expect_silent_end();
@@ -267,15 +262,14 @@ TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
 TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(10ms, slot);
+  rig.send_for(10ms);
   const pid_t guard = guard_of_ours();
   kill(guard, SIGSTOP);
-  rig.send(slot++);
+  rig.send(rig.slot++);
   wait(1200ms);  // equivalent to stopped
-  rig.send(slot++);
+  rig.send(rig.slot++);
   kill(guard, SIGCONT);
-  rig.send_for(20ms, slot);
+  rig.send_for(20ms);
   rig.link->finish();
   EXPECT_EQ(rig.count("open"), 1u);
   rig.expect_silent_end();
@@ -298,8 +292,8 @@ TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
 TEST(Guard, WhatABoardThrowsEndsInSilence) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = test::throws_from_slot;
-  EXPECT_ERROR(rig.send_for(1s, slot), Exit::failed, "a board must not throw");
+  rig.slot = test::throws_from_slot;
+  EXPECT_ERROR(rig.send_for(1s), Exit::failed, "a board must not throw");
   EXPECT_TRUE(rig.ends_with("close"));
   EXPECT_GE(rig.count("off"), 1u);
 }
@@ -307,15 +301,14 @@ TEST(Guard, WhatABoardThrowsEndsInSilence) {
 TEST(Guard, ADriveOfBeforeAPlanIsNotPlayedAfterIt) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(20ms, slot);
+  rig.send_for(20ms);
   kill(guard_of_ours(), SIGSTOP);
-  rig.send(slot);
-  rig.plan(slot + 100, 2);
+  rig.send(rig.slot);
+  rig.plan(rig.slot + 100, 2);
   kill(guard_of_ours(), SIGCONT);
   ASSERT_TRUE(rig.wrote("plan"));
   wait(20ms);
-  EXPECT_EQ(rig.count("play " + std::to_string(slot) + " "), 0u);
+  EXPECT_EQ(rig.count("play " + std::to_string(rig.slot) + " "), 0u);
   rig.link->finish();
 }
 
@@ -331,9 +324,7 @@ TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
 
 TEST(Guard, WhereNobodyCanSilenceTheBoardItSaysSo) {
   Rig rig;
-  rig.open();
-  rig.send(0);
-  ASSERT_TRUE(rig.wrote("play"));
+  rig.begin();
   kill(guard_of_ours(), SIGKILL);
   std::filesystem::remove(rig.file);
   std::filesystem::create_directory(rig.file);
@@ -345,10 +336,9 @@ TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
   for (int instant = 0; instant < 5; ++instant) {
     Rig rig;
     rig.open();
-    std::uint64_t slot = 0;
-    rig.send_for(10ms, slot);
+    rig.send_for(10ms);
     kill(guard_of_ours(), SIGTERM);
-    const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
+    const std::string line = test::error_of([&] { rig.send_for(1s); }, Exit::failed);
     EXPECT_CONTAINS(line, "was asked to end");
     EXPECT_EQ(rig.count("open"), 1u);
     rig.expect_silent_end();
