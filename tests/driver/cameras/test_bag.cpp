@@ -61,7 +61,7 @@ std::vector<sensing::FrameSet> play(const Bytes& bytes, const sensing::Camera& c
   return sets;
 }
 
-/// Plays a bag and returns what is said of it.
+/// Plays a bag and returns what is printed meanwhile.
 std::string said_of(const Bytes& bytes, std::size_t frames) {
   return stderr_of([&] { EXPECT_EQ(play(bytes).size(), frames); });
 }
