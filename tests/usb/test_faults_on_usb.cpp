@@ -34,6 +34,20 @@ void expect_one_recovery(const Loop& loop, const std::string& trouble) {
   EXPECT_EQ(times_said(said, "\n"), 2u) << said;
 }
 
+/// A board, and a loop that plays to it.
+struct Sweep {
+  Sweep() { EXPECT_TRUE(plays_on(board)) << loop.said(); }
+  void expect_recovery(const std::string& trouble) {
+    EXPECT_TRUE(plays_on(board)) << loop.said();
+    EXPECT_EQ(loop.end(), 0);
+    expect_one_recovery(loop, trouble);
+    EXPECT_EQ(board.faults_at_the_end(), none);
+  }
+
+  PluggedBoard board{"EMU1"};
+  Loop loop{"link", sweep_of("openmpd:EMU1")};
+};
+
 /// The process that holds the loop's board; 0 if there is none.
 pid_t guard() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -43,17 +57,12 @@ pid_t guard() {
 }
 
 TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.unplug_after = 2 * 512 + 200;
-  ASSERT_TRUE(eventually(2, [&] { return !board.port.plugged(); }));
-  board.port.unplug();
-  board.port.plug();
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: ");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  Sweep sweep;
+  sweep.board.gadget.unplug_after = 2 * 512 + 200;
+  ASSERT_TRUE(eventually(2, [&] { return !sweep.board.port.plugged(); }));
+  sweep.board.port.unplug();
+  sweep.board.port.plug();
+  sweep.expect_recovery("board EMU1: ");
 }
 
 TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
@@ -72,51 +81,39 @@ TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
 }
 
 TEST(FaultsOnUsb, AnEndpointStalls) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.stalls = true;
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_FALSE(board.gadget.stalls) << "the halt is cleared";
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: the device refuses it; silent until it is in step again");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  Sweep sweep;
+  sweep.board.gadget.stalls = true;
+  sweep.expect_recovery("board EMU1: the device refuses it; silent until it is in step again");
+  EXPECT_FALSE(sweep.board.gadget.stalls) << "the halt is cleared";
 }
 
 TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.takes_nothing = true;
-  EXPECT_TRUE(eventually(5, [&] { return !loop.said().empty(); }));
-  board.gadget.takes_nothing = false;
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: it takes no bytes; silent until it is in step again");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  Sweep sweep;
+  sweep.board.gadget.takes_nothing = true;
+  EXPECT_TRUE(eventually(5, [&] { return !sweep.loop.said().empty(); }));
+  sweep.board.gadget.takes_nothing = false;
+  sweep.expect_recovery("board EMU1: it takes no bytes; silent until it is in step again");
 }
 
 TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
-  loop.signal(SIGKILL);
-  loop.wait();
+  Sweep sweep;
+  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
+  sweep.loop.signal(SIGKILL);
+  sweep.loop.wait();
   EXPECT_TRUE(eventually(2, [&] { return guard() == 0; })) << "the guard leaves";
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }
 
 TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
+  Sweep sweep;
+  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
   ASSERT_NE(guard(), 0);
   kill(guard(), SIGKILL);
-  EXPECT_EQ(loop.wait(), 1);
-  EXPECT_EQ(times_said(loop.said(), "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u)
-      << loop.said();
+  EXPECT_EQ(sweep.loop.wait(), 1);
+  const std::string said = sweep.loop.said();
+  EXPECT_EQ(times_said(said, "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u) << said;
   EXPECT_EQ(guard(), 0);
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }
 
 TEST(FaultsOnUsb, ABoardInSerialModeIsRefused) {

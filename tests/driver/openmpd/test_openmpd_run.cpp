@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -56,49 +56,35 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
 }
 
 TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
-  Emulation emulation("openmpd-own-layout", "EMU1,EMU2,EMU3,EMU4,EMU5");
+  Emulation emulation("openmpd-own-layout", "EMU1,EMU2,EMU3");
   const RunOptions options{.environment = emulation.environment()};
-  const auto run = [&](const std::string& link, const std::vector<std::string>& more) {
-    return palpa(with({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--link", link,
-                       "--log-level", "info", "--backend", "cpu"},
-                      more),
+  const auto run = [&](const std::string& link, const std::filesystem::path& rig) {
+    return palpa({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "3", "--link", link,
+                  "--log-level", "info", "--backend", "cpu", "--rig", rig.string()},
                  options);
   };
-  const auto of_one_board = [&] {
-    const Result one = run("openmpd:EMU1", {});
-    EXPECT_EQ(one.exit_code, 0) << one.err;
-    EXPECT_CONTAINS(one.err, "--link openmpd:EMU1: palpa uses the link's own array, --layout openmpd,");
-    const Result tried = palpa(
-        {"link", "test", "--link", "openmpd:EMU1", "--last", "1", "--each", "20ms", "--rest", "0", "--quiet"}, options);
-    EXPECT_EQ(tried.exit_code, 0) << tried.err;
-  };
-  const auto of_two_boards = [&] {
-    const Result two = run("openmpd:EMU2,EMU3", {});
-    EXPECT_EQ(two.exit_code, 0) << two.err;
-    EXPECT_CONTAINS(two.err, "--layout openmpd-pair,");
-  };
-  const std::string paper = read_text(source_file("assets/rigs/paper.toml"));
-  const auto rig = emulation.folder() / "rig.toml";
-  write_text(rig, paper.substr(0, paper.find("[array]")));
+  const auto paper = source_file("assets/rigs/paper.toml"), cameras = emulation.folder() / "rig.toml";
+  const std::string text = read_text(paper);
+  write_text(cameras, text.substr(0, text.find("[array]")));
   const auto beside_a_rig = [&] {
-    // A rig without an array does not name one either.
-    const Result cameras = run("openmpd:EMU4", {"--rig", rig.string()});
-    EXPECT_EQ(cameras.exit_code, 0) << cameras.err;
-    EXPECT_CONTAINS(cameras.err, "nor " + rig.string() + " names one");
+    const Result two = run("openmpd:EMU1,EMU2", cameras);
+    EXPECT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_CONTAINS(two.err, "--link openmpd:EMU1,EMU2: palpa uses the link's own array, --layout openmpd-pair,");
+    EXPECT_CONTAINS(two.err, "nor " + cameras.string() + " names one");
     // A rig that names an array takes precedence over the link.
-    const Result named = run("openmpd:EMU4", {"--rig", source_file("assets/rigs/paper.toml").string()});
+    const Result named = run("openmpd:EMU1", paper);
     EXPECT_EQ(named.exit_code, 2) << named.err;
     EXPECT_EQ(named.err.find("the link's own array"), std::string::npos) << named.err;
   };
   const auto of_a_nudge = [&] {
     const auto nudged = emulation.folder() / "nudged.toml";
-    const Result result = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU5", "--keys",
+    const Result result = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU3", "--keys",
                                  "right enter", "--out", nudged.string()},
                                 options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_CONTAINS(read_text(nudged), "layout = \"openmpd\"");
   };
-  side_by_side({of_one_board, of_two_boards, beside_a_rig, of_a_nudge});
+  side_by_side({beside_a_rig, of_a_nudge});
   emulation.end();
 }
 
@@ -118,23 +104,9 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   EXPECT_GE(drives["loop"], drives["guard"]);
   const auto lost = drives["lost"].get<std::uint64_t>(), loop = drives["loop"].get<std::uint64_t>();
   EXPECT_EQ(lost, loop - heard);
-  // A busy machine loses some drives. palpa warns once, at the first check that finds more lost drives than normal;
-  // later drives may get through. Hence the warning's numbers are compared with each other. The final counts are
-  // compared with the limit only if there is no warning.
-  const std::size_t warned = result.err.find("drives were lost between loop and device");
-  if (warned == std::string::npos) {
+  // A busy machine loses some drives, and palpa warns of more than these.
+  if (result.err.find("drives were lost between loop and device") == std::string::npos) {
     EXPECT_LE(lost, 8 + loop / 50) << drives;
-  } else {
-    unsigned long long then_lost = 0, then_loop = 0, normal = 0;
-    const std::string line = result.err.substr(result.err.rfind("warning: ", warned));
-    ASSERT_EQ(std::sscanf(line.c_str(),
-                          "warning: %llu of %llu drives were lost between loop and device; at most %llu are normal",
-                          &then_lost, &then_loop, &normal),
-              3)
-        << line;
-    EXPECT_EQ(normal, 8 + then_loop / 50) << line;
-    EXPECT_GT(then_lost, normal) << line;
-    EXPECT_LE(then_loop, loop) << line;
   }
 }
 
