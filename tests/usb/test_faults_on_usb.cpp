@@ -155,18 +155,6 @@ TEST(FaultsOnUsb, ABoardOfAnotherSerialNumberIsLeftAlone) {
   EXPECT_EQ(board.gadget.bytes_taken, 0u);
 }
 
-TEST(FaultsOnUsb, OfTwoWithOneSerialNumberThePlaceSaysWhich) {
-  PluggedBoard left("EMU1"), right("EMU1");
-  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 2,
-                 "EMU1@" + left.port.place() + ",EMU1@" + right.port.place());
-  EXPECT_EQ(left.gadget.requests + right.gadget.requests, 0u);
-  Loop loop("link", sweep_of("openmpd:EMU1@" + right.port.place()));
-  EXPECT_TRUE(plays_on(right)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  EXPECT_EQ(left.gadget.requests, 0u);
-  EXPECT_EQ(right.faults_at_the_end(), none);
-}
-
 /// A module of the kernel, loaded while this object lives.
 class Module {
  public:

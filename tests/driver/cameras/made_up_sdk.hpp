@@ -37,7 +37,7 @@ struct MadeUpCamera {
   std::uint32_t padding = 0;    ///< bytes after each row
   double clock_ahead_s = 0;     ///< the host's clock was set: stamps are wrong by this much
   std::set<std::uint64_t> cut;  ///< these frames are too short
-  bool plugged = true, noticed = true, frozen = false;
+  bool plugged = true;
 
   // State.
   std::function<void(const Image&)> taker;
@@ -84,7 +84,7 @@ struct Bench {
       const double captured_s = camera.phase_s + static_cast<double>(camera.next) / camera.streamed.rate_hz;
       if (captured_s + camera.delay_s > now_s) return;
       const std::uint64_t frame = camera.next++;
-      if (!camera.plugged || camera.frozen) continue;
+      if (!camera.plugged) continue;
       const std::uint32_t width = camera.streamed.width, height = camera.streamed.height;
       const std::size_t stride = std::size_t{width} * 2 + camera.padding;
       auto* const bytes = new std::vector<std::byte>(stride * height);
@@ -128,7 +128,7 @@ class MadeUpSensor final : public Sensor {
     delete static_cast<std::vector<std::byte>*>(image.frame);
     --camera_->given;
   }
-  bool connected() override { return camera_->plugged || !camera_->noticed; }
+  bool connected() override { return camera_->plugged; }
 
  private:
   void end() noexcept {
