@@ -6,12 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -20,15 +18,9 @@
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
 #include "driver/guard/channel.hpp"
+#include "driver/rig_parts.hpp"
 
 namespace palpa::test {
-
-class Autd3Notes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
-};
 
 /// An emulated server that runs as long as this object lives.
 class Autd3Serving {
@@ -49,14 +41,6 @@ class Autd3Serving {
   Autd3Serving& operator=(const Autd3Serving&) = delete;
   std::string address() const { return listener_.address(); }
   std::uint16_t port() const { return listener_.port(); }
-  /// Whether this becomes true within ten seconds.
-  bool becomes(const std::function<bool()>& wanted) {
-    for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      const std::lock_guard held(lock);
-      if (wanted()) return true;
-    }
-    return false;
-  }
   std::mutex lock;
 
  private:
@@ -71,7 +55,7 @@ struct Autd3Rig {
   driver::autd3::EmulatedServer server;
   std::unique_ptr<Autd3Serving> serving;
   std::string argument, files;
-  Autd3Notes notes;
+  KeptNotes notes;
   std::unique_ptr<driver::Board> board;
   array::Drive drives, silence;
   std::vector<Vec3> foci;

@@ -13,6 +13,7 @@
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "driver/autd3/autd3_rig.hpp"
+#include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -107,13 +108,13 @@ TEST(SignalsRun, Autd3UnitsFallSilentWithTheirLoop) {
   LiveOptions options;
   options.command = "link";
   LiveRun loop({"test", "--layout", "paper", "--link", "autd3:" + serving.address(), "--each", "100s"}, options);
-  ASSERT_TRUE(serving.becomes(sounds));
+  ASSERT_TRUE(becomes(serving.lock, sounds));
   loop.signal(SIGSTOP);
-  EXPECT_TRUE(serving.becomes(silent)) << "stopped";
+  EXPECT_TRUE(becomes(serving.lock, silent)) << "stopped";
   loop.signal(SIGCONT);
-  EXPECT_TRUE(serving.becomes(sounds)) << "and goes on";
+  EXPECT_TRUE(becomes(serving.lock, sounds)) << "and goes on";
   loop.signal(SIGKILL);
-  EXPECT_TRUE(serving.becomes([&] { return silent() && !server.connected(); })) << "it has also said goodbye";
+  EXPECT_TRUE(becomes(serving.lock, [&] { return silent() && !server.connected(); })) << "it has also said goodbye";
   EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
 }
 

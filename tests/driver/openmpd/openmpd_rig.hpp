@@ -8,7 +8,6 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include "driver/clock.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/openmpd/emulator.hpp"
+#include "driver/rig_parts.hpp"
 #include "driver/usb/in_process.hpp"
 
 namespace palpa::test {
@@ -39,13 +39,6 @@ class TestClock final : public driver::Clock {
   double then_s_ = std::numeric_limits<double>::infinity();
   std::function<void()> then_ = [] {};
   double now_s_ = 3;  // boards have been on for a while
-};
-
-class KeptNotes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
 };
 
 /// `serials.size()` boards, 1 or 2 unless a layout is given.

@@ -10,16 +10,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <thread>
-#include <vector>
 
 #include "driver/guard/channel.hpp"
+#include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/machine.hpp"
 #include "driver/sonicsurface/pty.hpp"
@@ -36,22 +34,14 @@ class SonicSurfaceLine {
   SonicSurfaceLine& operator=(const SonicSurfaceLine&) = delete;
 
   const std::string& path() const { return pty_.path(); }
-  /// Whether this becomes true within ten seconds.
-  bool becomes(const std::function<bool()>& wanted) {
-    for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      const std::lock_guard held(lock);
-      if (wanted()) return true;
-    }
-    return false;
-  }
   /// Both of its buffers. The lock must be held.
   bool silent() const { return machine.all_silent() && machine.all_silent_behind(); }
   bool falls_silent() {
-    return becomes([this] { return silent(); });
+    return becomes(lock, [this] { return silent(); });
   }
   /// Whether its pattern sounds, between the pauses of a modulation.
   bool sounds() {
-    return becomes([this] { return !machine.all_silent(); });
+    return becomes(lock, [this] { return !machine.all_silent(); });
   }
   /// Takes no more bytes.
   void end() {
@@ -83,18 +73,11 @@ inline int expected_phase(const array::TransducerDrive& t, int steps) {
   return static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps * (32 / steps);
 }
 
-class SonicSurfaceNotes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view) noexcept override {}
-  std::vector<std::string> warnings;
-};
-
 /// A line, and a board on it as its guard has it.
 struct SonicSurfaceRig : SonicSurfaceLine {
   array::Layout layout = array::load_layout("sonicsurface");
   std::string argument = path(), files;
-  SonicSurfaceNotes notes;
+  KeptNotes notes;
   std::unique_ptr<driver::Board> board;
   array::Drive drive = some_drive(1), silence = array::Drive(driver::sonicsurface::transducers, {0.0f, 0.0f});
 
