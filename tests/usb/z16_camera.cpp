@@ -191,7 +191,6 @@ Answer Z16Camera::carry(double now_s, UsbTransfer& transfer) {
   if (ends) {
     at_ = 0;
     toggle_ ^= 1;
-    ++frames;
   }
   return Answer::done;
 }

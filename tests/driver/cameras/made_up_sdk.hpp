@@ -44,7 +44,7 @@ struct MadeUpCamera {
   cameras::Offer streamed;
   std::vector<std::pair<Option, double>> set;
   std::uint64_t next = 0, starts = 0;
-  int given = 0, streams = 0;  ///< frames that palpa holds
+  int given = 0;  ///< frames that palpa holds
 };
 
 /// The value of every pixel of frame n of a camera.
