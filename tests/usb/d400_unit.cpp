@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "usb/uvc_requests.hpp"
-
 namespace palpa::test {
 namespace {
 

@@ -5,8 +5,6 @@
 #include <initializer_list>
 #include <iterator>
 
-#include "usb/uvc_requests.hpp"
-
 namespace palpa::test {
 namespace {
 

@@ -1,19 +1,23 @@
-// A link to a board that records its commands, held by a guard of the tests' own.
+// A link to a board that records its commands, held by a guard of the tests' own; and a loop that may be killed.
 #pragma once
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/log.hpp"
 #include "driver/guard/board_link.hpp"
 #include "session/links/link.hpp"
 #include "support/begins.hpp"
@@ -100,6 +104,39 @@ struct GuardRig {
     EXPECT_EQ(count("torn"), 0u);
     EXPECT_EQ(count("allocated"), 0u);
   }
+};
+
+/// A loop in a separate process, which a test may stop, continue and kill.
+class ForkedLoop {
+ public:
+  /// `loop` runs until the process is killed, and prints nothing.
+  explicit ForkedLoop(const std::function<void()>& loop) : id_(fork()) {
+    if (id_ != 0) return;
+    log::set_level(log::Level::quiet);
+    try {
+      loop();
+    } catch (...) {  // otherwise, this process would go on with the tests that follow
+    }
+    _exit(1);
+  }
+  ~ForkedLoop() { end(SIGKILL); }
+  ForkedLoop(const ForkedLoop&) = delete;
+  ForkedLoop& operator=(const ForkedLoop&) = delete;
+  void signal(int which) const { kill(id_, which); }
+  /// Whether it has ended by itself.
+  bool ended() {
+    if (id_ > 0 && waitpid(id_, nullptr, WNOHANG) == id_) id_ = -1;
+    return id_ <= 0;
+  }
+  void end(int by) {
+    if (id_ <= 0) return;
+    kill(id_, by);
+    waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  pid_t id_;
 };
 
 /// The guard that this process started last.

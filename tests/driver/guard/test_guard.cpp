@@ -26,7 +26,6 @@
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/guard/guard.hpp"
-#include "forked_loop.hpp"
 #include "guard_rig.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
