@@ -212,7 +212,7 @@ TEST(CameraOnUsb, FramesThatStopAreCutOrAreBrokenAreSilence) {
   EXPECT_EQ(chain.board.faults_at_the_end(), none);
 }
 
-TEST(CameraOnUsb, TwoAreOneSkin) {
+TEST(CameraOnUsb, TwoCamerasGiveOneSkin) {
   PluggedCamera left("C1"), right("C2");
   const sensing::Rig rig = rig_of(2, 30);
   const auto pictures = touching(rig);

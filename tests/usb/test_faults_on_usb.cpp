@@ -80,14 +80,14 @@ TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
   EXPECT_EQ(right.faults_at_the_end(), none);
 }
 
-TEST(FaultsOnUsb, AnEndpointStalls) {
+TEST(FaultsOnUsb, AStalledEndpointIsClearedAndTheBoardPlaysOn) {
   Sweep sweep;
   sweep.board.gadget.stalls = true;
   sweep.expect_recovery("board EMU1: the device refuses it; silent until it is in step again");
   EXPECT_FALSE(sweep.board.gadget.stalls) << "the halt is cleared";
 }
 
-TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
+TEST(FaultsOnUsb, ABoardThatTakesNoBytesForAWhilePlaysOn) {
   Sweep sweep;
   sweep.board.gadget.takes_nothing = true;
   EXPECT_TRUE(eventually(5, [&] { return !sweep.loop.said().empty(); }));
@@ -169,7 +169,7 @@ class Module {
   std::string name_;
 };
 
-TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
+TEST(FaultsOnUsb, ABoardThatTheKernelMadeASerialPortPlaysAndIsGivenBack) {
   const Module serial("usbserial"), ftdi("ftdi_sio");
   PluggedBoard board("EMU1");
   ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));

@@ -140,7 +140,7 @@ TEST(Bag, WithoutAPoseTheCameraStandsAtTheOriginAndThatIsSaid) {
   EXPECT_CONTAINS(said, "palpa calibrate --rig rig.toml --source bag:");
 }
 
-TEST(Bag, WhatItLacksIsSaid) {
+TEST(Bag, MissingPartsAreReportedOrRefused) {
   MadeUpBag bag;
   bag.unit = false;
   EXPECT_CONTAINS(said_of(bag.bytes(), 4), "palpa assumes 1 mm");
@@ -185,7 +185,7 @@ TEST(Bag, EveryFrameIsPlayedWhenItsClockSteps) {
   }
 }
 
-TEST(Bag, TheDepthUnitUnderEitherNameAndNoOtherLater) {
+TEST(Bag, TheDepthUnitHasEitherNameAndMayNotChange) {
   const sensing::Camera camera = posed();
   MadeUpBag bag;
   for (const char* name : {"Depth Units", "Depth_Units"}) {
@@ -351,7 +351,7 @@ TEST(Bag, BrokenAnywhereItIsRefusedOrPlayed) {
   EXPECT_GT(played, 50u);
 }
 
-TEST(Bag, ARealOneOfADepthCamera) {
+TEST(Bag, ARecordingOfARealCameraIsRead) {
   PALPA_SHARED_OR_SKIP(file, "depth-d435-bag-librealsense/single_depth_color_640x480.bag");
   sensing::Camera camera = posed();
   camera.roi.reset();  // it is that of another image size

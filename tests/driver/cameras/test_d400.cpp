@@ -98,7 +98,7 @@ TEST_F(D400, AUnitThatItKeepsIsRefused) {
   EXPECT_CONTAINS(refusal(described()), "keeps its depth unit of 1 mm; set depth_unit_m = 0.001 in rig.toml");
 }
 
-TEST_F(D400, WhereItDoesNotAnswerTheRigIsTrustedAndThatIsSaid) {
+TEST_F(D400, ACameraThatDoesNotAnswerHasTheRigsUnitWithAWarning) {
   camera->extension = nullptr;
   EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
 }
@@ -187,7 +187,7 @@ TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {
   EXPECT_CONTAINS(refusal(wanted), "is not a RealSense on USB: calibration");
 }
 
-TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
+TEST(CameraDoctor, TellsOfCoarseUnitsSharedControllersSlowPortsAndMissingRights) {
   Machine machine;
   D400Unit coarse, fine;
   fine.depth_table[0] = 100;

@@ -245,7 +245,7 @@ TEST(RealSense, FramesComeWholeInOrderWithTheTimeOfTheirCapture) {
   }
 }
 
-TEST(RealSense, StampsOfTheCamerasOwnClockOrOfAClockThatWasSetAreNone) {
+TEST(RealSense, StampsOfTheCamerasOwnClockOrOfAClockThatWasSetAreNotUsed) {
   for (const double ahead_s : {0.0, 3600.0, -3600.0}) {
     Bench bench;
     MadeUpCamera& camera = bench.plug("A");
@@ -284,7 +284,7 @@ TEST(RealSense, IsSetUpAsTheRigSays) {
   EXPECT_EQ(camera.streamed.rate_hz, 90);
 }
 
-TEST(RealSense, WithoutARateTheQuickestAndWithoutAWordAsItIs) {
+TEST(RealSense, WithoutARateTheHighestIsTakenAndNothingElseIsSet) {
   Bench bench;
   MadeUpCamera& camera = bench.plug("A");
   sensing::Camera wanted = described("one");

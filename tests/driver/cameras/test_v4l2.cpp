@@ -151,7 +151,7 @@ TEST(V4l2, NothingStaysOpenOrMapped) {
   EXPECT_EQ(machine.mapped, 0);
 }
 
-TEST(V4l2, TheMachineDoesWhatIsBesideOnAnotherThread) {
+TEST(V4l2, WorkBesideRunsOnAnotherThread) {
   const auto kernel = make_kernel();
   std::thread::id other;
   kernel->beside([&] { other = std::this_thread::get_id(); }).get();

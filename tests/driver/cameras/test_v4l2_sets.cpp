@@ -171,7 +171,7 @@ TEST(V4l2Sets, WhileACameraIsOpenedAgainTheOthersGoOn) {
   EXPECT_GT(frame_of(rig.set.frames[1]), 0u) << "and it is back";
 }
 
-TEST(V4l2Match, NewestThatAllHave) {
+TEST(V4l2Match, TheNewestFramesThatAllHaveAreChosen) {
   const std::vector<double> a{0.00, 0.01, 0.02}, b{0.004, 0.014}, late{0.004};
   std::vector<std::uint32_t> chosen(2);
   const auto matched = [&](const std::vector<double>& x, const std::vector<double>& y) {

@@ -427,7 +427,7 @@ TEST(Guard, ItsMemoryStaysInMemoryWhereThatIsAllowed) {
   }));
 }
 
-TEST(Guard, InheritsNothingElse) {
+TEST(Guard, InheritsOnlyItsOwnDescriptors) {
   Rig rig;
   const Descriptor open_to_children(open("/dev/null", O_RDONLY));
   rig.open();

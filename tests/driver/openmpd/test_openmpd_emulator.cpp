@@ -140,7 +140,7 @@ TEST(OpenMpdFpga, ZerosFlushTheParserFromEveryState) {
   }
 }
 
-TEST(OpenMpdFpga, ReportsWhatABoardWouldBear) {
+TEST(OpenMpdFpga, ReportsFaultsThatARealBoardWouldAccept) {
   const auto fault_of = [](const openmpd::Frame& frame) {
     Board board;
     board.resynchronise();

@@ -124,7 +124,7 @@ TEST(OpenMpdFaults, WhatIsLeftOfAFrameNeverComesBehindTheNext) {
   }
 }
 
-TEST(OpenMpdFaults, TheEndIsNoLongerThanItsPatience) {
+TEST(OpenMpdFaults, ClosingTakesNoLongerThanItsPatience) {
   for (const double request_s : {0.1, 0.2, 0.24}) {
     PlayingRig rig;
     rig.faults[0]->unplugged = true;
@@ -231,7 +231,7 @@ TEST(OpenMpdFaults, AtTheEndABoardThatIsBackIsSilencedAtOnce) {
   EXPECT_FALSE(rig.sounds());
 }
 
-TEST(OpenMpdFaults, TimeInWhichNobodyLookedIsNotTheBoards) {
+TEST(OpenMpdFaults, ASuspendedComputerIsNoFaultOfTheBoard) {
   PlayingRig rig;
   rig.faults[0]->takes_nothing = true;
   rig.board->play(rig.slot++, rig.drive);

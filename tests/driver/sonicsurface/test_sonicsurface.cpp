@@ -108,7 +108,7 @@ TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
   }
 }
 
-TEST(SonicSurfaceEmulator, FindsWhatNobodyCanHaveMeant) {
+TEST(SonicSurfaceEmulator, ReportsInvalidBytes) {
   const auto violations = [](bool tactile, const std::vector<std::uint8_t>& bytes, double baud = 230400) {
     EmulatedBoards machine(1, tactile);
     machine.set_baud(0, baud);
@@ -340,7 +340,7 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
   EXPECT_REFUSED(read("0 400 3", 3), "400 degrees");
 }
 
-TEST(SonicSurfaceLine, IsOnePrograms) {
+TEST(SonicSurfaceLine, OnlyOneProgramCanOpenIt) {
   PALPA_TERMINAL_OR_SKIP();
   const Pty pty;
   ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
