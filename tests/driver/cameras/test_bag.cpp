@@ -66,7 +66,7 @@ std::string said_of(const Bytes& bytes, std::size_t frames) {
   return stderr_of([&] { EXPECT_EQ(play(bytes).size(), frames); });
 }
 
-Bytes first(const Bytes& bytes, std::size_t count) {
+Bytes cut_to(const Bytes& bytes, std::size_t count) {
   return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
@@ -258,7 +258,7 @@ TEST(Bag, CutAnywhereItEndsThereOrSaysWhatIsMissing) {
   stderr_of([&] {
     for (std::size_t length = 0; length < whole.size(); length += 37) {
       const Error error = palpa::test::thrown_by([&] {
-        const std::size_t frames = play(first(whole, length)).size();
+        const std::size_t frames = play(cut_to(whole, length)).size();
         EXPECT_GE(frames, most) << "a longer piece shows no fewer";
         most = std::max(most, frames);
       });
@@ -266,7 +266,7 @@ TEST(Bag, CutAnywhereItEndsThereOrSaysWhatIsMissing) {
     }
   });
   EXPECT_EQ(most, 4u);
-  const Bytes cut = first(whole, whole.size() - MadeUpBag::index().size() - 200);
+  const Bytes cut = cut_to(whole, whole.size() - MadeUpBag::index().size() - 200);
   EXPECT_CONTAINS(said_of(cut, 3), "ends in the middle of a record, after 3 depth frames");
   Bytes its_recorder_died = whole;
   put_bytes(its_recorder_died,
@@ -296,7 +296,7 @@ TEST(Bag, CutBetweenTwoRecordsItSaysThatItWasCut) {
   EXPECT_EQ(ends.back(), whole.size());
   for (std::size_t record = 0; record + 2 < ends.size(); ++record) {
     SCOPED_TRACE(record);
-    const Bytes cut = first(whole, ends[record]);
+    const Bytes cut = cut_to(whole, ends[record]);
     if (record < 2) {
       EXPECT_REFUSED(play(cut), "take.bag: ends before its index, before its first depth");
     } else {
@@ -304,7 +304,7 @@ TEST(Bag, CutBetweenTwoRecordsItSaysThatItWasCut) {
     }
   }
   // The recorder never came to write an index.
-  Bytes open = first(whole, whole.size() - MadeUpBag::index().size());
+  Bytes open = cut_to(whole, whole.size() - MadeUpBag::index().size());
   std::ranges::copy(MadeUpBag::bag_header(0),
                     open.begin() + static_cast<std::ptrdiff_t>(std::strlen("#ROSBAG V2.0\n")));
   EXPECT_CONTAINS(said_of(open, 4), "ends before its index, after 4 depth frames");
@@ -318,7 +318,7 @@ TEST(Bag, CutBeforeItsFirstImageItSaysThatItWasCut) {
     const std::size_t begin = bag.bytes().size() - MadeUpBag::index().size();
     bag.times_s = {0.1};
     for (const std::size_t length : {begin - 20, begin + 60})  // in the first chunk, in the image's
-      EXPECT_REFUSED(play(first(bag.bytes(), length)),
+      EXPECT_REFUSED(play(cut_to(bag.bytes(), length)),
                      "take.bag: ends in the middle of a record, before its first depth image");
   }
 }
