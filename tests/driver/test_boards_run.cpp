@@ -152,8 +152,9 @@ TEST(BoardsRun, WhatCannotBePlayedToOrEmulatedIsNamed) {
       {{"emulate", "openmpd", "--serial", "A,B,C", "--view"}, 2, "--layout"},
       {{"emulate", "openmpd", "--board-files", "/nowhere", "--view"}, 4, "/nowhere"},
   };
+  const RunOptions no_boards{.environment = {{"XDG_RUNTIME_DIR", scratch_folder("no-boards").string()}}};
   for (const auto& [arguments, code, part] : cases)
-    expect_failure(palpa(arguments), code, part);
+    expect_failure(palpa(arguments, no_boards), code, part);
 }
 
 }  // namespace
