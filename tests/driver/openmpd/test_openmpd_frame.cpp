@@ -1,10 +1,10 @@
-// The data for OpenMPD boards, checked against the sound of its pulses and not against the encoder's own formulas.
+// The data for OpenMPD boards, and the files with which a board's transducers are corrected.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -27,18 +27,6 @@ constexpr double pi = std::numbers::pi;
 
 array::Drive alike(float amplitude, float phase) {
   return array::Drive(openmpd::transducers, {amplitude, phase});
-}
-
-/// First harmonic of a transducer that is on during counts [phase, phase + width) of 128, relative to a centred pulse
-/// of half a period: amplitude, and delay as its angle in radians.
-std::complex<double> sound_of(unsigned phase, unsigned width) {
-  std::complex<double> sum = 0;
-  for (unsigned i = 0; i < width; ++i) {
-    const unsigned count = (phase + i) % 128;
-    // A count is on from count to count + 1: its middle is half a count later.
-    sum += std::polar(1.0, 2 * pi * (count + 0.5) / 128);
-  }
-  return sum * std::sin(pi / 128);
 }
 
 TEST(OpenMpdPins, AreAPermutationWiredAsTheBoardsFilesSay) {
@@ -82,50 +70,33 @@ TEST(OpenMpdFrame, WidthsFollowTheLawTruncated) {
     EXPECT_EQ(openmpd::width_of(amplitude), width);
     EXPECT_EQ(openmpd::width_of(std::nextafter(amplitude, 0.0f)), width - 1);
   }
+  for (int i = 0, before = 0; i <= 300000; before = openmpd::width_of(static_cast<float>(i++) / 300000))
+    ASSERT_GE(openmpd::width_of(static_cast<float>(i) / 300000), before) << i;
 }
 
-TEST(OpenMpdFrame, PulsesSoundAsTheDriveAsks) {
-  const openmpd::Calibration calibration = made_up_calibration(7);
-  const openmpd::Encoder encoder(calibration);
-  std::uint32_t seed = 1;
-  const auto random = [&seed] {
-    seed = seed * 1664525u + 1013904223u;
-    return static_cast<double>(seed >> 8) / (1 << 24);
-  };
-  for (int round = 0; round < 40; ++round) {
-    array::Drive drive(openmpd::transducers);
-    for (auto& [amplitude, phase] : drive) {
-      amplitude = static_cast<float>(random());
-      phase = static_cast<float>(pi * (2 * random() - 1));
-    }
-    openmpd::Frame frame;
-    encoder.encode(drive, frame);
-    for (std::size_t i = 1; i < frame.size(); ++i)
-      ASSERT_LT(frame[i], 0x80) << i;
-    ASSERT_GE(frame[0], 0x80);
-    for (std::size_t t = 0; t < drive.size(); ++t) {
-      const unsigned pin = openmpd::pin_of(t);
-      const auto sound = sound_of(frame[pin] & 0x7f, frame[256 + pin]);
-      const double asked = static_cast<double>(drive[t].amplitude * calibration.factors[t]);
-      ASSERT_LE(std::abs(sound), asked + 1e-6);
-      ASSERT_GT(std::abs(sound), asked - pi / 128 - 1e-6);
-      if (frame[256 + pin] == 0) continue;
-      // The transducer's sound is late by its offset. A centred pulse of full width lies around count 32 + phase.
-      const double delay = std::arg(sound * std::polar(1.0, calibration.degrees[t] * pi / 180 - pi / 2));
-      const double fault = std::remainder(delay - static_cast<double>(drive[t].phase), 2 * pi);
-      ASSERT_LE(std::abs(fault), pi / 128 + 1e-6) << t;
-    }
-  }
-}
-
-TEST(OpenMpdFrame, PhasesAreDelaysInStepsRoundedToTheNearest) {
-  const openmpd::Encoder encoder(openmpd::Calibration{});
+TEST(OpenMpdFrame, APulseLiesAroundItsDelayWithoutTheOffsetOfItsFile) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::pair<double, int> cases[] = {{0.25, 32}, {-1e-9, 0}, {-0.6 / 128, 127}, {-0.4 / 128, 0}, {nan, 0}};
-  for (const auto& [turns, step] : cases) {
+  const struct {
+    double amplitude, turns;
+    int degrees;
+    float factor;
+    int phase, width;
+  } cases[] = {
+      {1, 0.25, 0, 1, 32, 64},      {1, -1e-9, 0, 1, 0, 64}, {1, -0.6 / 128, 0, 1, 127, 64},
+      {1, -0.4 / 128, 0, 1, 0, 64}, {1, nan, 0, 1, 0, 64},   {0.5, 0, 0, 1, 22, 21},
+      {0.70711, 0.5, 0, 1, 80, 32}, {1, 0.25, 90, 1, 0, 64}, {1, 0, 90, 1, 96, 64},
+      {1, 0, 0, 0.70711f, 16, 32},  {1, 0.3, 0, 0, 0, 0},
+  };
+  for (const auto& [amplitude, turns, degrees, factor, phase, width] : cases) {
+    SCOPED_TRACE(fmt::format("{} at {} turns, {} degrees, times {}", amplitude, turns, degrees, factor));
+    openmpd::Calibration calibration;
+    calibration.degrees.fill(degrees);
+    calibration.factors.fill(factor);
     openmpd::Frame frame;
-    encoder.encode(alike(1, static_cast<float>(2 * pi * turns)), frame);
-    EXPECT_EQ(frame[1] & 0x7f, step) << turns;
+    const auto phase_rad = static_cast<float>(2 * pi * turns);
+    openmpd::Encoder(calibration).encode(alike(static_cast<float>(amplitude), phase_rad), frame);
+    EXPECT_EQ(frame[1], phase);
+    EXPECT_EQ(frame[257], width);
   }
 }
 
