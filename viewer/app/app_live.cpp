@@ -186,7 +186,6 @@ void App::show_link(double now_s) {
   if (desk_.sounding != sounding || desk_.stuck != stuck || desk_.live_state != state) stale_.redraw();
   desk_.sounding = sounding;
   desk_.stuck = stuck;
-  desk_.link_open = link.open;
   desk_.drives = link.drives;
   desk_.silent_drives = link.silent;
   desk_.live_state = state;

@@ -69,7 +69,7 @@ struct Desk {
   bool can_start = false;  ///< a run could begin
   LiveState live_state = LiveState::loading;
   std::string fault;  ///< why the run has failed
-  bool sounding = false, stuck = false, link_open = false;
+  bool sounding = false, stuck = false;
   std::uint64_t drives = 0, silent_drives = 0;
   std::string doing;           ///< while something is loaded
   std::optional<double> done;  ///< the progress of that, 0..1, if it is known

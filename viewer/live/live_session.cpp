@@ -71,7 +71,6 @@ void LiveSession::work() {
   try {
     const Outputs outputs(setup::outputs_of(options_, setup::with_builtin(kinds_.links)));
     setup::LiveRun run(options_, kinds_.sources, kinds_.links, *stop_);
-    link_.open = true;
     publish_scene(run);
     session_ = &run.session();
     follow_poses(run.session());
@@ -255,10 +254,9 @@ void LiveSession::count(const session::FrameReport& report) {
   for (const gpu::PassTime& pass : report.passes) {
     auto at = std::ranges::find(n.passes, pass.name, &PassTimes::name);
     if (at == n.passes.end()) {
-      n.passes.push_back({pass.name, pass.ms, pass.ms});
+      n.passes.push_back({pass.name, pass.ms});
       continue;
     }
-    at->last_ms = pass.ms;
     at->mean_ms += weight * (pass.ms - at->mean_ms);
   }
 }

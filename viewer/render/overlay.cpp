@@ -94,8 +94,8 @@ void draw_slice_handles(Ink& ink, const SliceState& slice, const shader::ViewPus
   }
 }
 
-void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::optional<std::uint32_t> chosen,
-                 const shader::ViewPush& projection, const Theme& theme) {
+void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const shader::ViewPush& projection,
+                 const Theme& theme) {
   const Colour colour = finger_colour(index);
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < finger.foci.size(); ++i) {
@@ -133,7 +133,6 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::
     ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
     ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
     if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
-    if (chosen == p.index) ink.ring(p.at, radius + 4, 1.6, theme.ink);
     if (numbered && focus.own && !finger.together) {
       const std::string number = fmt::format("{}", focus.number);
       const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
@@ -338,11 +337,8 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
   in_layer(Layer::cameras, [&] { draw_camera_names(ink, picture, view, theme); });
   in_layer(Layer::sections, [&] { draw_axis_names(ink, picture, view, theme); });
   in_layer(Layer::foci, [&] {
-    for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
-      const bool chosen = state.chosen && state.chosen->finger == f;
-      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f),
-                  chosen ? std::optional(state.chosen->focus) : std::nullopt, view, theme);
-    }
+    for (std::size_t f = 0; f < picture.fingers.size(); ++f)
+      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f), view, theme);
   });
   if (state.slice_handles && !options.inset)
     in_layer(Layer::slice, [&] { draw_slice_handles(ink, state.slice, view, theme); });
