@@ -28,7 +28,7 @@ BEGIN {
   order("study", "statistics tables plan files afferents observer sitting . report predicted")
   order("setup", ". experiment tasks")
   order("cli", ". study")
-  order("viewer", "view picture hands render sound live study options desk panels app window run .")
+  order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
   bad = 0
 }
 

@@ -17,13 +17,13 @@
 #include "viewer/app/scene_watch.hpp"
 #include "viewer/app/show.hpp"
 #include "viewer/app/staleness.hpp"
-#include "viewer/desk/desk.hpp"
 #include "viewer/hands/controls.hpp"
 #include "viewer/hands/slice_hand.hpp"
 #include "viewer/live/recording_player.hpp"
 #include "viewer/live/run_control.hpp"
 #include "viewer/options/settings.hpp"
 #include "viewer/options/viewer_options.hpp"
+#include "viewer/panel_data/panel_data.hpp"
 #include "viewer/panels/ui.hpp"
 #include "viewer/render/drawn_picture.hpp"
 #include "viewer/sound/sounds.hpp"
@@ -94,7 +94,7 @@ class App {
   /// fails.
   void save_scene(const std::string& file, double now_s);
   /// Records how long the last picture took.
-  void drew(double seconds) { desk_.picture_ms = seconds * 1e3; }
+  void drew(double seconds) { data_.picture_ms = seconds * 1e3; }
 
   /// The font of the panels; see Ui::use_font.
   void use_font(std::string ttf) {
@@ -103,19 +103,19 @@ class App {
   /// The window's place is remembered for the next one.
   void window_is_at(const WindowPlace& place) { window_ = place; }
 
-  const Desk& desk() const { return desk_; }
+  const PanelData& data() const { return data_; }
   const Picture& picture() const { return show_ ? std::as_const(*show_).picture() : live_.picture; }
   /// Goes to the next slot, whatever the time.
-  void go_on() { desk_.asked.slots = 1; }
+  void go_on() { data_.asked.slots = 1; }
   /// Whether a live run has shown a frame since the last call. Without a live run, always true.
-  bool showed_frame() { return !desk_.live || std::exchange(live_.fresh, false); }
+  bool showed_frame() { return !data_.live || std::exchange(live_.fresh, false); }
   /// Shows a line for a while. `about`: what it is about; see settled().
   void say(log::Level level, const std::string& line, double now_s, const std::string& about = {});
   bool loading() const { return run_.loading(); }
   /// Whether a live run is under way of which no frame has been shown yet.
   bool awaits_frame() const { return run_.under_way() && !live_.any; }
   /// Whether something requested is not done yet: a file is being opened, or a run is about to begin.
-  bool beginning() const { return loading() || desk_.opening || run_.restarts(); }
+  bool beginning() const { return loading() || data_.opening || run_.restarts(); }
   /// Silences and ends a live run. Returns false if it has not ended within `patience_s`, or is loading all that time.
   bool finish(double patience_s);
   /// Waits, at most `most_s`, until work of `work_s` delays no frame of a live run. Returns how long it waited.
@@ -151,7 +151,7 @@ class App {
   void advance_slots(double now_s);
   void show_doing();
   void do_asked(double now_s, const Size& size);
-  void do_views(const Desk::Asked& asked, const Size& size);
+  void do_views(const PanelData::Asked& asked, const Size& size);
   void copy_command(double now_s);
   void copy_picture(double now_s, const Size& size);
 
@@ -202,7 +202,7 @@ class App {
 
   ViewerOptions options_;
   Surroundings around_;
-  Desk desk_;
+  PanelData data_;
   SettingsMemory memory_;
   std::optional<WindowPlace> window_;
   std::unique_ptr<Show> show_;  ///< the single touch; null while there is a live run

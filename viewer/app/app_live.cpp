@@ -45,18 +45,18 @@ void App::begin_run() {
     say(log::Level::info,
         "The pointer holds a fingertip: move it down onto the object. M lets go of it, and H shows all keys.", now_s_);
   moved_.begin_run(*run_.session(), run_.options().scene);
-  desk_.live_state = LiveState::loading;
+  data_.live_state = LiveState::loading;
 }
 
 /// Gives the run these options. `again`: another run begins even if they are the same. If they do not go together,
 /// everything stays as it is.
 void App::change_run(LiveEdit edit, bool again) {
-  const bool other = desk_.live && (again || !edit.runs_as(desk_.edit));
+  const bool other = data_.live && (again || !edit.runs_as(data_.edit));
   if (other && !goes_together(edit)) return;
   settled(about_options);
-  desk_.edit = std::move(edit);
-  if (other) run_.change(desk_.edit.options());
-  run_.set_ceiling(desk_.edit.options().safety.ceiling);
+  data_.edit = std::move(edit);
+  if (other) run_.change(data_.edit.options());
+  run_.set_ceiling(data_.edit.options().safety.ceiling);
 }
 
 /// If not, shows the reason.
@@ -73,8 +73,8 @@ bool App::goes_together(const LiveEdit& edit) {
 /// Begins again, whether switched off or not. A touch becomes a live run with a finger that the pointer holds, unless
 /// another source is given.
 void App::start_run() {
-  LiveEdit edit = desk_.edit;
-  if (desk_.live) {
+  LiveEdit edit = data_.edit;
+  if (data_.live) {
     if (goes_together(edit)) run_.start(edit.options());
     return;
   }
@@ -87,23 +87,23 @@ void App::go_live(LiveEdit edit) {
   edit.leave_touch();
   if (!around_.goes_live || !goes_together(edit)) return;
   around_.goes_live();
-  desk_.live = true;
-  desk_.edit = std::move(edit);
+  data_.live = true;
+  data_.edit = std::move(edit);
   live_.picture = show_->picture();
-  live_.framed = show_->picture().solids.empty() ? "" : desk_.edit.options().scene;
+  live_.framed = show_->picture().solids.empty() ? "" : data_.edit.options().scene;
   show_.reset();
   sounds_.forget();
-  desk_.state.time.playing = true;
-  run_.start(desk_.edit.options());
+  data_.state.time.playing = true;
+  run_.start(data_.edit.options());
   begin_run();
 }
 
 /// Sets an option to the text of its field. If that is not a value of the option, everything stays as it is.
 void App::set_option(const OptionText& asked, double now_s) {
-  LiveEdit edit = desk_.edit;
+  LiveEdit edit = data_.edit;
   try {
     edit.set(asked.option, asked.text);
-    if (!desk_.live) set_touch_option(edit, asked);
+    if (!data_.live) set_touch_option(edit, asked);
   } catch (const Error& error) {
     return say(log::Level::error, error.what(), now_s, about_options);
   }
@@ -114,7 +114,7 @@ void App::set_option(const OptionText& asked, double now_s) {
 void App::set_touch_option(const LiveEdit& edit, const OptionText& asked) {
   const auto info = std::ranges::find(live_table(), asked.option, &setup::OptionInfo::name);
   const bool applies = info != live_table().end() && is_of_touch(*info);
-  if (!applies || desk_.empty || edit.options().scene.empty()) return;
+  if (!applies || data_.empty || edit.options().scene.empty()) return;
   TouchEdit touch(options_);
   touch.set(asked.option, asked.text);
   touch.check();
@@ -130,15 +130,15 @@ void App::frame_object(const Size& size) {
   const auto given = [&](const char* option) { return options_.given.contains(option); };
   const bool as_given = first && (given("--view") || given("--eye") || given("--frame"));
   live_.framed = scene;
-  if (first) desk_.state.viewpoint = first_viewpoint(options_, picture(), desk_.state, size);
+  if (first) data_.state.viewpoint = first_viewpoint(options_, picture(), data_.state, size);
   if (!other || as_given) return;
   if (!HeldFinger::is_held(run_.options().source)) {
-    desk_.asked.frame = !first;
+    data_.asked.frame = !first;
     return;
   }
-  Box box = extent(picture(), Extent::objects, desk_.state);
+  Box box = extent(picture(), Extent::objects, data_.state);
   box.add(Vec3(box.centre().x, box.high.y + room_for_finger, box.centre().z));
-  fit(desk_.state.viewpoint, box, static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
+  fit(data_.state.viewpoint, box, static_cast<double>(std::max(size.width, 1u)) / std::max(size.height, 1u));
 }
 
 void App::advance_live(double now_s, const Size& size) {
@@ -162,8 +162,8 @@ void App::advance_live(double now_s, const Size& size) {
   live_.fresh = live_.fresh || fresh;
   live_.any = live_.any || fresh;
   if (run_.scene() && (fresh || seen)) {
-    show_live(live_.picture, *run_.scene(), session.snapshot(), session.seen(), desk_.state.layers.shows(Layer::depth));
-    desk_.numbers = session.snapshot().numbers;
+    show_live(live_.picture, *run_.scene(), session.snapshot(), session.seen(), data_.state.layers.shows(Layer::depth));
+    data_.numbers = session.snapshot().numbers;
     show_slot_now();
   }
   if (const std::optional<std::string> fault = run_.advance()) {
@@ -183,14 +183,14 @@ void App::show_link(double now_s) {
   const LinkWatch& link = session.link();
   const bool sounding = link.sound.sounding(), stuck = link.sound.stuck();
   const LiveState state = session.state();
-  if (desk_.sounding != sounding || desk_.stuck != stuck || desk_.live_state != state) stale_.redraw();
-  desk_.sounding = sounding;
-  desk_.stuck = stuck;
-  desk_.drives = link.drives;
-  desk_.silent_drives = link.silent;
-  desk_.live_state = state;
-  desk_.fault = state == LiveState::failed ? session.fault() : std::string();
-  desk_.playback = player_.now();
+  if (data_.sounding != sounding || data_.stuck != stuck || data_.live_state != state) stale_.redraw();
+  data_.sounding = sounding;
+  data_.stuck = stuck;
+  data_.drives = link.drives;
+  data_.silent_drives = link.silent;
+  data_.live_state = state;
+  data_.fault = state == LiveState::failed ? session.fault() : std::string();
+  data_.playback = player_.now();
   show_recording(now_s);
 }
 
@@ -198,18 +198,18 @@ void App::show_link(double now_s) {
 void App::show_recording(double now_s) {
   const LiveSession& session = *run_.session();
   std::string folder = session.recording();
-  if (folder != desk_.recording && !desk_.recording.empty()) {
+  if (folder != data_.recording && !data_.recording.empty()) {
     const std::uint64_t frames = session.recorded();
-    say(log::Level::info, fmt::format("{}: {}", desk_.recording, counted(frames, "frame")), now_s);
-    if (frames > 0) remember_file(desk_.made = desk_.recording);
+    say(log::Level::info, fmt::format("{}: {}", data_.recording, counted(frames, "frame")), now_s);
+    if (frames > 0) remember_file(data_.made = data_.recording);
   }
-  desk_.recording = std::move(folder);
-  desk_.recorded = session.recorded();
+  data_.recording = std::move(folder);
+  data_.recorded = session.recorded();
 }
 
 /// Begins or ends a recording of the frames.
 void App::record(double now_s) {
-  if (!run_.session() || desk_.live_state != LiveState::running) return;
+  if (!run_.session() || data_.live_state != LiveState::running) return;
   if (!run_.session()->recording().empty()) return run_.session()->record({});
   const std::string folder = free_folder();
   run_.session()->record(folder);

@@ -26,7 +26,7 @@ void App::open(const std::string& path, double now_s) {
   if (!std::filesystem::is_directory(file, ignored) && file.filename() != "recording.toml")
     return say(log::Level::warning, fmt::format("{}: is not a .glb, a .gltf, a .ply or a recording", path), now_s,
                about_opening);
-  if (!desk_.live && !around_.goes_live)
+  if (!data_.live && !around_.goes_live)
     return say(log::Level::warning, "a recording needs --source: start palpa-viewer with it", now_s);
   stale_.redraw();
   opening_.begin_recording(path);
@@ -36,10 +36,10 @@ void App::open(const std::string& path, double now_s) {
 /// begins.
 void App::open_scene(const std::string& path) {
   stale_.redraw();
-  LiveEdit edit = desk_.edit;
+  LiveEdit edit = data_.edit;
   edit.open_scene(path);
-  const bool same = edit.runs_as(desk_.edit);
-  if (desk_.live || (desk_.empty && around_.goes_live)) {
+  const bool same = edit.runs_as(data_.edit);
+  if (data_.live || (data_.empty && around_.goes_live)) {
     if (goes_together(edit)) opening_.begin_scene(edit.options(), same);
     return;
   }
@@ -50,9 +50,9 @@ void App::open_scene(const std::string& path) {
 
 /// A PLY is what touches: the finger that the pointer holds, or the skin of a single touch.
 void App::open_skin(const std::string& path, double now_s) {
-  if (desk_.live || desk_.empty) {
+  if (data_.live || data_.empty) {
     set_option({"--source", "mouse:" + path}, now_s);
-    if (desk_.empty) say(log::Level::info, path + ": touches the object that you open next", now_s);
+    if (data_.empty) say(log::Level::info, path + ": touches the object that you open next", now_s);
     return;
   }
   try {
@@ -70,12 +70,12 @@ void App::open_skin(const std::string& path, double now_s) {
 /// before it had a scene has never sounded, and the new file is probably the repair, so this run begins again.
 void App::open_again(const std::string& scene, double now_s) {
   const bool over = run_.state() == RunState::ended || (run_.state() == RunState::failed && run_.scene());
-  if (!desk_.live || !over) return open(scene, now_s);
+  if (!data_.live || !over) return open(scene, now_s);
   say(log::Level::info, fmt::format("{}: was written again; Start begins a run with it", scene), now_s);
 }
 
 void App::advance_opening(double now_s) {
-  desk_.opening = opening_.busy();
+  data_.opening = opening_.busy();
   std::optional<Opened> opened = opening_.take();
   if (!opened) return;
   stale_.redraw();
@@ -83,10 +83,10 @@ void App::advance_opening(double now_s) {
   settled(about_opening);
   remember_file(opened->path);
   if (opened->kind == Opened::Kind::recording) return play_recording(opened->path);
-  LiveEdit edit = desk_.edit;
+  LiveEdit edit = data_.edit;
   edit.open_scene(opened->path);
-  if (opened->kind == Opened::Kind::scene && !desk_.live) {
-    desk_.edit = std::move(edit);
+  if (opened->kind == Opened::Kind::scene && !data_.live) {
+    data_.edit = std::move(edit);
     return start_run();
   }
   change_run(std::move(edit), opened->same);
@@ -94,7 +94,7 @@ void App::advance_opening(double now_s) {
   show_ = std::move(opened->show);
   options_ = std::move(*opened->touch);
   sounds_.forget();
-  if (!opened->same) desk_.asked.frame = true;
+  if (!opened->same) data_.asked.frame = true;
   stale_.add(Stale::surfaces);
 }
 
@@ -102,26 +102,26 @@ void App::remember_file(const std::string& path) {
   std::error_code fault;
   const std::string whole = std::filesystem::absolute(path, fault).lexically_normal().string();
   if (fault) return;
-  std::erase(desk_.recent, whole);
-  desk_.recent.insert(desk_.recent.begin(), whole);
-  if (desk_.recent.size() > most_recent) desk_.recent.resize(most_recent);
+  std::erase(data_.recent, whole);
+  data_.recent.insert(data_.recent.begin(), whole);
+  if (data_.recent.size() > most_recent) data_.recent.resize(most_recent);
 }
 
 void App::cancel_opening() {
   opening_.cancel();
-  desk_.opening = false;
+  data_.opening = false;
   say(log::Level::info, "loading was cancelled", now_s_);
 }
 
 /// A live run goes on with the recording. A touch becomes a live run. An empty window waits for the object.
 void App::play_recording(const std::string& path) {
-  LiveEdit edit = desk_.edit;
-  if (desk_.live && !desk_.playback) desk_.before = edit.options().source;
-  desk_.made.clear();
+  LiveEdit edit = data_.edit;
+  if (data_.live && !data_.playback) data_.before = edit.options().source;
+  data_.made.clear();
   edit.play_recording(path);
   const bool waits = edit.options().scene.empty();
   if (waits) say(log::Level::info, path + ": plays with the object that you open next", now_s_);
-  if (desk_.live || waits) return change_run(std::move(edit));
+  if (data_.live || waits) return change_run(std::move(edit));
   go_live(std::move(edit));
 }
 

@@ -19,12 +19,12 @@ constexpr double leave_line_s = 10;
 
 /// The rig's screen is read only when it is needed, because a rig may have none.
 void App::open_participant(bool open) {
-  Desk::ParticipantWindowState& view = desk_.participant;
+  PanelData::ParticipantWindowState& view = data_.participant;
   view.open = false;
   if (!open) return;
   if (!view.setting) {
     ViewerOptions options = options_;
-    if (const std::string& rig = desk_.edit.options().rig.rig; !rig.empty()) options.input.rig = rig;
+    if (const std::string& rig = data_.edit.options().rig.rig; !rig.empty()) options.input.rig = rig;
     view.setting = participant_of(options);
   }
   view.open = true;
@@ -35,12 +35,12 @@ void App::open_participant(bool open) {
 
 /// On a single monitor, the participant's window covers the other, so it says how to leave it.
 void App::advance_participant(double now_s) {
-  Desk::ParticipantWindowState& view = desk_.participant;
+  PanelData::ParticipantWindowState& view = data_.participant;
   view.says_how_to_leave = view.open && view.monitors.size() == 1 && now_s < leave_line_until_s_;
 }
 
 void App::participant_fills(const Size& size) {
-  const Desk::ParticipantWindowState& view = desk_.participant;
+  const PanelData::ParticipantWindowState& view = data_.participant;
   if (!view.open || !view.setting || size.width == 0 || size.height == 0) return;
   const std::string line = stretched(view.setting->screen, size.width, size.height);
   if (line != std::exchange(stretched_, line) && !line.empty()) say(log::Level::warning, line, now_s_);
@@ -55,13 +55,13 @@ void App::try_participant(bool open) {
 }
 
 void App::tell_monitors(std::vector<std::string> names) {
-  Desk::ParticipantWindowState& view = desk_.participant;
+  PanelData::ParticipantWindowState& view = data_.participant;
   view.monitors = std::move(names);
   view.monitor = chosen_monitor(view.monitors, options_.monitor);
 }
 
 void App::participant_window_failed(const std::string& fault) {
-  desk_.participant.open = false;
+  data_.participant.open = false;
   say(log::Level::error, fault, now_s_);
 }
 
@@ -76,9 +76,9 @@ void App::handle_participant(const WindowEvent& event) {
 /// Handles the keys that both windows take.
 bool App::participant_key(Key key) {
   if (key == key_of('v')) {
-    desk_.participant.hidden = !desk_.participant.hidden;
+    data_.participant.hidden = !data_.participant.hidden;
   } else if (key == key_of('p')) {
-    desk_.asked.participant = !desk_.participant.open;
+    data_.asked.participant = !data_.participant.open;
   } else if (key == key_of('q')) {
     ask_to_quit();
   } else if (key == Key::page_up || key == Key::page_down) {
@@ -92,7 +92,7 @@ bool App::participant_key(Key key) {
 
 /// Opens the next or previous scene of its folder, by name.
 void App::switch_object(int by) {
-  const std::string& now = desk_.edit.options().scene;
+  const std::string& now = data_.edit.options().scene;
   if (now.empty()) return;
   const std::vector<std::string> scenes = scenes_beside(now);
   const auto here = std::ranges::find_if(scenes, [&](const std::string& scene) {

@@ -13,7 +13,7 @@
 namespace palpa::viewer {
 
 Sight App::sight(const Size& size) const {
-  return {desk_.state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), ratio_};
+  return {data_.state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), ratio_};
 }
 
 /// Moves things to where they are seen and felt.
@@ -23,11 +23,11 @@ void App::place() {
 }
 
 void App::show_placing(const Size& size) {
-  if (!desk_.live) return;
+  if (!data_.live) return;
   const Sight seen = sight(size);
   const Placing& placing = moved_.placing();
-  desk_.marks = placing.marks(seen);
-  Desk::Placed& placed = desk_.placed;
+  data_.marks = placing.marks(seen);
+  PanelData::Placed& placed = data_.placed;
   placed.things = placing.names();
   placed.chosen = placing.chosen();
   placed.follows = placing.follows();
@@ -40,7 +40,7 @@ void App::show_placing(const Size& size) {
 /// How deep fingers are, beside their contacts.
 void App::show_depths(const Size& size) {
   const Sight seen = sight(size);
-  desk_.depths.clear();
+  data_.depths.clear();
   const std::shared_ptr<const LiveScene>& scene = run_.scene();
   if (!scene) return;
   const touch::Touch& touch = run_.session()->snapshot().touch;
@@ -48,7 +48,7 @@ void App::show_depths(const Size& size) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     if (finger.solid >= scene->solid_names.size()) continue;
-    desk_.depths.push_back({scene->solid_names[finger.solid], finger.depth_m});
+    data_.depths.push_back({scene->solid_names[finger.solid], finger.depth_m});
     const Projected at = project(push, Vec3(finger.section.centroid));
     if (!at.visible) continue;
     // The label's place: beside the contacts, and beside the foci and their numbers.
@@ -58,31 +58,31 @@ void App::show_depths(const Size& size) {
       if (p.visible && (finger.placed || focus.points > 0)) beside.x = std::max(beside.x, p.x);
     }
     beside.x += 48 * seen.ratio;
-    desk_.marks.push_back({.points = {beside}, .label = fmt::format("{:.1f} mm", finger.depth_m * 1e3)});
+    data_.marks.push_back({.points = {beside}, .label = fmt::format("{:.1f} mm", finger.depth_m * 1e3)});
   }
 }
 
 /// What was read, below the point that was read.
 void App::show_reading(const Size& size) {
-  if (!desk_.reading) return;
-  const Reading& reading = *desk_.reading;
-  const Projected at = project(projection(desk_.state.viewpoint, size.width, size.height), reading.at);
+  if (!data_.reading) return;
+  const Reading& reading = *data_.reading;
+  const Projected at = project(projection(data_.state.viewpoint, size.width, size.height), reading.at);
   std::string text = fmt::format("{}  {:.2f}  {:.2f}  {:.2f} mm", reading.what, reading.at.x * 1e3, reading.at.y * 1e3,
                                  reading.at.z * 1e3);
   if (reading.depth_m) text += fmt::format("\n{:.2f} mm deep", *reading.depth_m * 1e3);
-  if (at.visible) desk_.marks.push_back({.points = {Vec2(at.x, at.y + 34 * ratio_)}, .label = text});
+  if (at.visible) data_.marks.push_back({.points = {Vec2(at.x, at.y + 34 * ratio_)}, .label = text});
 }
 
 /// Takes what the panels changed in the values that show_placing() has just given them.
 void App::take_placing() {
-  if (!desk_.live) return;
+  if (!data_.live) return;
   Placing& placing = moved_.placing();
-  if (desk_.placed.chosen != placing.chosen()) placing.choose(desk_.placed.chosen);
-  placing.follow(desk_.placed.follows);
+  if (data_.placed.chosen != placing.chosen()) placing.choose(data_.placed.chosen);
+  placing.follow(data_.placed.follows);
 }
 
 void App::do_placing(double now_s) {
-  Desk::Placed& placed = desk_.placed;
+  PanelData::Placed& placed = data_.placed;
   if (std::exchange(placed.undo, false)) moved_.placing().undo();
   if (std::exchange(placed.restore, false)) moved_.placing().restore();
   place();
@@ -100,7 +100,7 @@ void App::save_scene(const std::string& file, double now_s) {
   say(log::Level::info, file + ": is now the scene", now_s);
   remember_file(file);
   moved_.forget_scene();
-  LiveEdit edit = desk_.edit;
+  LiveEdit edit = data_.edit;
   edit.replace_scene(file);
   change_run(std::move(edit), true);
 }

@@ -14,34 +14,34 @@ namespace {
 
 enum class Need { nothing, scene, touch, slots, recording, live, running, finger, no_finger, plane, monitor };
 
-bool holds_finger(const Desk& desk) {
-  return desk.live && HeldFinger::is_held(desk.edit.options().source);
+bool holds_finger(const PanelData& data) {
+  return data.live && HeldFinger::is_held(data.edit.options().source);
 }
 
-bool is_there(Need need, const Desk& desk) {
+bool is_there(Need need, const PanelData& data) {
   switch (need) {
     case Need::nothing:
       return true;
     case Need::scene:
-      return !desk.edit.options().scene.empty();
+      return !data.edit.options().scene.empty();
     case Need::touch:
-      return desk.picture != nullptr && !desk.picture->fingers.empty();
+      return data.picture != nullptr && !data.picture->fingers.empty();
     case Need::slots:
-      return desk.picture != nullptr && (desk.live || !desk.picture->fingers.empty());
+      return data.picture != nullptr && (data.live || !data.picture->fingers.empty());
     case Need::recording:
-      return desk.playback.has_value();
+      return data.playback.has_value();
     case Need::live:
-      return desk.live;
+      return data.live;
     case Need::running:
-      return desk.live && desk.live_state == LiveState::running;
+      return data.live && data.live_state == LiveState::running;
     case Need::finger:
-      return holds_finger(desk);
+      return holds_finger(data);
     case Need::no_finger:
-      return !holds_finger(desk);
+      return !holds_finger(data);
     case Need::plane:
-      return desk.state.layers.shows(Layer::slice);
+      return data.state.layers.shows(Layer::slice);
     case Need::monitor:
-      return !desk.participant.monitors.empty() && !desk.edit.options().scene.empty();
+      return !data.participant.monitors.empty() && !data.edit.options().scene.empty();
   }
   return true;
 }
@@ -117,34 +117,34 @@ constexpr Line lines[] = {
 
 }  // namespace
 
-std::string idle_reason(const Desk& desk, Key key) {
+std::string idle_reason(const PanelData& data, Key key) {
   if (named(key) == 0) return {};
   for (const Line& line : lines) {
-    if (std::string_view(line.keys).find(named(key)) != std::string_view::npos && !is_there(line.need, desk))
+    if (std::string_view(line.keys).find(named(key)) != std::string_view::npos && !is_there(line.need, data))
       return std::string(line.shown) + ": " + reason(line.need);
   }
   return {};
 }
 
-std::vector<KeyLine> key_lines(const Desk& desk) {
+std::vector<KeyLine> key_lines(const PanelData& data) {
   std::vector<KeyLine> out;
-  out.push_back({"Space", desk.playback ? "the recording: play, pause" : "the slots: play, pause"});
+  out.push_back({"Space", data.playback ? "the recording: play, pause" : "the slots: play, pause"});
   for (const Line& line : lines) {
-    if (is_there(line.need, desk)) out.push_back({line.shown, line.meaning});
+    if (is_there(line.need, data)) out.push_back({line.shown, line.meaning});
   }
   return out;
 }
 
-void draw_key_sheet(Desk& desk) {
+void draw_key_sheet(PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
-  const auto top = static_cast<float>(free_area(desk).top);
+  const auto top = static_cast<float>(free_area(data).top);
   const float height = std::max(whole.y - top - em(0.5f), 1.0f);
   ImGui::SetNextWindowPos({whole.x / 2, top + em(0.25f) + height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({1, 1}, {std::max(whole.x - em(0.5f), 1.0f), height});
-  ImGui::Begin("Keys and mouse", &desk.help,
+  ImGui::Begin("Keys and mouse", &data.help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const KeyLine& line : key_lines(desk)) {
+    for (const KeyLine& line : key_lines(data)) {
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(line.keys.c_str());
       ImGui::TableNextColumn();

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "viewer/desk/option_words.hpp"
-#include "viewer/desk/word_meanings.hpp"
 #include "viewer/live/live_line.hpp"
+#include "viewer/panel_data/option_words.hpp"
+#include "viewer/panel_data/word_meanings.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 
@@ -28,7 +28,7 @@ std::string sentence(std::string text) {
 
 /// One option while its row is drawn.
 struct Row {
-  Desk& desk;
+  PanelData& data;
   const setup::OptionInfo& info;
   const OptionWords words;
   const std::optional<std::string> value;  ///< nullopt: the default
@@ -43,7 +43,7 @@ struct Row {
     return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : usual(), info.name);
   }
   std::string now() const { return value.value_or(usual()); }
-  void set(const std::optional<std::string>& text) const { desk.asked.options.push_back({info.name, text}); }
+  void set(const std::optional<std::string>& text) const { data.asked.options.push_back({info.name, text}); }
   /// A text that is the default is not stored as the user's.
   void type(const std::string& text) const {
     const std::string typed = with_unit(text, words);
@@ -57,7 +57,7 @@ struct Row {
     picker.folders = words.kind == FieldKind::folder || (words.kind == FieldKind::source && picker.endings.empty());
     picker.is_new =
         words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder || words.kind == FieldKind::link;
-    desk.picker = picker;
+    data.picker = picker;
   }
 };
 
@@ -84,28 +84,28 @@ void draw_text(const Row& row, float width) {
   std::string text = row.now();
   ImGui::SetNextItemWidth(width);
   ImGui::InputText("##value", &text, ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemVisible()) row.desk.places.texts.push_back(last_area());
-  row.desk.places.named[row.info.name] = last_area();
+  if (ImGui::IsItemVisible()) row.data.places.texts.push_back(last_area());
+  row.data.places.named[row.info.name] = last_area();
   // Typed text is not used until it is finished.
   if (ImGui::IsItemDeactivatedAfterEdit()) row.type(text);
 }
 
 void draw_choices(const Row& row) {
-  const Desk& desk = row.desk;
+  const PanelData& data = row.data;
   if (ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
   switch (row.words.kind) {
     case FieldKind::object:
-      for (const NamedFile& object : desk.objects)
+      for (const NamedFile& object : data.objects)
         offer(row, object.name, object.path);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a glTF model", {".glb", ".gltf"});
       break;
     case FieldKind::rig:
-      for (const NamedFile& rig : desk.rigs)
+      for (const NamedFile& rig : data.rigs)
         offer(row, rig.name, rig.path);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a rig", {".toml"});
       break;
     case FieldKind::layout:
-      for (const std::string& layout : desk.layouts)
+      for (const std::string& layout : data.layouts)
         offer(row, layout, layout);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a layout", {".toml"});
       break;
@@ -149,7 +149,7 @@ void draw_field(const Row& row) {
     draw_choices(row);
     ImGui::EndCombo();
   }
-  row.desk.places.named[row.info.name + " list"] = last_area();
+  row.data.places.named[row.info.name + " list"] = last_area();
 }
 
 void draw_label(const Row& row) {
@@ -165,8 +165,8 @@ void draw_label(const Row& row) {
   tip(row.explained());
 }
 
-void draw_option(Desk& desk, const setup::OptionInfo& info) {
-  Row row{desk, info, words_of(info), desk.edit.text(info.name)};
+void draw_option(PanelData& data, const setup::OptionInfo& info) {
+  Row row{data, info, words_of(info), data.edit.text(info.name)};
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
   draw_label(row);
@@ -183,42 +183,42 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
   } else {
     draw_field(row);
   }
-  desk.places.named.try_emplace(info.name, last_area());
+  data.places.named.try_emplace(info.name, last_area());
   tip(row.explained());
   if (row.value) {
     ImGui::SameLine();
     ImGui::SetCursorPosX(right - button);
     if (ImGui::Button("\u00d7", {button, 0})) row.set(std::nullopt);
-    desk.places.named[info.name + " reset"] = last_area();
+    data.places.named[info.name + " reset"] = last_area();
     tip(info.flag ? std::string("Back to the default: off") : "Back to the default: " + row.usual());
   }
   ImGui::PopID();
 }
 
 /// Two columns: names, and values with their resets.
-void draw_options(Desk& desk, std::span<const setup::OptionInfo> options) {
+void draw_options(PanelData& data, std::span<const setup::OptionInfo> options) {
   ImGui::Unindent();  // names need the room
   const bool open = ImGui::BeginTable("options", 2);
   if (!open) return ImGui::Indent();
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.1f);
   for (const setup::OptionInfo& info : options)
-    draw_option(desk, info);
+    draw_option(data, info);
   ImGui::EndTable();
   ImGui::Indent();
 }
 
 /// How many of them the user has set, for the heading.
-std::string heading_of(const Desk& desk, std::span<const setup::OptionInfo> options) {
+std::string heading_of(const PanelData& data, std::span<const setup::OptionInfo> options) {
   const auto set =
-      std::ranges::count_if(options, [&](const auto& info) { return desk.edit.text(info.name).has_value(); });
+      std::ranges::count_if(options, [&](const auto& info) { return data.edit.text(info.name).has_value(); });
   return set == 0 ? options.front().heading : fmt::format("{} ({} changed)", options.front().heading, set);
 }
 
 }  // namespace
 
-void draw_options_panel(Desk& desk) {
-  if (!desk.live && !desk.empty) {
+void draw_options_panel(PanelData& data) {
+  if (!data.live && !data.empty) {
     ImGui::TextWrapped("Options of the touch take effect at once, the others when Start begins a run.");
   }
   const std::vector<setup::OptionInfo>& table = live_table();
@@ -226,17 +226,17 @@ void draw_options_panel(Desk& desk) {
     const auto last =
         std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
     const std::span<const setup::OptionInfo> options(first, last);
-    if (subheading(desk, first->heading.c_str(), "", heading_of(desk, options))) {
-      draw_options(desk, options);
+    if (subheading(data, first->heading.c_str(), "", heading_of(data, options))) {
+      draw_options(data, options);
       ImGui::TreePop();
     }
     first = last;
   }
-  const bool open = subheading(desk, "Only in the copied command",
+  const bool open = subheading(data, "Only in the copied command",
                                "How long palpa run runs and what it prints in a terminal: the viewer runs until it is "
                                "closed, and has panels");
   if (!open) return;
-  draw_options(desk, copied_table());
+  draw_options(data, copied_table());
   ImGui::TreePop();
 }
 

@@ -45,9 +45,9 @@ void draw_barrier(Participant& setting) {
 
 }  // namespace
 
-void draw_participant_panel(Desk& desk) {
-  Desk::ParticipantWindowState& view = desk.participant;
-  if (ImGui::Button(view.open ? "close" : "open")) desk.asked.participant = !view.open;
+void draw_participant_panel(PanelData& data) {
+  PanelData::ParticipantWindowState& view = data.participant;
+  if (ImGui::Button(view.open ? "close" : "open")) data.asked.participant = !view.open;
   tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P, in both "
       "windows");
   if (view.monitors.size() == 1) {

@@ -53,13 +53,13 @@ void draw_marks(const std::vector<FlatMark>& marks, const Area& free) {
   }
 }
 
-void draw_place_panel(Desk& desk) {
-  Desk::Placed& placed = desk.placed;
-  for (const Depth& depth : desk.depths) {
+void draw_place_panel(PanelData& data) {
+  PanelData::Placed& placed = data.placed;
+  for (const Depth& depth : data.depths) {
     ImGui::Text("%s  %.2f mm deep", depth.solid.c_str(), depth.depth_m * 1e3);
     tip("Depth below the solid's surface of a finger's deepest skin point that a camera sees");
   }
-  if (desk.depths.empty()) ImGui::TextUnformatted("nothing touches");
+  if (data.depths.empty()) ImGui::TextUnformatted("nothing touches");
   if (placed.tip) {
     ImGui::Text("tip  %.1f  %.1f  %.1f mm", placed.tip->x * 1e3, placed.tip->y * 1e3, placed.tip->z * 1e3);
     tip("Where the held finger's tip is in the world");
@@ -77,11 +77,11 @@ void draw_place_panel(Desk& desk) {
       ImGui::PopID();
     }
   });
-  desk.places.named["handles"] = last_area();
+  data.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
   ImGui::BeginDisabled(!placed.can_undo);
   if (ImGui::Button("undo")) placed.undo = true;
-  desk.places.named["undo"] = last_area();
+  data.places.named["undo"] = last_area();
   ImGui::EndDisabled();
   tip("Undoes the last move. Key: Ctrl Z");
   ImGui::SameLine();
@@ -91,18 +91,18 @@ void draw_place_panel(Desk& desk) {
   tip("Puts all solids back where their file has them");
   ImGui::BeginDisabled(!placed.moved);
   if (ImGui::Button("save as")) placed.save = !placed.file.empty();
-  desk.places.named["save as"] = last_area();
+  data.places.named["save as"] = last_area();
   ImGui::EndDisabled();
   tip("Writes the solids as they are now and runs with that file, so the command line includes the moves");
   ImGui::SameLine();
   const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
   ImGui::InputText("##file", &placed.file);
-  if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
+  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
   tip("A .glb file; an existing one is replaced");
   ImGui::SameLine(0, gap);
   if (ImGui::Button("...", {button, 0}))
-    desk.picker = FilePicker{.title = "a name for the moved objects",
+    data.picker = FilePicker{.title = "a name for the moved objects",
                              .option = save_as,
                              .endings = {".glb"},
                              .is_new = true,

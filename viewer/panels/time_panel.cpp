@@ -16,35 +16,35 @@ struct Moves {
   bool play = false;
   int step = 0;
 };
-Moves draw_moves(Desk& desk, const char* what, bool playing, const std::string& play_key, const std::string& step_keys,
-                 const char* step) {
+Moves draw_moves(PanelData& data, const char* what, bool playing, const std::string& play_key,
+                 const std::string& step_keys, const char* step) {
   Moves moves;
   ImGui::PushID(what);
   const float width = em(4);
   if (ImGui::Button(playing ? "pause" : "play", {width, 0})) moves.play = true;
-  desk.places.named[std::string(what) + " play"] = last_area();
+  data.places.named[std::string(what) + " play"] = last_area();
   tip(std::string(playing ? "Pauses" : "Plays") + " the " + what + play_key);
   ImGui::SameLine();
   if (ImGui::Button("< step")) moves.step = -1;
   tip(std::string("One ") + step + " back" + step_keys);
   ImGui::SameLine();
   if (ImGui::Button("step >")) moves.step = 1;
-  desk.places.named[std::string(what) + " step"] = last_area();
+  data.places.named[std::string(what) + " step"] = last_area();
   tip(std::string("One ") + step + " on" + step_keys);
   ImGui::PopID();
   return moves;
 }
 
-void draw_slots(Desk& desk) {
-  SlotTime& time = desk.state.time;
+void draw_slots(PanelData& data) {
+  SlotTime& time = data.state.time;
   ImGui::Text("Slots, in the picture only");
   tip("The schedule, slowed down until you can see it. The array keeps its own time");
   ImGui::SameLine();
   ImGui::Text("  slot %llu", static_cast<unsigned long long>(time.slot));
   const Moves moves =
-      draw_moves(desk, "slots", time.playing, desk.playback ? "" : ". Key: Space", ". Keys: , and .", "slot");
+      draw_moves(data, "slots", time.playing, data.playback ? "" : ". Key: Space", ". Keys: , and .", "slot");
   if (moves.play) time.playing = !time.playing;
-  desk.asked.slots += moves.step;
+  data.asked.slots += moves.step;
   auto rate = static_cast<float>(time.slots_per_s);
   ImGui::SetNextItemWidth(em(9));
   if (ImGui::SliderFloat("speed##slots", &rate, 0.5f, 667, "%.1f slots/s",
@@ -53,33 +53,33 @@ void draw_slots(Desk& desk) {
   tip("How fast slots are shown; with a dwell of 1.5 ms, 667 slots/s is the array's own speed. Keys: - and +");
 }
 
-void draw_recording(Desk& desk) {
-  Playback play = *desk.playback;
+void draw_recording(PanelData& data) {
+  Playback play = *data.playback;
   bool changed = false;
   ImGui::Text("Recording, which the run plays");
   tip("The frames that the run gets. While the recording is paused, the array falls silent after the hold");
-  const Moves moves = draw_moves(desk, "recording", play.playing, ". Key: Space", ". Keys: left and right", "frame");
+  const Moves moves = draw_moves(data, "recording", play.playing, ". Key: Space", ". Keys: left and right", "frame");
   if (moves.play) {
     play.playing = !play.playing;
     changed = true;
   }
-  desk.asked.step += moves.step;
+  data.asked.step += moves.step;
   ImGui::SameLine();
   changed = ImGui::Checkbox("loop", &play.loop) || changed;
-  desk.places.named["loop"] = last_area();
+  data.places.named["loop"] = last_area();
   tip("Plays from the beginning again at the end");
-  if (!desk.before.empty()) {
+  if (!data.before.empty()) {
     ImGui::SameLine();
-    if (ImGui::Button("close")) desk.asked.options.push_back({"--source", desk.before});
-    desk.places.named["close recording"] = last_area();
-    tip("Closes the recording: frames come from " + desk.before + " again");
+    if (ImGui::Button("close")) data.asked.options.push_back({"--source", data.before});
+    data.places.named["close recording"] = last_area();
+    tip("Closes the recording: frames come from " + data.before + " again");
   }
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, std::max(static_cast<int>(play.frames) - 1, 1), place.c_str(),
                        ImGuiSliderFlags_NoInput))
-    desk.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
+    data.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
   tip("Where the recording is");
   auto speed = static_cast<float>(play.speed);
   ImGui::SetNextItemWidth(em(9));
@@ -89,17 +89,17 @@ void draw_recording(Desk& desk) {
     changed = true;
   }
   tip("How fast the recording plays; 1 x is as it was recorded");
-  if (changed) desk.asked.play = play;
+  if (changed) data.asked.play = play;
 }
 
 }  // namespace
 
-void draw_time_panel(Desk& desk) {
-  if (desk.playback) {
-    draw_recording(desk);
+void draw_time_panel(PanelData& data) {
+  if (data.playback) {
+    draw_recording(data);
     ImGui::Separator();
   }
-  draw_slots(desk);
+  draw_slots(data);
 }
 
 }  // namespace palpa::viewer

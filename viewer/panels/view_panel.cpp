@@ -71,54 +71,54 @@ const char* name_of(Layer layer) {
   }
 }
 
-void draw_standpoints(Desk& desk) {
+void draw_standpoints(PanelData& data) {
   for (const auto& [name, view] : {std::pair("front", StandardView::front), std::pair("right", StandardView::right),
                                    std::pair("top", StandardView::top), std::pair("corner", StandardView::iso)}) {
-    if (ImGui::Button(name)) desk.asked.view = view;
+    if (ImGui::Button(name)) data.asked.view = view;
     tip("Keys: 1 front, 3 right, 7 top, 9 corner; with Ctrl from the other side");
     ImGui::SameLine();
   }
   ImGui::NewLine();
-  if (ImGui::Button("frame all")) desk.asked.frame = true;
+  if (ImGui::Button("frame all")) data.asked.frame = true;
   tip("Fits everything into the picture. Key: F");
   ImGui::SameLine();
-  ImGui::BeginDisabled(desk.picture->fingers.empty());
-  if (ImGui::Button("frame touch")) desk.asked.frame_touch = true;
-  desk.places.named["frame touch"] = last_area();
+  ImGui::BeginDisabled(data.picture->fingers.empty());
+  if (ImGui::Button("frame touch")) data.asked.frame_touch = true;
+  data.places.named["frame touch"] = last_area();
   ImGui::EndDisabled();
   tip("Comes close to where fingers touch. Key: T");
-  ImGui::Checkbox("parallel", &desk.state.viewpoint.orthographic);
+  ImGui::Checkbox("parallel", &data.state.viewpoint.orthographic);
   tip("Parallel projection in place of perspective. Key: 5");
   ImGui::SameLine();
-  ImGui::Checkbox("dark", &desk.state.dark);
-  desk.places.named["dark"] = last_area();
+  ImGui::Checkbox("dark", &data.state.dark);
+  data.places.named["dark"] = last_area();
   tip("Dark background");
 }
 
 }  // namespace
 
-void draw_view_panel(Desk& desk) {
-  draw_standpoints(desk);
+void draw_view_panel(PanelData& data) {
+  draw_standpoints(data);
   ImGui::SetNextItemWidth(em(7));
-  drop_down("fine pictures", std::string(word_of(fine_words, desk.state.fine)), [&] {
+  drop_down("fine pictures", std::string(word_of(fine_words, data.state.fine)), [&] {
     for (const Word<FinePictures>& entry : fine_words) {
-      if (ImGui::Selectable(entry.word, entry.value == desk.state.fine)) desk.state.fine = entry.value;
+      if (ImGui::Selectable(entry.word, entry.value == data.state.fine)) data.state.fine = entry.value;
     }
   });
   tip("Four samples for each pixel. auto: if drawing is slow, one sample while the picture moves, and four when it "
       "rests");
-  auto explode = static_cast<float>(desk.state.explode) * 100;
+  auto explode = static_cast<float>(data.state.explode) * 100;
   ImGui::SetNextItemWidth(em(7));
   if (ImGui::SliderFloat("parts apart", &explode, 0, 100, "%.0f %%", ImGuiSliderFlags_NoInput))
-    desk.state.explode = std::clamp(explode / 100, 0.0f, 1.0f);
+    data.state.explode = std::clamp(explode / 100, 0.0f, 1.0f);
   tip("How far convex parts are drawn apart, as a share of their solid's size");
   if (!ImGui::BeginTable("layers", 2, ImGuiTableFlags_SizingStretchSame)) return;
   for (const Word<Layer>& entry : layer_words) {
-    LayerState& layer = desk.state.layers[entry.value];
+    LayerState& layer = data.state.layers[entry.value];
     ImGui::TableNextColumn();
     ImGui::PushID(entry.word);
     ImGui::Checkbox(name_of(entry.value), &layer.visible);
-    desk.places.named[entry.word] = last_area();
+    data.places.named[entry.word] = last_area();
     tip(std::string(about(entry.value)) + ". In --show and --hide: " + entry.word);
     ImGui::TableNextColumn();
     ImGui::SetNextItemWidth(-1);

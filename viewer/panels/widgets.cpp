@@ -8,13 +8,13 @@ namespace palpa::viewer {
 namespace {
 
 /// Keeps what the user folds and unfolds. `draw` draws the heading and returns whether it is open.
-bool folding(Desk& desk, const char* name, bool open, const std::function<bool()>& draw) {
-  const auto known = desk.headings.find(name);
-  const bool was = known == desk.headings.end() ? open : known->second;
+bool folding(PanelData& data, const char* name, bool open, const std::function<bool()>& draw) {
+  const auto known = data.headings.find(name);
+  const bool was = known == data.headings.end() ? open : known->second;
   ImGui::SetNextItemOpen(was);
   const bool is = draw();
-  desk.places.named[name] = last_area();
-  if (is != was) desk.headings[name] = is;
+  data.places.named[name] = last_area();
+  if (is != was) data.headings[name] = is;
   return is;
 }
 
@@ -61,15 +61,15 @@ void tip(const std::string& text) {
   ImGui::EndTooltip();
 }
 
-bool heading(Desk& desk, const char* name, bool open, const char* about) {
-  const bool shown = folding(desk, name, open, [&] { return ImGui::CollapsingHeader(name); });
+bool heading(PanelData& data, const char* name, bool open, const char* about) {
+  const bool shown = folding(data, name, open, [&] { return ImGui::CollapsingHeader(name); });
   tip(about);
   return shown;
 }
 
-bool subheading(Desk& desk, const char* name, const char* about, const std::string& shown) {
+bool subheading(PanelData& data, const char* name, const char* about, const std::string& shown) {
   const std::string label = (shown.empty() ? std::string(name) : shown) + "###" + name;
-  const bool open = folding(desk, name, false, [&] { return ImGui::TreeNode(label.c_str()); });
+  const bool open = folding(data, name, false, [&] { return ImGui::TreeNode(label.c_str()); });
   if (about[0] != '\0') tip(about);
   return open;
 }
@@ -80,9 +80,9 @@ void drop_down(const char* label, const std::string& now, const std::function<vo
   ImGui::EndCombo();
 }
 
-Area free_area(const Desk& desk) {
+Area free_area(const PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
-  const double right = whole.x - (desk.panels ? panels_width(whole.x, em(1)) : 0.0);
+  const double right = whole.x - (data.panels ? panels_width(whole.x, em(1)) : 0.0);
   return {0, strip_height(em(1)), right, whole.y};
 }
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "viewer/desk/desk.hpp"
+#include "viewer/panel_data/panel_data.hpp"
 
 namespace palpa::viewer {
 
@@ -19,17 +19,17 @@ Area last_area();
 /// beside the panels, and covers neither them nor the strip at the top.
 void tip(const std::string& text);
 
-/// A heading that can be folded. Whether it is folded is kept on the desk, under its name. `open`: not folded at first.
-bool heading(Desk& desk, const char* name, bool open, const char* about);
+/// A heading that can be folded. Whether it is folded is kept in `data`, under its name. `open`: not folded at first.
+bool heading(PanelData& data, const char* name, bool open, const char* about);
 /// The same, one level below a heading. Call ImGui::TreePop() if it returns true.
 /// `shown`: what the heading says, if this is not its name.
-bool subheading(Desk& desk, const char* name, const char* about, const std::string& shown = {});
+bool subheading(PanelData& data, const char* name, const char* about, const std::string& shown = {});
 
 /// A list that drops down, with `choices` drawn while it is open. `label` stands to its right; one that begins with ##
 /// is not shown.
 void drop_down(const char* label, const std::string& now, const std::function<void()>& choices);
 
 /// The part of a picture that panels and strip leave free, in pixels.
-Area free_area(const Desk& desk);
+Area free_area(const PanelData& data);
 
 }  // namespace palpa::viewer

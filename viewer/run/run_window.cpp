@@ -33,10 +33,10 @@ using Clock = std::chrono::steady_clock;
 
 /// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores.
 double shortest_s(const App& app) {
-  return app.desk().live ? 1.0 / 30 : 0.0;
+  return app.data().live ? 1.0 / 30 : 0.0;
 }
 
-/// Opens, closes and updates the participant's window as the desk says.
+/// Opens, closes and updates the participant's window as the panels' data say.
 void look_after(std::optional<ParticipantWindow>& participant, App& app, const gpu::Device& device) {
   if (participant) {
     std::vector<WindowEvent> events;
@@ -46,7 +46,7 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
     if (participant->closing()) app.try_participant(false);
   }
   try {
-    const Desk::ParticipantWindowState& view = app.desk().participant;
+    const PanelData::ParticipantWindowState& view = app.data().participant;
     if (view.open && !participant) participant.emplace(device, view.monitor);
     if (!view.open) participant.reset();
     if (participant) app.participant_fills(participant->show(app));
@@ -169,7 +169,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
     // The run may compute on the processor that draws the pictures, so they take turns.
     std::function<void()> pause;
-    if (app.desk().live && presenter.on_processor()) {
+    if (app.data().live && presenter.on_processor()) {
       pieces.begin();
       pause = [&] { pieces.pause(); };
       pause();
@@ -178,7 +178,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     app.update(drawn);
     if (pause) pause();
     const App::Frame frame = app.render(pixels, ratio, started_s);
-    const FinePictures wanted = app.desk().state.fine;
+    const FinePictures wanted = app.data().state.fine;
     const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
     // Later pictures in motion are quick ones. They must not wait for a driver that compiles.
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())

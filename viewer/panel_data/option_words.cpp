@@ -1,4 +1,4 @@
-#include "viewer/desk/option_words.hpp"
+#include "viewer/panel_data/option_words.hpp"
 
 #include <algorithm>
 #include <system_error>

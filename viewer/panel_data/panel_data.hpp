@@ -1,5 +1,5 @@
-// The viewer's desk: everything that its panels show, change and ask for, as plain values. The application fills the
-// first part before each picture. The panels change the second part. The application does what the third part asks for.
+// Everything that the panels show, change and ask for, as plain values. The application fills the first part before each
+// picture. The panels change the second part. The application does what the third part asks for.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 #include "acoustics/felt/spectrum.hpp"
 #include "base/log.hpp"
 #include "setup/places.hpp"
-#include "viewer/desk/file_list.hpp"
 #include "viewer/hands/gizmo.hpp"
 #include "viewer/live/live_edit.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/live/recording_player.hpp"
+#include "viewer/panel_data/file_list.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
 #include "viewer/view/view_state.hpp"
@@ -61,7 +61,7 @@ struct OptionText {
   std::optional<std::string> text;  ///< nullopt: the default
 };
 
-struct Desk {
+struct PanelData {
   // ---- shown -------------------------------------------------------------------------------------------------------
   const Picture* picture = nullptr;
   bool empty = false;  ///< nothing is open

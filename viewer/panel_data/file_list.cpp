@@ -1,4 +1,4 @@
-#include "viewer/desk/file_list.hpp"
+#include "viewer/panel_data/file_list.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -6,7 +6,7 @@
 
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "viewer/desk/file_list.hpp"
+#include "viewer/panel_data/file_list.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/desk/word_meanings.hpp"
+#include "viewer/panel_data/word_meanings.hpp"
 
 #include <algorithm>
 #include <iterator>
