@@ -13,9 +13,9 @@ void Opening::begin_scene(const setup::LiveOptions& options, bool same) {
 }
 
 void Opening::begin_touch(const ViewerOptions& options, bool same) {
-  opened_ = {.kind = Opened::Kind::touch, .path = options.input.scene, .same = same, .touch = options};
-  show_ = std::make_shared<std::unique_ptr<Show>>();
-  loader_.begin([show = show_, options] { *show = std::make_unique<Show>(options); });
+  opened_ = {.kind = Opened::Kind::touch, .path = options.input.scene, .same = same, .options = options};
+  touch_ = std::make_shared<std::unique_ptr<ShownTouch>>();
+  loader_.begin([touch = touch_, options] { *touch = std::make_unique<ShownTouch>(options); });
 }
 
 void Opening::begin_recording(const std::string& path) {
@@ -28,8 +28,8 @@ std::optional<Opened> Opening::take() {
   if (!fault) return std::nullopt;
   Opened opened = std::exchange(opened_, {});
   opened.fault = std::move(*fault);
-  if (opened.kind == Opened::Kind::touch) opened.show = std::move(*show_);
-  show_.reset();
+  if (opened.kind == Opened::Kind::touch) opened.touch = std::move(*touch_);
+  touch_.reset();
   return opened;
 }
 

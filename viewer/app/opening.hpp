@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "viewer/app/show.hpp"
+#include "viewer/app/shown_touch.hpp"
 #include "viewer/live/loader.hpp"
 #include "viewer/options/viewer_options.hpp"
 
@@ -17,15 +17,15 @@ namespace palpa::viewer {
 struct Opened {
   enum class Kind {
     scene,      ///< of a live run: the file was found to be a scene
-    touch,      ///< a scene with a single touch, see `show`
+    touch,      ///< a scene with a single touch, see `touch`
     recording,  ///< the folder was found to be a recording
   };
   Kind kind = Kind::scene;
   std::string path;
-  bool same = false;                     ///< it is the scene that was shown, written again
-  std::string fault{};                   ///< empty if there is none
-  std::unique_ptr<Show> show{};          ///< of a touch
-  std::optional<ViewerOptions> touch{};  ///< the options that `show` was made from
+  bool same = false;    ///< it is the scene that was shown, written again
+  std::string fault{};  ///< empty if there is none
+  std::unique_ptr<ShownTouch> touch{};
+  std::optional<ViewerOptions> options{};  ///< that `touch` was made from
 };
 
 /// Opens one thing at a time. A new one replaces the one under way.
@@ -46,7 +46,7 @@ class Opening {
 
  private:
   Opened opened_;
-  std::shared_ptr<std::unique_ptr<Show>> show_;  ///< the loader's thread leaves its result here
+  std::shared_ptr<std::unique_ptr<ShownTouch>> touch_;  ///< the loader's thread leaves its result here
   Loader loader_;
 };
 

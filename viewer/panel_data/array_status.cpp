@@ -3,14 +3,14 @@
 namespace palpa::viewer {
 namespace {
 
-std::string why_off(const PanelData& data) {
-  if (data.empty) return "nothing is open";
-  if (!data.live) return "one touch, nothing is sent";
-  switch (data.live_state) {
+std::string why_off(const Content& content) {
+  if (content.empty) return "nothing is open";
+  if (!content.live) return "one touch, nothing is sent";
+  switch (content.run.state) {
     case LiveState::loading:
       return "the run is loading";
     case LiveState::failed:
-      return "the run has failed" + (data.fault.empty() ? "" : ": " + data.fault);
+      return "the run has failed" + (content.run.fault.empty() ? "" : ": " + content.run.fault);
     case LiveState::ended:
     case LiveState::running:
       break;
@@ -20,12 +20,12 @@ std::string why_off(const PanelData& data) {
 
 }  // namespace
 
-ArrayStatus array_status(const PanelData& data) {
-  if (!data.live || data.live_state != LiveState::running) return {ArrayState::off, "OFF", why_off(data)};
-  const std::string& link = data.edit.options().link;
+ArrayStatus array_status(const Content& content) {
+  if (!content.live || content.run.state != LiveState::running) return {ArrayState::off, "OFF", why_off(content)};
+  const std::string& link = content.edit.options().link;
   const bool none = link == "null";
-  if (data.stuck) return {ArrayState::silent, "SILENT", link + " takes no drives"};
-  if (!data.sounding) return {ArrayState::silent, "SILENT", none ? "no array" : link};
+  if (content.run.stuck) return {ArrayState::silent, "SILENT", link + " takes no drives"};
+  if (!content.run.sounding) return {ArrayState::silent, "SILENT", none ? "no array" : link};
   return {ArrayState::sounding, "SOUNDING", none ? "no array" : "on " + link};
 }
 

@@ -33,10 +33,10 @@ bool draw_folders(PanelData& data, FilePicker& picker) {
     ImGui::SameLine();
   }
   bool chosen = false;
-  if (picker.option.empty() && !data.recent.empty()) {
+  if (picker.option.empty() && !data.content.recent.empty()) {
     ImGui::SetNextItemWidth(-1);
     drop_down("##recent", "opened before", [&] {
-      for (const std::string& file : data.recent) {
+      for (const std::string& file : data.content.recent) {
         if (!ImGui::Selectable(file.c_str())) continue;
         data.asked.open = file;
         chosen = true;

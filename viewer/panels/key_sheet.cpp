@@ -15,7 +15,7 @@ namespace {
 enum class Need { nothing, scene, touch, slots, recording, live, running, finger, no_finger, plane, monitor };
 
 bool holds_finger(const PanelData& data) {
-  return data.live && HeldFinger::is_held(data.edit.options().source);
+  return data.content.live && HeldFinger::is_held(data.content.edit.options().source);
 }
 
 bool is_there(Need need, const PanelData& data) {
@@ -23,17 +23,17 @@ bool is_there(Need need, const PanelData& data) {
     case Need::nothing:
       return true;
     case Need::scene:
-      return !data.edit.options().scene.empty();
+      return !data.content.edit.options().scene.empty();
     case Need::touch:
       return data.picture != nullptr && !data.picture->fingers.empty();
     case Need::slots:
-      return data.picture != nullptr && (data.live || !data.picture->fingers.empty());
+      return data.picture != nullptr && (data.content.live || !data.picture->fingers.empty());
     case Need::recording:
-      return data.playback.has_value();
+      return data.content.run.playback.has_value();
     case Need::live:
-      return data.live;
+      return data.content.live;
     case Need::running:
-      return data.live && data.live_state == LiveState::running;
+      return data.content.live && data.content.run.state == LiveState::running;
     case Need::finger:
       return holds_finger(data);
     case Need::no_finger:
@@ -41,7 +41,7 @@ bool is_there(Need need, const PanelData& data) {
     case Need::plane:
       return data.state.layers.shows(Layer::slice);
     case Need::monitor:
-      return !data.participant.monitors.empty() && !data.edit.options().scene.empty();
+      return !data.participant.monitors.empty() && !data.content.edit.options().scene.empty();
   }
   return true;
 }
@@ -72,11 +72,8 @@ const char* reason(Need need) {
   return "";
 }
 
-constexpr char named(Key key) {
-  return static_cast<char>(key);
-}
-constexpr char arrows[] = {named(Key::left), named(Key::right), 0};
-constexpr char pages[] = {named(Key::page_up), named(Key::page_down), 0};
+constexpr char arrows[] = {character_of(Key::left), character_of(Key::right), 0};
+constexpr char pages[] = {character_of(Key::page_up), character_of(Key::page_down), 0};
 
 struct Line {
   const char* keys;   ///< each of them; empty: the mouse, or a key with an effect in every mode
@@ -118,9 +115,9 @@ constexpr Line lines[] = {
 }  // namespace
 
 std::string idle_reason(const PanelData& data, Key key) {
-  if (named(key) == 0) return {};
+  if (character_of(key) == 0) return {};
   for (const Line& line : lines) {
-    if (std::string_view(line.keys).find(named(key)) != std::string_view::npos && !is_there(line.need, data))
+    if (std::string_view(line.keys).find(character_of(key)) != std::string_view::npos && !is_there(line.need, data))
       return std::string(line.shown) + ": " + reason(line.need);
   }
   return {};
@@ -128,7 +125,7 @@ std::string idle_reason(const PanelData& data, Key key) {
 
 std::vector<KeyLine> key_lines(const PanelData& data) {
   std::vector<KeyLine> out;
-  out.push_back({"Space", data.playback ? "the recording: play, pause" : "the slots: play, pause"});
+  out.push_back({"Space", data.content.run.playback ? "the recording: play, pause" : "the slots: play, pause"});
   for (const Line& line : lines) {
     if (is_there(line.need, data)) out.push_back({line.shown, line.meaning});
   }

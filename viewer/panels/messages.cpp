@@ -24,7 +24,7 @@ float width_in(const Area& free) {
 
 void draw_log_panel(const PanelData& data) {
   ImGui::BeginChild("lines", {0, em(7)}, true);
-  for (const log::Line& line : data.log) {
+  for (const log::Line& line : data.messages.log()) {
     ImGui::PushStyleColor(ImGuiCol_Text, line.level <= log::Level::warning ? colour_of(line.level)
                                                                            : ImGui::GetStyleColorVec4(ImGuiCol_Text));
     ImGui::TextWrapped("%s", line.text.c_str());
@@ -34,13 +34,12 @@ void draw_log_panel(const PanelData& data) {
   ImGui::EndChild();
 }
 
-void draw_toasts(PanelData& data, double now_s) {
-  std::erase_if(data.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; });
+void draw_toasts(const PanelData& data) {
   const Area free = free_area(data);
   // The newest is the lowest. Legend, axes, scale and what is being loaded stay in sight.
   float y = static_cast<float>(free.bottom) - em(6.5f);
   int number = 0;
-  for (auto toast = data.toasts.rbegin(); toast != data.toasts.rend(); ++toast) {
+  for (auto toast = data.messages.toasts().rbegin(); toast != data.messages.toasts().rend(); ++toast) {
     ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowSize({width_in(free), 0});
     ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast->level));
@@ -63,9 +62,9 @@ void draw_opening(PanelData& data) {
                           ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSize({width_in(free), 0});
   ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::TextWrapped("%s", data.doing.empty() ? "opening a file" : data.doing.c_str());
-  if (data.done) {
-    ImGui::ProgressBar(static_cast<float>(*data.done), {-em(5), 0});
+  ImGui::TextWrapped("%s", data.content.doing.empty() ? "opening a file" : data.content.doing.c_str());
+  if (data.content.done) {
+    ImGui::ProgressBar(static_cast<float>(*data.content.done), {-em(5), 0});
     ImGui::SameLine();
   }
   if (ImGui::Button("Cancel", {-1, 0})) data.asked.cancel = true;

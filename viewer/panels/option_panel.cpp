@@ -166,7 +166,7 @@ void draw_label(const Row& row) {
 }
 
 void draw_option(PanelData& data, const setup::OptionInfo& info) {
-  Row row{data, info, words_of(info), data.edit.text(info.name)};
+  Row row{data, info, words_of(info), data.content.edit.text(info.name)};
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
   draw_label(row);
@@ -211,14 +211,14 @@ void draw_options(PanelData& data, std::span<const setup::OptionInfo> options) {
 /// How many of them the user has set, for the heading.
 std::string heading_of(const PanelData& data, std::span<const setup::OptionInfo> options) {
   const auto set =
-      std::ranges::count_if(options, [&](const auto& info) { return data.edit.text(info.name).has_value(); });
+      std::ranges::count_if(options, [&](const auto& info) { return data.content.edit.text(info.name).has_value(); });
   return set == 0 ? options.front().heading : fmt::format("{} ({} changed)", options.front().heading, set);
 }
 
 }  // namespace
 
 void draw_options_panel(PanelData& data) {
-  if (!data.live && !data.empty) {
+  if (!data.content.live && !data.content.empty) {
     ImGui::TextWrapped("Options of the touch take effect at once, the others when Start begins a run.");
   }
   const std::vector<setup::OptionInfo>& table = live_table();

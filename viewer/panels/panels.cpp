@@ -14,12 +14,12 @@ namespace {
 
 /// What is done to everything, above the headings.
 void draw_tools(PanelData& data) {
-  if (ImGui::Button("Open")) data.picker = picker_to_open(data.recent);
+  if (ImGui::Button("Open")) data.picker = picker_to_open(data.content.recent);
   data.places.named["open"] = last_area();
   tip("Opens a glTF model, a PLY or a recording. You can also drop it into the window");
   ImGui::SameLine();
-  const bool recording = !data.recording.empty();
-  ImGui::BeginDisabled(!data.live || data.live_state != LiveState::running);
+  const bool recording = !data.content.run.recording.empty();
+  ImGui::BeginDisabled(!data.content.live || data.content.run.state != LiveState::running);
   if (ImGui::Button(recording ? "Stop recording" : "Record")) data.asked.record = true;
   data.places.named["record"] = last_area();
   ImGui::EndDisabled();
@@ -33,32 +33,32 @@ void draw_tools(PanelData& data) {
   data.places.named["copy"] = last_area();
   tip("A command line that draws this picture, or that does this run without a window. Key: C, and Ctrl C for the run");
   if (recording) {
-    ImGui::Text("%s: %s", data.recording.c_str(), counted(data.recorded, "frame").c_str());
+    ImGui::Text("%s: %s", data.content.run.recording.c_str(), counted(data.content.run.recorded, "frame").c_str());
     tip("The folder that is being written, and how many frames it has");
   }
-  if (!recording && !data.made.empty()) {
-    if (ImGui::Button(("Play " + data.made).c_str())) data.asked.open = data.made;
+  if (!recording && !data.content.made.empty()) {
+    if (ImGui::Button(("Play " + data.content.made).c_str())) data.asked.open = data.content.made;
     data.places.named["play made"] = last_area();
     tip("The run gets its frames from this recording. Space plays and pauses it, left and right step it");
   }
-  if (!data.doing.empty() && !data.opening) ImGui::TextWrapped("%s", data.doing.c_str());
+  if (!data.content.doing.empty() && !data.content.opening) ImGui::TextWrapped("%s", data.content.doing.c_str());
 }
 
 void draw_headings(PanelData& data) {
   const bool touched = !data.picture->fingers.empty();
   if (heading(data, "Run", false, "What runs: the options of palpa run")) draw_options_panel(data);
-  if (data.live &&
+  if (data.content.live &&
       heading(data, "Place", !data.placed.things.empty(), "How deep fingers are; solids and finger moved by hand"))
     draw_place_panel(data);
-  if (heading(data, "Time", data.live || touched, "Slots of the schedule, frames of a recording"))
+  if (heading(data, "Time", data.content.live || touched, "Slots of the schedule, frames of a recording"))
     draw_time_panel(data);
-  if (heading(data, "View", !data.live, "What is drawn, and from where")) draw_view_panel(data);
+  if (heading(data, "View", !data.content.live, "What is drawn, and from where")) draw_view_panel(data);
   if (!data.participant.monitors.empty() &&
       heading(data, "Participant", false, "What the participant sees, in a window of its own"))
     draw_participant_panel(data);
-  if (data.live && heading(data, "Statistics", true, "How long frames take, and how many there are"))
+  if (data.content.live && heading(data, "Statistics", true, "How long frames take, and how many there are"))
     draw_statistics_panel(data);
-  const bool sounds = data.live || (!data.picture->transducers.empty() && touched);
+  const bool sounds = data.content.live || (!data.picture->transducers.empty() && touched);
   if (sounds && heading(data, "Sound", false, "The array's sound and its effect on the finger")) draw_sound_panel(data);
   data.wants_spectrum = sounds && heading(data, "Spectrum", false, "What skin feels in time");
   if (data.wants_spectrum) draw_spectrum_panel(data);
@@ -71,7 +71,7 @@ double panels_width(double width, double line_height) {
   return std::round(std::min(20.5 * line_height, 0.45 * width));
 }
 
-void draw_panels(PanelData& data, double now_s) {
+void draw_panels(PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   data.places = {};
   draw_marks(data.marks, free_area(data));
@@ -93,9 +93,9 @@ void draw_panels(PanelData& data, double now_s) {
     ImGui::EndChild();
     ImGui::End();
   }
-  if (data.empty) draw_welcome(data);
-  draw_toasts(data, now_s);
-  if (data.opening) draw_opening(data);
+  if (data.content.empty) draw_welcome(data);
+  draw_toasts(data);
+  if (data.content.opening) draw_opening(data);
   if (data.help) draw_key_sheet(data);
   if (data.picker) draw_file_picker(data);
   draw_state_strip(data);  // last, over everything

@@ -10,8 +10,8 @@ namespace palpa::viewer {
 double strip_height(double line_height);
 double panels_width(double width, double line_height);
 
-/// Draws everything that is open according to `data`. `now_s` is the application's clock.
-void draw_panels(PanelData& data, double now_s);
+/// Draws everything that is open according to `data`.
+void draw_panels(PanelData& data);
 
 void draw_state_strip(PanelData& data);
 
@@ -29,7 +29,7 @@ void draw_log_panel(const PanelData& data);
 // These are drawn over the picture.
 /// `free`: the part of the window in which labels must stay.
 void draw_marks(const std::vector<FlatMark>& marks, const Area& free);
-void draw_toasts(PanelData& data, double now_s);
+void draw_toasts(const PanelData& data);
 void draw_opening(PanelData& data);
 void draw_welcome(PanelData& data);
 void draw_key_sheet(PanelData& data);

@@ -73,7 +73,7 @@ void draw_all_off(PanelData& data, bool off, const ImVec2& size) {
 }
 
 void draw_start(PanelData& data, const ImVec2& size) {
-  ImGui::BeginDisabled(!data.can_start);
+  ImGui::BeginDisabled(!data.content.can_start);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4{1, 1, 1, 0.20f});
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4{1, 1, 1, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4{1, 1, 1, 0.5f});
@@ -81,15 +81,16 @@ void draw_start(PanelData& data, const ImVec2& size) {
   data.places.start = last_area();
   ImGui::PopStyleColor(3);
   ImGui::EndDisabled();
-  tip(data.live ? "Begins a run with the options under Run"
-                : "Begins a live run of this object, with a fingertip that the pointer holds, or with the source under "
-                  "Run");
+  tip(data.content.live
+          ? "Begins a run with the options under Run"
+          : "Begins a live run of this object, with a fingertip that the pointer holds, or with the source under "
+            "Run");
 }
 
 /// Only by dragging: nothing is typed, so keys stay keys. The array follows at once; the option is set when the slider
 /// is released.
 void draw_ceiling(PanelData& data, float width) {
-  auto shown = static_cast<float>(data.ceiling.value_or(data.edit.options().safety.ceiling) * 100);
+  auto shown = static_cast<float>(data.ceiling.value_or(data.content.edit.options().safety.ceiling) * 100);
   ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0, 0, 0, 0.25f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ImVec4{0, 0, 0, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgActive, ImVec4{0, 0, 0, 0.45f});
@@ -119,7 +120,7 @@ double strip_height(double line_height) {
 void draw_state_strip(PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   const auto height = static_cast<float>(strip_height(em(1)));
-  const ArrayStatus now = array_status(data);
+  const ArrayStatus now = array_status(data.content);
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({whole.x, height});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, colour_of(now.state));

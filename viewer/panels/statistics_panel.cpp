@@ -32,7 +32,7 @@ void draw_time_axis(float width) {
 }  // namespace
 
 void draw_statistics_panel(PanelData& data) {
-  const LiveNumbers& n = data.numbers;
+  const LiveNumbers& n = data.content.run.numbers;
   const auto share = static_cast<float>(n.last_s / TimeBins::budget_s);
   const std::string text = fmt::format("{:.1f} of {:.1f} ms", n.last_s * 1e3, TimeBins::budget_s * 1e3);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
@@ -65,8 +65,8 @@ void draw_statistics_panel(PanelData& data) {
     }
     ImGui::TreePop();
   }
-  ImGui::Text("%s, %llu silent", counted(data.drives, "drive").c_str(),
-              static_cast<unsigned long long>(data.silent_drives));
+  ImGui::Text("%s, %llu silent", counted(data.content.run.drives, "drive").c_str(),
+              static_cast<unsigned long long>(data.content.run.silent_drives));
   tip("What has left for the link, a drive for each slot");
   ImGui::Text("picture %.1f ms", data.picture_ms);
   tip("Time to draw the picture, which gives way to the loop");

@@ -41,8 +41,8 @@ void draw_slots(PanelData& data) {
   tip("The schedule, slowed down until you can see it. The array keeps its own time");
   ImGui::SameLine();
   ImGui::Text("  slot %llu", static_cast<unsigned long long>(time.slot));
-  const Moves moves =
-      draw_moves(data, "slots", time.playing, data.playback ? "" : ". Key: Space", ". Keys: , and .", "slot");
+  const Moves moves = draw_moves(data, "slots", time.playing, data.content.run.playback ? "" : ". Key: Space",
+                                 ". Keys: , and .", "slot");
   if (moves.play) time.playing = !time.playing;
   data.asked.slots += moves.step;
   auto rate = static_cast<float>(time.slots_per_s);
@@ -54,7 +54,7 @@ void draw_slots(PanelData& data) {
 }
 
 void draw_recording(PanelData& data) {
-  Playback play = *data.playback;
+  Playback play = *data.content.run.playback;
   bool changed = false;
   ImGui::Text("Recording, which the run plays");
   tip("The frames that the run gets. While the recording is paused, the array falls silent after the hold");
@@ -68,11 +68,11 @@ void draw_recording(PanelData& data) {
   changed = ImGui::Checkbox("loop", &play.loop) || changed;
   data.places.named["loop"] = last_area();
   tip("Plays from the beginning again at the end");
-  if (!data.before.empty()) {
+  if (!data.content.before.empty()) {
     ImGui::SameLine();
-    if (ImGui::Button("close")) data.asked.options.push_back({"--source", data.before});
+    if (ImGui::Button("close")) data.asked.options.push_back({"--source", data.content.before});
     data.places.named["close recording"] = last_area();
-    tip("Closes the recording: frames come from " + data.before + " again");
+    tip("Closes the recording: frames come from " + data.content.before + " again");
   }
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
@@ -95,7 +95,7 @@ void draw_recording(PanelData& data) {
 }  // namespace
 
 void draw_time_panel(PanelData& data) {
-  if (data.playback) {
+  if (data.content.run.playback) {
     draw_recording(data);
     ImGui::Separator();
   }

@@ -30,13 +30,13 @@ void draw_welcome(PanelData& data) {
     tip(data.objects[i].path + ": the pointer holds a fingertip that touches it");
   }
   ImGui::Spacing();
-  if (ImGui::Button("Open a file", {-1, em(2.2f)})) data.picker = picker_to_open(data.recent);
+  if (ImGui::Button("Open a file", {-1, em(2.2f)})) data.picker = picker_to_open(data.content.recent);
   data.places.named["open a file"] = last_area();
   ImGui::TextWrapped("or drop a glTF model, a PLY or a recording here.");
-  if (!data.recent.empty()) {
+  if (!data.content.recent.empty()) {
     ImGui::Spacing();
     ImGui::TextWrapped("Opened before:");
-    for (const std::string& file : data.recent) {
+    for (const std::string& file : data.content.recent) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
       if (ImGui::Selectable(name.c_str())) data.asked.open = file;

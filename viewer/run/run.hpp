@@ -2,7 +2,7 @@
 #pragma once
 
 #include "setup/study_options.hpp"
-#include "viewer/app/show.hpp"
+#include "viewer/app/shown_touch.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/options/viewer_options.hpp"
 

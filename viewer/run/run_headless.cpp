@@ -26,7 +26,7 @@ void run_headless(const ViewerOptions& options) {
     if (const std::string line = stretched(participant->screen, size.width, size.height); !line.empty())
       log::warning(line);
   }
-  Show show(options);
+  ShownTouch show(options);
   setup::ComputeOptions drawing = options.common;
   drawing.backend = setup::Backend::gpu;  // it draws there, whatever computes the touch
   const setup::UsedDevice used(drawing);

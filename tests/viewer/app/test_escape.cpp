@@ -24,7 +24,7 @@ TEST_F(Escape, ClosesAListAndLeavesTheRunAlone) {
   escape();
   EXPECT_FALSE(app_->data().places.list);
   EXPECT_FALSE(app_->quitting());
-  EXPECT_EQ(app_->data().live_state, LiveState::running);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
 }
 
 TEST_F(Escape, ClosesTheInnermostFirst) {
@@ -68,13 +68,13 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
 }
 
 TEST_F(Escape, QuittingWhileTheArraySoundsTakesTwoPresses) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   key('q');
   EXPECT_FALSE(app_->quitting());
   EXPECT_TRUE(says("press Q again"));
   now_s_ += 2.5;
   go_round();
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   key('q');
   EXPECT_FALSE(app_->quitting()) << "too late to be the second press";
   key('q');

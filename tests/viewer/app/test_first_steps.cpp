@@ -43,13 +43,13 @@ class FirstSteps : public LiveAppWithPanels {
             static_cast<std::uint32_t>(size_.height - strip_height(text_height))};
   }
   bool opened() {
-    return goes_round_until([&] { return !app_->data().opening; });
+    return goes_round_until([&] { return !app_->data().content.opening; });
   }
 };
 
 TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   begin_empty();
-  ASSERT_TRUE(app_->data().empty);
+  ASSERT_TRUE(app_->data().content.empty);
   for (const char* object : {"cube", "pyramid", "prism", "semi-sphere"})
     EXPECT_TRUE(place_of_widget(object)) << object;
   click("cube");
@@ -57,13 +57,13 @@ TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   EXPECT_EQ(went_live_, 1);
   EXPECT_EQ(options().source, "mouse");
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
-  EXPECT_FALSE(app_->data().empty);
+  EXPECT_FALSE(app_->data().content.empty);
   EXPECT_TRUE(says("holds a fingertip"));
   EXPECT_LT(app_->data().state.viewpoint.distance, 0.45) << "the cube is seen from near, although the array is large";
   key('f');
   EXPECT_GT(app_->data().state.viewpoint.distance, 0.5) << "F shows everything";
   EXPECT_EQ(app_->title(), "cube.glb, live (mouse)");
-  EXPECT_EQ(app_->data().recent.size(), 1u);
+  EXPECT_EQ(app_->data().content.recent.size(), 1u);
 }
 
 TEST_F(FirstSteps, AFileIsOpenedByItsName) {
@@ -116,12 +116,12 @@ TEST_F(FirstSteps, ARecordingWaitsForItsObject) {
   begin_empty();
   drop(recording());
   ASSERT_TRUE(goes_round_until([&] { return says("the object that you open next"); }));
-  EXPECT_TRUE(app_->data().empty);
+  EXPECT_TRUE(app_->data().content.empty);
   EXPECT_EQ(went_live_, 0);
   click("cube");
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_EQ(options().source, "recording:" + recording().string());
-  EXPECT_TRUE(goes_round_until([&] { return app_->data().playback.has_value(); }));
+  EXPECT_TRUE(goes_round_until([&] { return app_->data().content.run.playback.has_value(); }));
 }
 
 TEST_F(FirstSteps, AnotherObjectIsFramed) {
@@ -258,7 +258,7 @@ TEST_F(FirstSteps, TheParticipantsWindowTakesPAndQ) {
   draw();
   EXPECT_FALSE(app_->data().participant.open);
   app_->try_participant(true);
-  app_->participant_fills({1000, 1000});
+  app_->participant().fills({1000, 1000});
   EXPECT_TRUE(says("stretched"));
   event.key = key_of('q');
   app_->handle_participant(event);
@@ -305,23 +305,24 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   auto clicked = std::chrono::steady_clock::time_point::min();
   ASSERT_TRUE(goes_round_until([&] {
     const auto now = std::chrono::steady_clock::now();
-    if (app_->data().recording.empty() && (clicked == clicked.min() || now - clicked > std::chrono::seconds(10))) {
+    if (app_->data().content.run.recording.empty() &&
+        (clicked == clicked.min() || now - clicked > std::chrono::seconds(10))) {
       click("record");
       clicked = now;
     }
-    recording = app_->data().recording;
-    return !recording.empty() && app_->data().recorded > 5;
+    recording = app_->data().content.run.recording;
+    return !recording.empty() && app_->data().content.run.recorded > 5;
   })) << "3: record";
   click("record");
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().recording.empty(); }));
-  EXPECT_TRUE(app_->data().recent.front().ends_with(recording.string()));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.recording.empty(); }));
+  EXPECT_TRUE(app_->data().content.recent.front().ends_with(recording.string()));
   click("play made");
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().playback.has_value(); }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.playback.has_value(); }));
   click("recording play");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->data().playback->playing; })) << "pause";
-  const std::uint64_t frame = app_->data().playback->frame;
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().content.run.playback->playing; })) << "pause";
+  const std::uint64_t frame = app_->data().content.run.playback->frame;
   click("recording step");
-  EXPECT_TRUE(goes_round_until([&] { return app_->data().playback->frame != frame; })) << "step";
+  EXPECT_TRUE(goes_round_until([&] { return app_->data().content.run.playback->frame != frame; })) << "step";
   EXPECT_FALSE(place_of_widget("play made")) << "it is being played";
 
   key('g');
@@ -345,10 +346,10 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   ASSERT_TRUE(app_->data().placed.moved);
   click("save as");
   EXPECT_TRUE(goes_round_until([&] { return options().scene == "moved.glb"; })) << "and save it";
-  EXPECT_TRUE(app_->data().recent.front().ends_with("/moved.glb"));
+  EXPECT_TRUE(app_->data().content.recent.front().ends_with("/moved.glb"));
   ASSERT_TRUE(comes_to(LiveState::running));
   click("close recording");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->data().playback; }));
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().content.run.playback; }));
   EXPECT_EQ(options().source, "mouse");
   ASSERT_TRUE(comes_to(LiveState::running));
 

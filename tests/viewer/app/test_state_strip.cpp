@@ -13,33 +13,33 @@
 namespace palpa::viewer {
 namespace {
 
-PanelData running_with(const std::string& link) {
-  PanelData data;
-  data.live = true;
-  data.live_state = LiveState::running;
-  data.edit = LiveEdit({{"--link", {link}}});
-  return data;
+Content running_with(const std::string& link) {
+  Content content;
+  content.live = true;
+  content.run.state = LiveState::running;
+  content.edit = LiveEdit({{"--link", {link}}});
+  return content;
 }
 
 TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
-  PanelData data = running_with("foci:udp:127.0.0.1:9000");
-  EXPECT_EQ(array_status(data).word, "SILENT");
-  data.sounding = true;
-  EXPECT_EQ(array_status(data).word, "SOUNDING");
-  EXPECT_EQ(array_status(data).more, "on foci:udp:127.0.0.1:9000");
-  data.stuck = true;
-  EXPECT_EQ(array_status(data).word, "SILENT") << "the array was unplugged";
-  EXPECT_EQ(array_status(data).more, "foci:udp:127.0.0.1:9000 takes no drives");
-  data.live_state = LiveState::ended;
-  EXPECT_EQ(array_status(data).word, "OFF") << "whatever sounded last";
-  data.live_state = LiveState::failed;
-  data.fault = "heard: broken";
-  EXPECT_EQ(array_status(data).more, "the run has failed: heard: broken");
-  data = running_with("null");
-  EXPECT_EQ(array_status(data).more, "no array");
-  data.sounding = true;
-  EXPECT_EQ(array_status(data).more, "no array");
-  EXPECT_EQ(array_status(PanelData()).word, "OFF") << "one touch";
+  Content content = running_with("foci:udp:127.0.0.1:9000");
+  EXPECT_EQ(array_status(content).word, "SILENT");
+  content.run.sounding = true;
+  EXPECT_EQ(array_status(content).word, "SOUNDING");
+  EXPECT_EQ(array_status(content).more, "on foci:udp:127.0.0.1:9000");
+  content.run.stuck = true;
+  EXPECT_EQ(array_status(content).word, "SILENT") << "the array was unplugged";
+  EXPECT_EQ(array_status(content).more, "foci:udp:127.0.0.1:9000 takes no drives");
+  content.run.state = LiveState::ended;
+  EXPECT_EQ(array_status(content).word, "OFF") << "whatever sounded last";
+  content.run.state = LiveState::failed;
+  content.run.fault = "heard: broken";
+  EXPECT_EQ(array_status(content).more, "the run has failed: heard: broken");
+  content = running_with("null");
+  EXPECT_EQ(array_status(content).more, "no array");
+  content.run.sounding = true;
+  EXPECT_EQ(array_status(content).more, "no array");
+  EXPECT_EQ(array_status(Content()).word, "OFF") << "one touch";
 }
 
 class StateStrip : public LiveAppWithPanels {
@@ -79,7 +79,7 @@ class StateStrip : public LiveAppWithPanels {
 };
 
 TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   draw();
   expect_uncovered("at first");
   for (const std::string name : {"Run", "Time", "View", "open", "copy"}) {
