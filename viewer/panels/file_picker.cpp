@@ -28,8 +28,7 @@ void choose(PanelData& data) {
 /// whether one of these files was chosen.
 bool draw_folders(PanelData& data, FilePicker& picker) {
   for (const NamedFolder& place : usual_folders(data.objects.empty() ? "" : folder_above(data.objects.front().path))) {
-    if (ImGui::Button(place.name.c_str())) picker.folder = place.folder;
-    tip(place.folder);
+    if (button(data, place.name, place.folder)) picker.folder = place.folder;
     ImGui::SameLine();
   }
   bool chosen = false;
@@ -105,13 +104,10 @@ void draw_file_picker(PanelData& data) {
   if (ImGui::InputTextWithHint("##name", hint, &picker.name, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = true;
   data.places.named["name"] = last_area();
   if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
-  ImGui::BeginDisabled(picker.name.empty() && !picker.folders);
-  if (ImGui::Button("Choose", {em(6), 0})) chosen = true;
-  data.places.named["choose"] = last_area();
-  ImGui::EndDisabled();
+  const bool complete = !picker.name.empty() || picker.folders;
+  chosen = button(data, "Choose", "", complete, "choose", {em(6), 0}) || chosen;
   ImGui::SameLine();
-  if (ImGui::Button("Cancel", {em(6), 0})) open = false;
-  tip("Nothing changes. Key: Escape");
+  if (button(data, "Cancel", "Nothing changes. Key: Escape", true, "cancel", {em(6), 0})) open = false;
   ImGui::End();
   if (chosen && is_folder_to_enter(picker)) {
     picker.folder = chosen_file(picker);

@@ -67,8 +67,8 @@ void draw_opening(PanelData& data) {
     ImGui::ProgressBar(static_cast<float>(*data.content.done), {-em(5), 0});
     ImGui::SameLine();
   }
-  if (ImGui::Button("Cancel", {-1, 0})) data.asked.cancel = true;
-  tip("Cancels; what is shown and what runs stay as they are. Key: Escape");
+  if (button(data, "Cancel", "Cancels; what is shown and what runs stay as they are. Key: Escape", true, {}, {-1, 0}))
+    data.asked.cancel = true;
   ImGui::End();
 }
 

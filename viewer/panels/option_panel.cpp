@@ -134,15 +134,14 @@ void draw_choices(const Row& row) {
 void draw_field(const Row& row) {
   const FieldKind kind = row.words.kind;
   if (kind == FieldKind::plain) return draw_text(row, row.width);
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  draw_text(row, std::max(row.width - button - gap, 1.0f));
+  const float side = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  draw_text(row, std::max(row.width - side - gap, 1.0f));
   tip(row.explained());
   ImGui::SameLine(0, gap);
   const bool picks = kind == FieldKind::folder || kind == FieldKind::new_file || kind == FieldKind::new_folder;
   if (picks) {
-    if (ImGui::Button("...", {button, 0}))
+    if (button(row.data, "...", "Chooses a file or folder", true, row.info.name + " file", {side, 0}))
       row.choose_file(kind == FieldKind::new_file ? "a file to be written" : "a folder", {});
-    tip("Chooses a file or folder");
     return;
   }
   if (ImGui::BeginCombo("##list", "", ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft)) {
@@ -172,9 +171,9 @@ void draw_option(PanelData& data, const setup::OptionInfo& info) {
   draw_label(row);
   ImGui::TableNextColumn();
   // Only a changed option has a button that resets it. Its field is shorter.
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float side = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   const float whole = ImGui::GetContentRegionAvail().x, right = ImGui::GetCursorPosX() + whole;
-  row.width = std::max(row.value ? whole - button - gap : whole, 1.0f);
+  row.width = std::max(row.value ? whole - side - gap : whole, 1.0f);
   if (info.flag) {
     bool on = row.value.has_value();
     if (ImGui::Checkbox("##value", &on)) row.set(on ? std::optional(std::string()) : std::nullopt);
@@ -187,10 +186,10 @@ void draw_option(PanelData& data, const setup::OptionInfo& info) {
   tip(row.explained());
   if (row.value) {
     ImGui::SameLine();
-    ImGui::SetCursorPosX(right - button);
-    if (ImGui::Button("\u00d7", {button, 0})) row.set(std::nullopt);
-    data.places.named[info.name + " reset"] = last_area();
-    tip(info.flag ? std::string("Back to the default: off") : "Back to the default: " + row.usual());
+    ImGui::SetCursorPosX(right - side);
+    if (button(data, "\u00d7", "Back to the default: " + (info.flag ? "off" : row.usual()), true, info.name + " reset",
+               {side, 0}))
+      row.set(std::nullopt);
   }
   ImGui::PopID();
 }

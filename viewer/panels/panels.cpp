@@ -14,16 +14,15 @@ namespace {
 
 /// What is done to everything, above the headings.
 void draw_tools(PanelData& data) {
-  if (ImGui::Button("Open")) data.picker = picker_to_open(data.content.recent);
-  data.places.named["open"] = last_area();
-  tip("Opens a glTF model, a PLY or a recording. You can also drop it into the window");
+  if (button(data, "Open", "Opens a glTF model, a PLY or a recording. You can also drop it into the window", true,
+             "open"))
+    data.picker = picker_to_open(data.content.recent);
   ImGui::SameLine();
   const bool recording = !data.content.run.recording.empty();
-  ImGui::BeginDisabled(!data.content.live || data.content.run.state != LiveState::running);
-  if (ImGui::Button(recording ? "Stop recording" : "Record")) data.asked.record = true;
-  data.places.named["record"] = last_area();
-  ImGui::EndDisabled();
-  tip("Records what the cameras see into a new folder while the run continues, with any source. Key: R");
+  if (button(data, recording ? "Stop recording" : "Record",
+             "Records what the cameras see into a new folder while the run continues, with any source. Key: R",
+             data.content.live && data.content.run.state == LiveState::running, "record"))
+    data.asked.record = true;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
   drop_down("##copy", "Copy", [&] {
@@ -36,11 +35,11 @@ void draw_tools(PanelData& data) {
     ImGui::Text("%s: %s", data.content.run.recording.c_str(), counted(data.content.run.recorded, "frame").c_str());
     tip("The folder that is being written, and how many frames it has");
   }
-  if (!recording && !data.content.made.empty()) {
-    if (ImGui::Button(("Play " + data.content.made).c_str())) data.asked.open = data.content.made;
-    data.places.named["play made"] = last_area();
-    tip("The run gets its frames from this recording. Space plays and pauses it, left and right step it");
-  }
+  if (!recording && !data.content.made.empty() &&
+      button(data, "Play " + data.content.made,
+             "The run gets its frames from this recording. Space plays and pauses it, left and right step it", true,
+             "play made"))
+    data.asked.open = data.content.made;
   if (!data.content.doing.empty() && !data.content.opening) ImGui::TextWrapped("%s", data.content.doing.c_str());
 }
 

@@ -63,52 +63,40 @@ void draw_place_panel(PanelData& data) {
   if (placed.tip) {
     ImGui::Text("tip  %.1f  %.1f  %.1f mm", placed.tip->x * 1e3, placed.tip->y * 1e3, placed.tip->z * 1e3);
     tip("Where the held finger's tip is in the world");
-    ImGui::Checkbox("follows the pointer", &placed.follows);
-    tip("The finger goes where the pointer goes, the wheel takes it deeper into the picture, a right drag turns it. "
-        "Key: M");
+    check_box(data, "follows the pointer", placed.follows,
+              "The finger goes where the pointer goes, the wheel takes it deeper into the picture, a right drag turns "
+              "it. Key: M");
   }
   const char* none = "none";
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.6f);
   drop_down("handles", placed.chosen ? placed.things[*placed.chosen] : none, [&] {
     if (ImGui::Selectable(none, !placed.chosen)) placed.chosen.reset();
-    for (std::size_t i = 0; i < placed.things.size(); ++i) {
-      ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(placed.things[i].c_str(), placed.chosen == i)) placed.chosen = i;
-      ImGui::PopID();
-    }
+    if (const auto chosen = select_of(placed.things, placed.chosen)) placed.chosen = chosen;
   });
   data.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
-  ImGui::BeginDisabled(!placed.can_undo);
-  if (ImGui::Button("undo")) placed.undo = true;
-  data.places.named["undo"] = last_area();
-  ImGui::EndDisabled();
-  tip("Undoes the last move. Key: Ctrl Z");
+  if (button(data, "undo", "Undoes the last move. Key: Ctrl Z", placed.can_undo)) placed.undo = true;
   ImGui::SameLine();
-  ImGui::BeginDisabled(!placed.moved);
-  if (ImGui::Button("as in the file")) placed.restore = true;
-  ImGui::EndDisabled();
-  tip("Puts all solids back where their file has them");
-  ImGui::BeginDisabled(!placed.moved);
-  if (ImGui::Button("save as")) placed.save = !placed.file.empty();
-  data.places.named["save as"] = last_area();
-  ImGui::EndDisabled();
-  tip("Writes the solids as they are now and runs with that file, so the command line includes the moves");
+  if (button(data, "as in the file", "Puts all solids back where their file has them", placed.moved))
+    placed.restore = true;
+  if (button(data, "save as",
+             "Writes the solids as they are now and runs with that file, so the command line includes the moves",
+             placed.moved))
+    placed.save = !placed.file.empty();
   ImGui::SameLine();
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
+  const float wide = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - wide - gap, 1.0f));
   ImGui::InputText("##file", &placed.file);
   if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
   tip("A .glb file; an existing one is replaced");
   ImGui::SameLine(0, gap);
-  if (ImGui::Button("...", {button, 0}))
+  if (button(data, "...", "Chooses a folder and a name", true, "name of moved objects", {wide, 0}))
     data.picker = FilePicker{.title = "a name for the moved objects",
                              .option = save_as,
                              .endings = {".glb"},
                              .is_new = true,
                              .folder = ".",
                              .name = placed.file};
-  tip("Chooses a folder and a name");
 }
 
 }  // namespace palpa::viewer

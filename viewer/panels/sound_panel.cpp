@@ -141,8 +141,7 @@ void draw_spectrum_panel(const PanelData& data) {
 
 void draw_sound_panel(PanelData& data) {
   const auto layer = [&](const char* name, Layer which, const char* about) {
-    ImGui::Checkbox(name, &data.state.layers[which].visible);
-    tip(about);
+    check_box(data, name, data.state.layers[which].visible, about);
     if (is_stale(*data.picture, which) && data.state.layers.shows(which)) {
       ImGui::SameLine();
       ImGui::TextDisabled("stale");
@@ -152,13 +151,7 @@ void draw_sound_panel(PanelData& data) {
   layer("on the finger", Layer::heat, "What the finger feels, on the mesh of --skin");
   if (data.state.layers.shows(Layer::heat)) {
     ImGui::SetNextItemWidth(em(7));
-    drop_down("##heat", std::string(word_of(skin_colour_words, data.state.skin_colour)), [&] {
-      for (const Word<SkinColour>& entry : skin_colour_words) {
-        const bool now = entry.value == data.state.skin_colour;
-        if (ImGui::Selectable(entry.word, now)) data.state.skin_colour = entry.value;
-        data.places.named[std::string("heat ") + entry.word] = last_area();
-      }
-    });
+    drop_down(data, "##heat", skin_colour_words, data.state.skin_colour, "heat");
     data.places.named["heat of"] = last_area();
     tip("The mean radiation pressure, or the rates of a class of afferents: slowly adapting (SA1), rapidly adapting "
         "(RA), Pacinian (PC)");
@@ -167,18 +160,15 @@ void draw_sound_panel(PanelData& data) {
         "Sound pressure of the slot that is shown. Drag the middle along the arrow, the ends to turn it");
   if (!data.state.layers.shows(Layer::slice)) return;
   for (const Word<setup::Plane>& entry : setup::plane_words) {
-    if (ImGui::Button(entry.word)) data.asked.plane = entry.value;
-    data.places.named[std::string("plane ") + entry.word] = last_area();
-    tip("Its axes in the world, through the middle of the touch");
+    if (button(data, entry.word, "Its axes in the world, through the middle of the touch", true,
+               std::string("plane ") + entry.word))
+      data.asked.plane = entry.value;
     ImGui::SameLine();
   }
-  auto size_mm = static_cast<float>(data.state.slice.size_m.x * 1e3);
+  Vec2& size_m = data.state.slice.size_m;
+  double side_m = size_m.x;
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##size", &size_mm, 5, 300, "side %.0f mm",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
-    const Vec2 before = data.state.slice.size_m;
-    data.state.slice.size_m = before * (std::clamp(size_mm, 5.0f, 300.0f) * 1e-3 / before.x);
-  }
+  if (slider("##size", side_m, 1e3, 5, 300, "side %.0f mm", ImGuiSliderFlags_Logarithmic)) size_m *= side_m / size_m.x;
   tip("How large it is");
 }
 

@@ -20,17 +20,13 @@ Moves draw_moves(PanelData& data, const char* what, bool playing, const std::str
                  const std::string& step_keys, const char* step) {
   Moves moves;
   ImGui::PushID(what);
-  const float width = em(4);
-  if (ImGui::Button(playing ? "pause" : "play", {width, 0})) moves.play = true;
-  data.places.named[std::string(what) + " play"] = last_area();
-  tip(std::string(playing ? "Pauses" : "Plays") + " the " + what + play_key);
+  const std::string name = what;
+  moves.play = button(data, playing ? "pause" : "play", (playing ? "Pauses the " : "Plays the ") + name + play_key,
+                      true, name + " play", {em(4), 0});
   ImGui::SameLine();
-  if (ImGui::Button("< step")) moves.step = -1;
-  tip(std::string("One ") + step + " back" + step_keys);
+  if (button(data, "< step", std::string("One ") + step + " back" + step_keys, true, name + " back")) moves.step = -1;
   ImGui::SameLine();
-  if (ImGui::Button("step >")) moves.step = 1;
-  data.places.named[std::string(what) + " step"] = last_area();
-  tip(std::string("One ") + step + " on" + step_keys);
+  if (button(data, "step >", std::string("One ") + step + " on" + step_keys, true, name + " step")) moves.step = 1;
   ImGui::PopID();
   return moves;
 }
@@ -45,34 +41,25 @@ void draw_slots(PanelData& data) {
                                  ". Keys: , and .", "slot");
   if (moves.play) time.playing = !time.playing;
   data.asked.slots += moves.step;
-  auto rate = static_cast<float>(time.slots_per_s);
   ImGui::SetNextItemWidth(em(9));
-  if (ImGui::SliderFloat("speed##slots", &rate, 0.5f, 667, "%.1f slots/s",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput))
-    time.slots_per_s = std::clamp(rate, 0.5f, 667.0f);
+  slider("speed##slots", time.slots_per_s, 1, 0.5f, 667, "%.1f slots/s", ImGuiSliderFlags_Logarithmic);
   tip("How fast slots are shown; with a dwell of 1.5 ms, 667 slots/s is the array's own speed. Keys: - and +");
 }
 
 void draw_recording(PanelData& data) {
   Playback play = *data.content.run.playback;
-  bool changed = false;
   ImGui::Text("Recording, which the run plays");
   tip("The frames that the run gets. While the recording is paused, the array falls silent after the hold");
   const Moves moves = draw_moves(data, "recording", play.playing, ". Key: Space", ". Keys: left and right", "frame");
-  if (moves.play) {
-    play.playing = !play.playing;
-    changed = true;
-  }
+  if (moves.play) play.playing = !play.playing;
   data.asked.step += moves.step;
   ImGui::SameLine();
-  changed = ImGui::Checkbox("loop", &play.loop) || changed;
-  data.places.named["loop"] = last_area();
-  tip("Plays from the beginning again at the end");
+  bool changed = check_box(data, "loop", play.loop, "Plays from the beginning again at the end") || moves.play;
   if (!data.content.before.empty()) {
     ImGui::SameLine();
-    if (ImGui::Button("close")) data.asked.options.push_back({"--source", data.content.before});
-    data.places.named["close recording"] = last_area();
-    tip("Closes the recording: frames come from " + data.content.before + " again");
+    if (button(data, "close", "Closes the recording: frames come from " + data.content.before + " again", true,
+               "close recording"))
+      data.asked.options.push_back({"--source", data.content.before});
   }
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
@@ -81,13 +68,8 @@ void draw_recording(PanelData& data) {
                        ImGuiSliderFlags_NoInput))
     data.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
   tip("Where the recording is");
-  auto speed = static_cast<float>(play.speed);
   ImGui::SetNextItemWidth(em(9));
-  if (ImGui::SliderFloat("speed##recording", &speed, 0.05f, 4, "%.2f x",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
-    play.speed = std::clamp(speed, 0.05f, 4.0f);
-    changed = true;
-  }
+  changed = slider("speed##recording", play.speed, 1, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic) || changed;
   tip("How fast the recording plays; 1 x is as it was recorded");
   if (changed) data.asked.play = play;
 }

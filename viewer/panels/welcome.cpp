@@ -25,13 +25,14 @@ void draw_welcome(PanelData& data) {
   const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
   for (std::size_t i = 0; i < data.objects.size(); ++i) {
     if (i % 2 == 1) ImGui::SameLine();
-    if (ImGui::Button(data.objects[i].name.c_str(), {half, em(2.2f)})) data.asked.open = data.objects[i].path;
-    data.places.named[data.objects[i].name] = last_area();
-    tip(data.objects[i].path + ": the pointer holds a fingertip that touches it");
+    const NamedFile& object = data.objects[i];
+    if (button(data, object.name, object.path + ": the pointer holds a fingertip that touches it", true, {},
+               {half, em(2.2f)}))
+      data.asked.open = object.path;
   }
   ImGui::Spacing();
-  if (ImGui::Button("Open a file", {-1, em(2.2f)})) data.picker = picker_to_open(data.content.recent);
-  data.places.named["open a file"] = last_area();
+  if (button(data, "Open a file", "", true, "open a file", {-1, em(2.2f)}))
+    data.picker = picker_to_open(data.content.recent);
   ImGui::TextWrapped("or drop a glTF model, a PLY or a recording here.");
   if (!data.content.recent.empty()) {
     ImGui::Spacing();
