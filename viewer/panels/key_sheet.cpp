@@ -12,65 +12,40 @@
 namespace palpa::viewer {
 namespace {
 
-enum class Need { nothing, scene, touch, slots, recording, live, running, finger, no_finger, plane, monitor };
-
 bool holds_finger(const PanelData& data) {
   return data.content.live && HeldFinger::is_held(data.content.edit.options().source);
 }
 
-bool is_there(Need need, const PanelData& data) {
-  switch (need) {
-    case Need::nothing:
-      return true;
-    case Need::scene:
-      return !data.content.edit.options().scene.empty();
-    case Need::touch:
-      return data.picture != nullptr && !data.picture->fingers.empty();
-    case Need::slots:
-      return data.picture != nullptr && (data.content.live || !data.picture->fingers.empty());
-    case Need::recording:
-      return data.content.run.playback.has_value();
-    case Need::live:
-      return data.content.live;
-    case Need::running:
-      return data.content.live && data.content.run.state == LiveState::running;
-    case Need::finger:
-      return holds_finger(data);
-    case Need::no_finger:
-      return !holds_finger(data);
-    case Need::plane:
-      return data.state.layers.shows(Layer::slice);
-    case Need::monitor:
-      return !data.participant.monitors.empty() && !data.content.edit.options().scene.empty();
-  }
-  return true;
+bool has_scene(const PanelData& data) {
+  return !data.content.edit.options().scene.empty();
 }
 
-const char* reason(Need need) {
-  switch (need) {
-    case Need::scene:
-      return "there is no object yet: open one";
-    case Need::touch:
-      return "nothing touches";
-    case Need::slots:
-      return "there is no schedule, because nothing touches";
-    case Need::recording:
-      return "no recording is played: open one, or drop it into the window";
-    case Need::live:
-      return "this is one touch: Start begins a live run";
-    case Need::running:
-      return "no run is under way: Start begins one";
-    case Need::finger:
-      return "no finger is held by the pointer: that is the source mouse";
-    case Need::monitor:
-      return "there is no monitor or no object for a participant";
-    case Need::nothing:
-    case Need::no_finger:
-    case Need::plane:
-      break;
-  }
-  return "";
+bool touches(const PanelData& data) {
+  return data.picture != nullptr && !data.picture->fingers.empty();
 }
+
+/// When a key has an effect, and what the viewer says when it has none.
+struct Need {
+  bool (*is_there)(const PanelData& data);
+  const char* reason = "";
+};
+constexpr Need nothing{[](const PanelData&) { return true; }};
+constexpr Need scene{has_scene, "there is no object yet: open one"};
+constexpr Need touch{touches, "nothing touches"};
+constexpr Need slots{[](const PanelData& data) { return touches(data) || (data.picture && data.content.live); },
+                     "there is no schedule, because nothing touches"};
+constexpr Need recording{[](const PanelData& data) { return data.content.run.playback.has_value(); },
+                         "no recording is played: open one, or drop it into the window"};
+constexpr Need live{[](const PanelData& data) { return data.content.live; },
+                    "this is one touch: Start begins a live run"};
+constexpr Need running{
+    [](const PanelData& data) { return data.content.live && data.content.run.state == LiveState::running; },
+    "no run is under way: Start begins one"};
+constexpr Need finger{holds_finger, "no finger is held by the pointer: that is the source mouse"};
+constexpr Need no_finger{[](const PanelData& data) { return !holds_finger(data); }};
+constexpr Need plane{[](const PanelData& data) { return data.state.layers.shows(Layer::slice); }};
+constexpr Need monitor{[](const PanelData& data) { return !data.participant.monitors.empty() && has_scene(data); },
+                       "there is no monitor or no object for a participant"};
 
 constexpr char arrows[] = {character_of(Key::left), character_of(Key::right), 0};
 constexpr char pages[] = {character_of(Key::page_up), character_of(Key::page_down), 0};
@@ -79,33 +54,33 @@ struct Line {
   const char* keys;   ///< each of them; empty: the mouse, or a key with an effect in every mode
   const char* shown;  ///< on the sheet
   const char* meaning;
-  Need need = Need::nothing;
+  const Need& need = nothing;
 };
 constexpr Line lines[] = {
     {"", "left drag", "turn the view around the middle"},
     {"", "middle or Shift drag", "move the view sideways, up and down"},
-    {"", "wheel", "nearer to what is under the pointer, or away", Need::no_finger},
-    {"", "Ctrl wheel", "nearer to what is under the pointer, or away", Need::finger},
-    {"", "wheel", "the finger moves into the picture, or out; Shift: finely", Need::finger},
-    {"", "right drag", "the finger turns", Need::finger},
-    {"", "Ctrl click", "read a point's place and depth", Need::scene},
-    {"", "a plane's handles", "drag its middle along the arrow, an end to turn it", Need::plane},
+    {"", "wheel", "nearer to what is under the pointer, or away", no_finger},
+    {"", "Ctrl wheel", "nearer to what is under the pointer, or away", finger},
+    {"", "wheel", "the finger moves into the picture, or out; Shift: finely", finger},
+    {"", "right drag", "the finger turns", finger},
+    {"", "Ctrl click", "read a point's place and depth", scene},
+    {"", "a plane's handles", "drag its middle along the arrow, an end to turn it", plane},
     {"", "1 3 7 9", "front, right, top, corner; with Ctrl the other side"},
     {"", "5", "perspective or parallel"},
     {"", "F", "frame all"},
-    {"t", "T", "frame the touch", Need::touch},
-    {"m", "M", "the finger follows the pointer, or stays", Need::finger},
-    {"g", "G", "handles to move and turn the next thing; Ctrl in steps", Need::live},
-    {"z", "Ctrl Z", "undo the last move", Need::live},
-    {arrows, "left right", "step the recording: one frame back, one on", Need::recording},
-    {",.", ", .", "step the slots: one back, one on", Need::slots},
-    {"-+=", "- +", "speed of the slots: slower, faster", Need::slots},
-    {pages, "Page up, down", "another object: the next file of its folder", Need::scene},
-    {"p", "P", "the participant's window: open, close", Need::monitor},
-    {"v", "V", "the participant's object: hide, show", Need::monitor},
-    {"r", "R", "record what the cameras see into a new folder; end that", Need::running},
-    {"o", "O", "ALL OFF: the array is silent", Need::live},
-    {"", "C, Ctrl C", "copy a command line of the picture; of the run", Need::scene},
+    {"t", "T", "frame the touch", touch},
+    {"m", "M", "the finger follows the pointer, or stays", finger},
+    {"g", "G", "handles to move and turn the next thing; Ctrl in steps", live},
+    {"z", "Ctrl Z", "undo the last move", live},
+    {arrows, "left right", "step the recording: one frame back, one on", recording},
+    {",.", ", .", "step the slots: one back, one on", slots},
+    {"-+=", "- +", "speed of the slots: slower, faster", slots},
+    {pages, "Page up, down", "another object: the next file of its folder", scene},
+    {"p", "P", "the participant's window: open, close", monitor},
+    {"v", "V", "the participant's object: hide, show", monitor},
+    {"r", "R", "record what the cameras see into a new folder; end that", running},
+    {"o", "O", "ALL OFF: the array is silent", live},
+    {"", "C, Ctrl C", "copy a command line of the picture; of the run", scene},
     {"", "Tab", "hide the panels, show them"},
     {"", "H", "this sheet"},
     {"", "Escape", "close what is open"},
@@ -117,8 +92,8 @@ constexpr Line lines[] = {
 std::string idle_reason(const PanelData& data, Key key) {
   if (character_of(key) == 0) return {};
   for (const Line& line : lines) {
-    if (std::string_view(line.keys).find(character_of(key)) != std::string_view::npos && !is_there(line.need, data))
-      return std::string(line.shown) + ": " + reason(line.need);
+    if (std::string_view(line.keys).find(character_of(key)) != std::string_view::npos && !line.need.is_there(data))
+      return std::string(line.shown) + ": " + line.need.reason;
   }
   return {};
 }
@@ -127,7 +102,7 @@ std::vector<KeyLine> key_lines(const PanelData& data) {
   std::vector<KeyLine> out;
   out.push_back({"Space", data.content.run.playback ? "the recording: play, pause" : "the slots: play, pause"});
   for (const Line& line : lines) {
-    if (is_there(line.need, data)) out.push_back({line.shown, line.meaning});
+    if (line.need.is_there(data)) out.push_back({line.shown, line.meaning});
   }
   return out;
 }
