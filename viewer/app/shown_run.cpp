@@ -37,7 +37,7 @@ ShownRun::ShownRun(LiveSession::Kinds kinds, std::atomic<bool>& stop, std::funct
     : status_(&status),
       messages_(&messages),
       stale_(&stale),
-      control_(with_hands(std::move(kinds), player_, moved_.finger()), stop, std::move(wake)) {}
+      control_(with_hands(std::move(kinds), player_, finger_), stop, std::move(wake)) {}
 
 bool ShownRun::begin() {
   setup::check(control_.next());
@@ -47,11 +47,11 @@ bool ShownRun::begin() {
   if (!lines) return false;
   for (const std::string& line : *lines)
     messages_->say(log::Level::info, line);
-  if (HeldFinger::is_held(control_.options().source) && !std::exchange(told_of_finger_, true))
+  if (holds_finger() && !std::exchange(told_of_finger_, true))
     messages_->say(
         log::Level::info,
         "The pointer holds a fingertip: move it down onto the object. M lets go of it, and H shows all keys.");
-  moved_.begin_run(*control_.session(), control_.options().scene);
+  if (control_.options().scene == placed_scene_) control_.session()->place(placing_.poses());
   status_->state = LiveState::loading;
   return true;
 }
@@ -82,7 +82,10 @@ bool ShownRun::look() {
   const std::string& scene = control_.options().scene;
   picture_ = rest;
   stale_->add(Stale::surfaces);
-  moved_.begin_scene(session, rest, scene, HeldFinger::is_held(control_.options().source));
+  placing_.begin(rest, holds_finger(), scene == placed_scene_);
+  placed_scene_ = scene;
+  placed_.assign(placing_.poses().size(), Transform(1.0));
+  session.place(placed_);  // it may have the poses of a scene with other solids
   place();
   return true;
 }
@@ -115,13 +118,17 @@ Sounding ShownRun::sounding(std::optional<std::uint64_t> slot) {
   const Snapshot& snapshot = control_.session()->snapshot();
   Sounding now = sounding_of(scene, snapshot);
   if (slot) now.slot = drive_of(*scene, snapshot.plan, *slot, scratch_);
-  if (now.tip && HeldFinger::is_held(control_.options().source)) now.T_world_finger = moved_.finger().pose();
+  if (now.tip && holds_finger()) now.T_world_finger = finger_.pose();
   return now;
 }
 
 void ShownRun::place() {
-  if (!control_.scene()) return moved_.bring_finger();
-  if (moved_.bring(*control_.session(), control_.scene()->picture, picture_)) stale_->add(Stale::surfaces);
+  finger_.put(placing_.finger());
+  if (!control_.scene() || placed_ == placing_.poses()) return;
+  placed_ = placing_.poses();
+  control_.session()->place(placed_);
+  pose_solids(picture_, control_.scene()->picture, placed_);
+  stale_->add(Stale::surfaces);
 }
 
 void ShownRun::record() {

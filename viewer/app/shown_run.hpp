@@ -4,11 +4,15 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "session/loop/output.hpp"
-#include "viewer/app/moved_by_hand.hpp"
 #include "viewer/app/staleness.hpp"
+#include "viewer/hands/placing.hpp"
+#include "viewer/live/held_finger.hpp"
 #include "viewer/live/recording_player.hpp"
 #include "viewer/live/run_control.hpp"
 #include "viewer/panel_data/content.hpp"
@@ -26,8 +30,8 @@ class ShownRun {
   RunControl& control() { return control_; }
   const RunControl& control() const { return control_; }
   RecordingPlayer& player() { return player_; }
-  Placing& placing() { return moved_.placing(); }
-  const Placing& placing() const { return moved_.placing(); }
+  Placing& placing() { return placing_; }
+  const Placing& placing() const { return placing_; }
   Picture& picture() { return picture_; }
   const Picture& picture() const { return picture_; }
 
@@ -45,10 +49,11 @@ class ShownRun {
   void show_slot(std::uint64_t slot);
   /// What sounds. `slot`: with the drive of that slot.
   Sounding sounding(std::optional<std::uint64_t> slot);
-  /// Moves things to where hands have put them, where they are felt and seen.
+  /// Moves things to where hands have put them, where they are felt and seen. They stay there in another run of the
+  /// same scene.
   void place();
-  /// Call when the moved things have been saved: the run of that file moves nothing.
-  void forget_places() { moved_.forget_scene(); }
+  /// Call when the moved things have been saved: a run of that file moves nothing, whatever its name.
+  void forget_places() { placed_scene_.clear(); }
   /// Begins or ends a recording of the frames into a new folder.
   void record();
   /// The folder of a recording that has just ended with frames in it, returned once; else empty.
@@ -58,6 +63,7 @@ class ShownRun {
   bool take_fresh() { return std::exchange(fresh_, false); }
 
  private:
+  bool holds_finger() const { return HeldFinger::is_held(control_.options().source); }
   void see_recording();
 
   RunStatus* status_;
@@ -66,8 +72,11 @@ class ShownRun {
   Picture picture_;
   session::SlotScratch scratch_;
   RecordingPlayer player_;
-  MovedByHand moved_;
-  RunControl control_;  ///< declared after the sources that its sessions use
+  HeldFinger finger_;
+  Placing placing_;
+  std::vector<Transform> placed_;  ///< the solids' poses in the run
+  std::string placed_scene_;       ///< the scene that they belong to; empty: none
+  RunControl control_;             ///< declared after the sources that its sessions use
   std::string made_;
   bool new_frame_ = false;       ///< look() took a snapshot, or what the cameras saw
   bool any_ = false;             ///< the session has shown a frame

@@ -39,4 +39,8 @@ std::string shown_default(const setup::OptionInfo& info);
 /// The typed text as the option's value: a bare number gets the unit of the label.
 std::string with_unit(const std::string& text, const OptionWords& words);
 
+/// What a word means that an option can be set to, as one part of a sentence: "one focus in the middle of the contacts,
+/// modulated". Empty for a word that needs no explanation.
+std::string meaning_of(const std::string& option, const std::string& word);
+
 }  // namespace palpa::viewer

@@ -12,7 +12,6 @@
 
 #include "viewer/live/live_line.hpp"
 #include "viewer/panel_data/option_words.hpp"
-#include "viewer/panel_data/word_meanings.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 

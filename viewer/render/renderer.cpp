@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
+#include "gpu/barrier.hpp"
 #include "gpu/check.hpp"
 #include "shaders/viewer/view_scene.h"
 #include "viewer/picture/detail.hpp"
@@ -64,14 +65,9 @@ shader::vec4 pack(const Colour& c) {
 
 /// Uploads overwrite data that the draws of earlier frames have fetched.
 void after_last_draws(VkCommandBuffer commands) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
-                        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
-  memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands, &info);
+  constexpr VkPipelineStageFlags2 draws = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+                                          VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+  gpu::barrier(commands, draws, 0, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, 0);
 }
 
 constexpr std::uint32_t corners_of(std::uint32_t quads) {

@@ -6,7 +6,6 @@
 
 #include "viewer/live/live_line.hpp"
 #include "viewer/panel_data/option_words.hpp"
-#include "viewer/panel_data/word_meanings.hpp"
 
 namespace palpa::viewer {
 namespace {
