@@ -52,6 +52,7 @@ App::App(const ViewerOptions& options, const Size& size, AppHost host)
       slice_(options.slice),
       participant_(data_.participant, data_.messages, stale_) {
   data_.state = first_state(options);
+  data_.placing = &content_.run().placing();
   data_.panels = host_.panels && !options.no_panels;
   recall();
   if (host_.panels) {
@@ -281,7 +282,7 @@ void App::advance(double now_s, const Size& whole_size) {
 void App::do_asked(const Size& size) {
   const PanelData::Asked asked = std::exchange(data_.asked, {});
   ShownRun& run = content_.run();
-  if (data_.content.live && ui_) do_placing();
+  if (data_.content.live) run.place();
   if (asked.all_off) switch_off();
   if (data_.ceiling) run.control().set_ceiling(*data_.ceiling);  // while its slider is held
   do_views(asked, size);
@@ -295,19 +296,11 @@ void App::do_asked(const Size& size) {
   if (asked.participant) try_participant(*asked.participant);
   if (asked.cancel) content_.cancel_opening();
   if (asked.record) run.record();
+  if (asked.save_scene) save_scene(data_.moved_file);
   if (asked.step != 0) run.player().step(asked.step);
   if (asked.slots != 0) step_slots(asked.slots);
   if (asked.start) stale_.redraw();
   if (asked.start && !asked.all_off) content_.start();
-}
-
-void App::do_placing() {
-  PanelData::Placed& placed = data_.placed;
-  Placing& placing = content_.run().placing();
-  if (std::exchange(placed.undo, false)) placing.undo();
-  if (std::exchange(placed.restore, false)) placing.restore();
-  content_.run().place();
-  if (std::exchange(placed.save, false)) save_scene(placed.file);
 }
 
 void App::do_views(const PanelData::Asked& asked, const Size& size) {
@@ -445,7 +438,6 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
     data_.picture = &picture();
     show_marks(size);
     draw_panels(data_);
-    take_placing();
     data_.places.list = ui_->has_list();
     frame.sheet = &ui_->end();
   }
@@ -463,37 +455,16 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
 void App::show_marks(const Size& size) {
   const Sight seen = sight(beside_panels(size));
   data_.marks.clear();
-  if (data_.content.live) show_placing(seen);
+  data_.depths.clear();
+  if (data_.content.live) data_.marks = data_.placing->marks(seen);
+  if (const std::shared_ptr<const LiveScene>& scene = content_.run().control().scene())
+    show_depths(session()->snapshot().touch, scene->solid_names, seen, data_.depths, data_.marks);
   if (data_.reading) show_reading(*data_.reading, seen, data_.marks);
   const Area area = picture_area(size);
   for (FlatMark& mark : data_.marks) {
     for (Vec2& point : mark.points)
       point += Vec2(area.left, area.top);
   }
-}
-
-void App::show_placing(const Sight& seen) {
-  const ShownRun& run = content_.run();
-  const Placing& placing = run.placing();
-  data_.marks = placing.marks(seen);
-  PanelData::Placed& placed = data_.placed;
-  placed.things = placing.names();
-  placed.chosen = placing.chosen();
-  placed.follows = placing.follows();
-  placed.moved = placing.moved();
-  placed.can_undo = placing.can_undo();
-  placed.tip = placing.holds_finger() ? std::optional(Vec3(placing.finger()[3])) : std::nullopt;
-  data_.depths.clear();
-  if (const std::shared_ptr<const LiveScene>& scene = run.control().scene())
-    show_depths(session()->snapshot().touch, scene->solid_names, seen, data_.depths, data_.marks);
-}
-
-/// Takes what the panels changed in the values that show_placing() has just given them.
-void App::take_placing() {
-  if (!data_.content.live) return;
-  Placing& placing = content_.run().placing();
-  if (data_.placed.chosen != placing.chosen()) placing.choose(data_.placed.chosen);
-  placing.follow(data_.placed.follows);
 }
 
 }  // namespace palpa::viewer

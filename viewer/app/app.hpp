@@ -124,7 +124,6 @@ class App {
   void advance_slots();
   void advance_sound();
   void do_asked(const Size& size);
-  void do_placing();
   void do_views(const PanelData::Asked& asked, const Size& size);
   void step_slots(int by);
   void see_framed();
@@ -135,8 +134,6 @@ class App {
   void copy_picture(const Size& size);
   void copy(const std::string& command);
   void show_marks(const Size& size);
-  void show_placing(const Sight& seen);
-  void take_placing();
 
   AppHost host_;
   PanelData data_;

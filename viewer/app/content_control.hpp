@@ -6,7 +6,6 @@
 #include <string>
 
 #include "viewer/app/opening.hpp"
-#include "viewer/app/scene_watch.hpp"
 #include "viewer/app/shown_run.hpp"
 #include "viewer/sound/sounds.hpp"
 

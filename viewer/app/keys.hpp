@@ -6,7 +6,7 @@
 
 namespace palpa::viewer {
 
-/// Changes `data` as the key says. Returns false if the key is none of these.
+/// Changes `data` as the key says. Returns false for any other key.
 bool ask_by_key(const WindowEvent& event, PanelData& data);
 
 }  // namespace palpa::viewer

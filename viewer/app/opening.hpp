@@ -1,7 +1,7 @@
-// Opens files in the background while the picture stays: dropped files, scenes that were written again, recordings that
-// were made.
+// Opens files in the background while the picture stays, and notices when a scene was written again.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -48,6 +48,23 @@ class Opening {
   Opened opened_;
   std::shared_ptr<std::unique_ptr<ShownTouch>> touch_;  ///< the loader's thread leaves its result here
   Loader loader_;
+};
+
+/// Notices that the file of a scene has been written again.
+class SceneWatch {
+ public:
+  /// Looks at the file, at most once a second. Returns true if the file was written again and has not changed since the
+  /// look before, because editors write in several steps. Returns false for an empty name, and for another file than at
+  /// the last look, whose earlier state is not known.
+  bool look(const std::string& file, double now_s);
+  /// When to look again, on the clock of `now_s`.
+  double next_s() const { return next_s_; }
+
+ private:
+  std::string file_;
+  std::filesystem::file_time_type time_{};  ///< when it was written last
+  bool unsettled_ = false;                  ///< it was written since the look before
+  double next_s_ = 0;
 };
 
 }  // namespace palpa::viewer

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "viewer/options/monitor.hpp"
+#include "viewer/options/monitors.hpp"
 
 namespace palpa::viewer {
 

@@ -10,7 +10,7 @@
 
 #include "acoustics/felt/spectrum.hpp"
 #include "setup/places.hpp"
-#include "viewer/hands/gizmo.hpp"
+#include "viewer/hands/placing.hpp"
 #include "viewer/panel_data/content.hpp"
 #include "viewer/panel_data/file_list.hpp"
 #include "viewer/panel_data/messages.hpp"
@@ -59,17 +59,8 @@ struct PanelData {
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
-  /// What is moved by hand.
-  struct Placed {
-    std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
-    std::optional<Vec3> tip;                           ///< shown: of the finger that is held, world
-    bool moved = false;                                ///< shown: a solid is elsewhere than in its scene
-    bool can_undo = false;                             ///< shown: there is a move to undo
-    std::optional<std::size_t> chosen;                 ///< the thing that has handles
-    bool follows = true;                               ///< the finger goes where the pointer goes
-    std::string file = "moved.glb";                    ///< to save to
-    bool undo = false, restore = false, save = false;  ///< asked for
-  } placed;
+  Placing* placing = nullptr;            ///< what is moved by hand in a live run
+  std::string moved_file = "moved.glb";  ///< to save it to
   /// What the participant's window shows, and where.
   struct ParticipantWindowState {
     bool open = false;                   ///< shown
@@ -99,6 +90,7 @@ struct PanelData {
     std::optional<std::uint64_t> go_to;  ///< go to this frame of the recording
     bool cancel = false;                 ///< cancel what is being opened
     bool record = false;                 ///< begin or end recording
+    bool save_scene = false;             ///< save what was moved
     std::optional<bool> participant;     ///< open or close the participant's window
     int step = 0;                        ///< frames of the recording
     int slots = 0;                       ///< slots of the schedule to go on by

@@ -18,7 +18,7 @@ void choose(PanelData& data) {
   if (picker.option.empty()) {
     data.asked.open = file;
   } else if (picker.option == save_as) {
-    data.placed.file = file;
+    data.moved_file = file;
   } else {
     data.asked.options.push_back({picker.option, picker.prefix + file});
   }

@@ -47,7 +47,7 @@ void draw_headings(PanelData& data) {
   const bool touched = !data.picture->fingers.empty();
   if (heading(data, "Run", false, "What runs: the options of palpa run")) draw_options_panel(data);
   if (data.content.live &&
-      heading(data, "Place", !data.placed.things.empty(), "How deep fingers are; solids and finger moved by hand"))
+      heading(data, "Place", !data.placing->names().empty(), "How deep fingers are; solids and finger moved by hand"))
     draw_place_panel(data);
   if (heading(data, "Time", data.content.live || touched, "Slots of the schedule, frames of a recording"))
     draw_time_panel(data);

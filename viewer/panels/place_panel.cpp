@@ -54,39 +54,42 @@ void draw_marks(const std::vector<FlatMark>& marks, const Area& free) {
 }
 
 void draw_place_panel(PanelData& data) {
-  PanelData::Placed& placed = data.placed;
+  Placing& placing = *data.placing;
   for (const Depth& depth : data.depths) {
     ImGui::Text("%s  %.2f mm deep", depth.solid.c_str(), depth.depth_m * 1e3);
     tip("Depth below the solid's surface of a finger's deepest skin point that a camera sees");
   }
   if (data.depths.empty()) ImGui::TextUnformatted("nothing touches");
-  if (placed.tip) {
-    ImGui::Text("tip  %.1f  %.1f  %.1f mm", placed.tip->x * 1e3, placed.tip->y * 1e3, placed.tip->z * 1e3);
+  if (placing.holds_finger()) {
+    const Vec3 tip_mm = Vec3(placing.finger()[3]) * 1e3;
+    ImGui::Text("tip  %.1f  %.1f  %.1f mm", tip_mm.x, tip_mm.y, tip_mm.z);
     tip("Where the held finger's tip is in the world");
-    check_box(data, "follows the pointer", placed.follows,
+    bool follows = placing.follows();
+    check_box(data, "follows the pointer", follows,
               "The finger goes where the pointer goes, the wheel takes it deeper into the picture, a right drag turns "
               "it. Key: M");
+    placing.follow(follows);
   }
   const char* none = "none";
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.6f);
-  drop_down("handles", placed.chosen ? placed.things[*placed.chosen] : none, [&] {
-    if (ImGui::Selectable(none, !placed.chosen)) placed.chosen.reset();
-    if (const auto chosen = select_of(placed.things, placed.chosen)) placed.chosen = chosen;
+  drop_down("handles", placing.chosen() ? placing.names()[*placing.chosen()] : none, [&] {
+    if (ImGui::Selectable(none, !placing.chosen())) placing.choose(std::nullopt);
+    if (const auto chosen = select_of(placing.names(), placing.chosen())) placing.choose(chosen);
   });
   data.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
-  if (button(data, "undo", "Undoes the last move. Key: Ctrl Z", placed.can_undo)) placed.undo = true;
+  if (button(data, "undo", "Undoes the last move. Key: Ctrl Z", placing.can_undo())) placing.undo();
   ImGui::SameLine();
-  if (button(data, "as in the file", "Puts all solids back where their file has them", placed.moved))
-    placed.restore = true;
+  if (button(data, "as in the file", "Puts all solids back where their file has them", placing.moved()))
+    placing.restore();
   if (button(data, "save as",
              "Writes the solids as they are now and runs with that file, so the command line includes the moves",
-             placed.moved))
-    placed.save = !placed.file.empty();
+             placing.moved()))
+    data.asked.save_scene = !data.moved_file.empty();
   ImGui::SameLine();
   const float wide = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - wide - gap, 1.0f));
-  ImGui::InputText("##file", &placed.file);
+  ImGui::InputText("##file", &data.moved_file);
   if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
   tip("A .glb file; an existing one is replaced");
   ImGui::SameLine(0, gap);
@@ -96,7 +99,7 @@ void draw_place_panel(PanelData& data) {
                              .endings = {".glb"},
                              .is_new = true,
                              .folder = ".",
-                             .name = placed.file};
+                             .name = data.moved_file};
 }
 
 }  // namespace palpa::viewer

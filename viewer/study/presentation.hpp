@@ -104,6 +104,7 @@ class Presentation {
  private:
   void start();
   void place();
+  void forget_seen();
 
   const study::StudyPlan* plan_;
   const setup::StudyRunOptions* run_;

@@ -4,14 +4,6 @@
 #include <glm/geometric.hpp>
 
 namespace palpa::viewer {
-namespace {
-
-shader::vec4 row(const Vec3& v, double w) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
-}
-
-}  // namespace
-
 Frustum through(const sensing::Camera& camera) {
   Transform upright(1.0);  // a camera's y is down and its z forward
   upright[1][1] = upright[2][2] = -1;

@@ -12,10 +12,6 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double least_distance = 1e-3, most_distance = 100.0;
 
-shader::vec4 row(const Vec3& v, double w) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
-}
-
 }  // namespace
 
 void look(Viewpoint& viewpoint, StandardView view) {

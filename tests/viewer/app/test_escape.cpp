@@ -31,7 +31,7 @@ TEST_F(Escape, ClosesTheInnermostFirst) {
   ASSERT_TRUE(comes_to(LiveState::running));
   key('g');
   draw();
-  ASSERT_TRUE(app_->data().placed.chosen);
+  ASSERT_TRUE(app_->data().placing->chosen());
   key('h');
   click("open");
   ASSERT_TRUE(app_->data().picker);
@@ -40,9 +40,9 @@ TEST_F(Escape, ClosesTheInnermostFirst) {
   EXPECT_TRUE(app_->data().help);
   escape();
   EXPECT_FALSE(app_->data().help);
-  EXPECT_TRUE(app_->data().placed.chosen);
+  EXPECT_TRUE(app_->data().placing->chosen());
   escape();
-  EXPECT_FALSE(app_->data().placed.chosen);
+  EXPECT_FALSE(app_->data().placing->chosen());
   escape();
   EXPECT_FALSE(app_->quitting()) << "a run never ends by Escape";
   EXPECT_TRUE(says("Q quits"));

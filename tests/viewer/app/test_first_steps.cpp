@@ -94,11 +94,11 @@ TEST_F(FirstSteps, AFingerStaysWhileThePointerIsOverAPanel) {
   button(WindowEvent::Kind::move, 300, 700);
   button(WindowEvent::Kind::move, 310, 700);
   draw();
-  ASSERT_TRUE(app_->data().placed.tip);
-  const Vec3 before = *app_->data().placed.tip;
+  ASSERT_TRUE(app_->data().placing->holds_finger());
+  const Transform before = app_->data().placing->finger();
   button(WindowEvent::Kind::move, 900, 300);
   draw();
-  EXPECT_EQ(*app_->data().placed.tip, before);
+  EXPECT_EQ(app_->data().placing->finger(), before);
 }
 
 TEST_F(FirstSteps, APlyIsWhatTouches) {
@@ -274,7 +274,7 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   click("cube");
   ASSERT_TRUE(comes_to(LiveState::running));
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
-  EXPECT_FALSE(app_->data().placed.can_undo);
+  EXPECT_FALSE(app_->data().placing->can_undo());
   const auto touch = [&] {
     return goes_round_until([&] {
       const Vec3 at(0, -0.002, 0);
@@ -327,7 +327,7 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
 
   key('g');
   draw();
-  ASSERT_TRUE(app_->data().placed.chosen) << "4: move the object";
+  ASSERT_TRUE(app_->data().placing->chosen()) << "4: move the object";
   ASSERT_TRUE(goes_round_until([&] { return !app_->data().marks.empty(); }));
   const Size size = beside_panels();
   const Sight sight{app_->data().state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), 1};
@@ -342,8 +342,8 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   draw();
   button(WindowEvent::Kind::release, tip.x, tip.y + 20);
   draw();
-  EXPECT_TRUE(app_->data().placed.can_undo);
-  ASSERT_TRUE(app_->data().placed.moved);
+  EXPECT_TRUE(app_->data().placing->can_undo());
+  ASSERT_TRUE(app_->data().placing->moved());
   click("save as");
   EXPECT_TRUE(goes_round_until([&] { return options().scene == "moved.glb"; })) << "and save it";
   EXPECT_TRUE(app_->data().content.recent.front().ends_with("/moved.glb"));
