@@ -31,9 +31,8 @@ constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 /// The box around the given box after the pose has moved it.
 Box moved(const Box& box, const Transform& pose) {
   Box out;
-  for (int i = 0; i < 8; ++i)
-    out.add(transform_point(
-        pose, {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z}));
+  for (const Vec3& corner : box_corners(box))
+    out.add(transform_point(pose, corner));
   return out;
 }
 

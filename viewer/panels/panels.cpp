@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "base/text.hpp"
 #include "viewer/panels/widgets.hpp"

@@ -1,7 +1,6 @@
 // What the participant sees, and where.
 #include <imgui.h>
 
-#include <algorithm>
 #include <string>
 
 #include "viewer/panels/panels.hpp"

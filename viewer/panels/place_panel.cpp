@@ -3,7 +3,6 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <string>
 
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"

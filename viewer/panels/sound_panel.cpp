@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "acoustics/felt/skin.hpp"
 #include "viewer/panels/panels.hpp"
@@ -118,7 +117,7 @@ void draw_spectrum_panel(const PanelData& data) {
     ImGui::TextDisabled("no finger touches");
     return;
   }
-  const Theme& theme = data.state.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(data.state.dark);
   const std::size_t fingers = std::min(data.spectra.size(), most_fingers);
   double most = 0;
   for (std::size_t f = 0; f < fingers; ++f) {

@@ -9,7 +9,6 @@
 
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
-#include "gpu/check.hpp"
 #include "shaders/viewer/view_scene.h"
 #include "viewer/picture/detail.hpp"
 #include "viewer/picture/field_marks.hpp"
@@ -88,11 +87,9 @@ void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vect
 /// The largest size in pixels at which a metre appears within `box`.
 double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
   double nearest = 1e30;
-  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-    const Vec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                 corner & 4 ? box.high.z : box.low.z);
-    const shader::vec4& w = push.clip_w;
-    nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
+  const shader::vec4& w = push.clip_w;
+  for (const Vec3& p : box_corners(box)) {
+    if (!box.empty()) nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
   }
   return static_cast<double>(push.window.z) / std::max(nearest, 1e-9);
 }
@@ -102,9 +99,8 @@ std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32
   constexpr double enough = 4;  // for each pixel
   if (box.empty()) return 1;
   double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Projected p = project(push, {corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                       corner & 4 ? box.high.z : box.low.z});
+  for (const Vec3& corner : box_corners(box)) {
+    const Projected p = project(push, corner);
     if (!p.visible) return 1;
     left = std::min(left, p.x);
     right = std::max(right, p.x);
@@ -241,7 +237,7 @@ VkCommandBuffer Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, 
                                  Canvas& canvas, const Target& target, double ratio, const Sheet* sheet,
                                  const NextStep& next) const {
   const VkExtent2D extent = canvas.extent();
-  const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(drawn.state_.dark);
   after_last_draws(commands);
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);

@@ -1,9 +1,6 @@
 // The reports at the end: on the pictures, and on a run that was shown.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
 #include "base/outputs.hpp"
 #include "drawing/png.hpp"
 #include "session/watch/stats.hpp"

@@ -7,6 +7,7 @@
 #include "setup/body.hpp"
 #include "setup/experiment/skin_rates.hpp"
 #include "setup/touch_run.hpp"
+#include "viewer/app/shown_touch.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/film.hpp"
 #include "viewer/run/report.hpp"

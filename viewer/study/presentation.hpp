@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "setup/live_run.hpp"
 #include "setup/study_options.hpp"

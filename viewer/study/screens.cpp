@@ -1,7 +1,6 @@
 #include "viewer/study/screens.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>

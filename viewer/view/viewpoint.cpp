@@ -1,7 +1,6 @@
 #include "viewer/view/viewpoint.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -13,6 +12,13 @@ constexpr double pi = std::numbers::pi;
 constexpr double least_distance = 1e-3, most_distance = 100.0;
 
 }  // namespace
+
+std::array<Vec3, 8> box_corners(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z};
+  return corners;
+}
 
 void look(Viewpoint& viewpoint, StandardView view) {
   viewpoint.frustum.reset();
@@ -78,10 +84,9 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
   const double tan_x = tan_y * aspect * free;
   double distance = box.empty() ? 0.05 / tan_x : 0;
-  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-    const Vec3 p = Vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                        corner & 4 ? box.high.z : box.low.z) -
-                   viewpoint.target;
+  for (const Vec3& corner : box_corners(box)) {
+    if (box.empty()) break;
+    const Vec3 p = corner - viewpoint.target;
     const double nearer = viewpoint.orthographic ? 0 : -glm::dot(p, b.forward);
     distance = std::max({distance, margin * std::abs(glm::dot(p, b.right)) / tan_x + nearer,
                          margin * std::abs(glm::dot(p, b.up)) / tan_y + nearer});
