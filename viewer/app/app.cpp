@@ -62,7 +62,7 @@ App::App(const ViewerOptions& options, const Size& size, AppHost host)
   if (!data_.content.live) data_.state.time.playing = content_.changes();
   if (options.participant) open_participant();
   ratio_ = options.pixel_ratio.value_or(host_.ratio);
-  data_.state.viewpoint = first_viewpoint(options, picture(), data_.state, beside_panels(size));
+  data_.state.viewpoint = first_viewpoint(options, picture(), data_.state, free_size(size));
   see_framed();
 }
 
@@ -119,7 +119,7 @@ Area App::picture_area(const Size& size) const {
   return {0, std::clamp(strip_height(line), 0.0, std::max(height - 1, 0.0)), std::max(width - panels, 1.0), height};
 }
 
-Size App::beside_panels(const Size& size) const {
+Size App::free_size(const Size& size) const {
   const Area area = picture_area(size);
   return {static_cast<std::uint32_t>(area.right - area.left), static_cast<std::uint32_t>(area.bottom - area.top)};
 }
@@ -153,7 +153,7 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   if (event.kind == WindowEvent::Kind::release) held_ = false;
   const Area area = picture_area(whole_size);
   if (event.kind == WindowEvent::Kind::move && !held_ && !area.holds(event.x, event.y)) return;
-  handle_in_picture(in_area(event, area), beside_panels(whole_size));
+  handle_in_picture(in_area(event, area), free_size(whole_size));
 }
 
 void App::handle_in_picture(const WindowEvent& event, const Size& size) {
@@ -261,7 +261,7 @@ void App::try_participant(bool open) {
 // ---- what time does, and what was asked for -----------------------------------------------------------------------
 
 void App::advance(double now_s, const Size& whole_size) {
-  const Size size = beside_panels(whole_size);
+  const Size size = free_size(whole_size);
   now_s_ = now_s;
   data_.messages.advance(now_s, tail_.take());
   const bool was_live = data_.content.live;
@@ -444,7 +444,7 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
   stale_.drew();
   data_.messages.drew();
   const auto below = static_cast<std::int32_t>(picture_area(size).top);
-  frame.views = views_from(data_.state.viewpoint, content_.options(), picture(), beside_panels(size), ratio);
+  frame.views = views_from(data_.state.viewpoint, content_.options(), picture(), free_size(size), ratio);
   for (View& view : frame.views)
     view.area.offset.y += below;
   return frame;
@@ -452,7 +452,7 @@ App::Frame App::render(const Size& size, double ratio, double now_s) {
 
 /// What lies flat on the picture, in a window of that size.
 void App::show_marks(const Size& size) {
-  const Sight seen = sight(beside_panels(size));
+  const Sight seen = sight(free_size(size));
   data_.marks.clear();
   data_.depths.clear();
   if (data_.content.live) data_.marks = data_.placing->marks(seen);

@@ -117,7 +117,7 @@ class App {
   void read_at(double x, double y, const Size& size);
   /// The part of a window of that size that panels and strip leave free, and its size.
   Area picture_area(const Size& size) const;
-  Size beside_panels(const Size& size) const;
+  Size free_size(const Size& size) const;
   Sight sight(const Size& size) const;
 
   void advance_run(const Size& size);

@@ -18,15 +18,12 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
-constexpr double skin_reach = 0.12;
-
 std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
   if (input.cameras.empty()) return input.points;
   Box box;
   for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(skin_reach));
-    box.add(solid.bounds.high + Vec3(skin_reach));
+    box.add(solid.bounds.low - Vec3(shown_skin_m));
+    box.add(solid.bounds.high + Vec3(shown_skin_m));
   }
   return sensing::find_skin(input.cameras, input.frames, box);
 }

@@ -20,8 +20,6 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
-constexpr double skin_reach = 0.12;
 /// Snapshots with which the viewer is still starting (Patience).
 constexpr std::uint64_t first_snapshots = 10;
 
@@ -206,8 +204,8 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const Box here = i < poses.size() ? moved(boxes_[i], poses[i]) : boxes_[i];
     if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
-    near_.add(here.low - Vec3(skin_reach));
-    near_.add(here.high + Vec3(skin_reach));
+    near_.add(here.low - Vec3(shown_skin_m));
+    near_.add(here.high + Vec3(shown_skin_m));
   }
   if (near_.empty()) near_.add(Vec3(0));
   sensing::plan_crops(cameras, rays_, near_, crops_);

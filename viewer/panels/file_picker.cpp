@@ -27,7 +27,8 @@ void choose(PanelData& data) {
 /// Buttons that go to folders where people look for files, and a list of the files that were opened before. Returns
 /// whether one of these files was chosen.
 bool draw_folders(PanelData& data, FilePicker& picker) {
-  for (const NamedFolder& place : usual_folders(data.objects.empty() ? "" : folder_above(data.objects.front().path))) {
+  for (const NamedFolder& place :
+       starting_folders(data.objects.empty() ? "" : folder_above(data.objects.front().path))) {
     if (button(data, place.name, place.folder)) picker.folder = place.folder;
     ImGui::SameLine();
   }

@@ -29,23 +29,24 @@ struct Need {
   bool (*is_there)(const PanelData& data);
   const char* reason = "";
 };
-constexpr Need nothing{[](const PanelData&) { return true; }};
-constexpr Need scene{has_scene, "there is no object yet: open one"};
-constexpr Need touch{touches, "nothing touches"};
-constexpr Need slots{[](const PanelData& data) { return touches(data) || (data.picture && data.content.live); },
-                     "there is no schedule, because nothing touches"};
-constexpr Need recording{[](const PanelData& data) { return data.content.run.playback.has_value(); },
-                         "no recording is played: open one, or drop it into the window"};
-constexpr Need live{[](const PanelData& data) { return data.content.live; },
-                    "this is one touch: Start begins a live run"};
-constexpr Need running{
+constexpr Need needs_nothing{[](const PanelData&) { return true; }};
+constexpr Need needs_scene{has_scene, "there is no object yet: open one"};
+constexpr Need needs_touch{touches, "nothing touches"};
+constexpr Need needs_slots{[](const PanelData& data) { return touches(data) || (data.picture && data.content.live); },
+                           "there is no schedule, because nothing touches"};
+constexpr Need needs_recording{[](const PanelData& data) { return data.content.run.playback.has_value(); },
+                               "no recording is played: open one, or drop it into the window"};
+constexpr Need needs_live{[](const PanelData& data) { return data.content.live; },
+                          "this is one touch: Start begins a live run"};
+constexpr Need needs_running{
     [](const PanelData& data) { return data.content.live && data.content.run.state == LiveState::running; },
     "no run is under way: Start begins one"};
-constexpr Need finger{holds_finger, "no finger is held by the pointer: that is the source mouse"};
-constexpr Need no_finger{[](const PanelData& data) { return !holds_finger(data); }};
-constexpr Need plane{[](const PanelData& data) { return data.state.layers.shows(Layer::slice); }};
-constexpr Need monitor{[](const PanelData& data) { return !data.participant.monitors.empty() && has_scene(data); },
-                       "there is no monitor or no object for a participant"};
+constexpr Need needs_finger{holds_finger, "no finger is held by the pointer: that is the source mouse"};
+constexpr Need needs_no_finger{[](const PanelData& data) { return !holds_finger(data); }};
+constexpr Need needs_plane{[](const PanelData& data) { return data.state.layers.shows(Layer::slice); }};
+constexpr Need needs_monitor{
+    [](const PanelData& data) { return !data.participant.monitors.empty() && has_scene(data); },
+    "there is no monitor or no object for a participant"};
 
 constexpr char arrows[] = {character_of(Key::left), character_of(Key::right), 0};
 constexpr char pages[] = {character_of(Key::page_up), character_of(Key::page_down), 0};
@@ -54,33 +55,33 @@ struct Line {
   const char* keys;   ///< each of them; empty: the mouse, or a key with an effect in every mode
   const char* shown;  ///< on the sheet
   const char* meaning;
-  const Need& need = nothing;
+  const Need& need = needs_nothing;
 };
 constexpr Line lines[] = {
     {"", "left drag", "turn the view around the middle"},
     {"", "middle or Shift drag", "move the view sideways, up and down"},
-    {"", "wheel", "nearer to what is under the pointer, or away", no_finger},
-    {"", "Ctrl wheel", "nearer to what is under the pointer, or away", finger},
-    {"", "wheel", "the finger moves into the picture, or out; Shift: finely", finger},
-    {"", "right drag", "the finger turns", finger},
-    {"", "Ctrl click", "read a point's place and depth", scene},
-    {"", "a plane's handles", "drag its middle along the arrow, an end to turn it", plane},
+    {"", "wheel", "nearer to what is under the pointer, or away", needs_no_finger},
+    {"", "Ctrl wheel", "nearer to what is under the pointer, or away", needs_finger},
+    {"", "wheel", "the finger moves into the picture, or out; Shift: finely", needs_finger},
+    {"", "right drag", "the finger turns", needs_finger},
+    {"", "Ctrl click", "read a point's place and depth", needs_scene},
+    {"", "a plane's handles", "drag its middle along the arrow, an end to turn it", needs_plane},
     {"", "1 3 7 9", "front, right, top, corner; with Ctrl the other side"},
     {"", "5", "perspective or parallel"},
     {"", "F", "frame all"},
-    {"t", "T", "frame the touch", touch},
-    {"m", "M", "the finger follows the pointer, or stays", finger},
-    {"g", "G", "handles to move and turn the next thing; Ctrl in steps", live},
-    {"z", "Ctrl Z", "undo the last move", live},
-    {arrows, "left right", "step the recording: one frame back, one on", recording},
-    {",.", ", .", "step the slots: one back, one on", slots},
-    {"-+=", "- +", "speed of the slots: slower, faster", slots},
-    {pages, "Page up, down", "another object: the next file of its folder", scene},
-    {"p", "P", "the participant's window: open, close", monitor},
-    {"v", "V", "the participant's object: hide, show", monitor},
-    {"r", "R", "record what the cameras see into a new folder; end that", running},
-    {"o", "O", "ALL OFF: the array is silent", live},
-    {"", "C, Ctrl C", "copy a command line of the picture; of the run", scene},
+    {"t", "T", "frame the touch", needs_touch},
+    {"m", "M", "the finger follows the pointer, or stays", needs_finger},
+    {"g", "G", "handles to move and turn the next thing; Ctrl in steps", needs_live},
+    {"z", "Ctrl Z", "undo the last move", needs_live},
+    {arrows, "left right", "step the recording: one frame back, one on", needs_recording},
+    {",.", ", .", "step the slots: one back, one on", needs_slots},
+    {"-+=", "- +", "speed of the slots: slower, faster", needs_slots},
+    {pages, "Page up, down", "another object: the next file of its folder", needs_scene},
+    {"p", "P", "the participant's window: open, close", needs_monitor},
+    {"v", "V", "the participant's object: hide, show", needs_monitor},
+    {"r", "R", "record what the cameras see into a new folder; end that", needs_running},
+    {"o", "O", "ALL OFF: the array is silent", needs_live},
+    {"", "C, Ctrl C", "copy a command line of the picture; of the run", needs_scene},
     {"", "Tab", "hide the panels, show them"},
     {"", "H", "this sheet"},
     {"", "Escape", "close what is open"},

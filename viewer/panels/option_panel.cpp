@@ -33,21 +33,21 @@ struct Row {
   const std::optional<std::string> value;  ///< nullopt: the default
   float width = 0;                         ///< of its field
 
-  std::string usual() const { return shown_default(info); }
+  std::string default_text() const { return shown_default(info); }
   /// What the option is, what it is set to, and what it would be by default.
   std::string explained() const {
     std::string text = sentence(words.about);
     if (const std::string meaning = meaning_of(info.name, now()); !meaning.empty())
       text += fmt::format("\n{}: {}", now(), meaning);
-    return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : usual(), info.name);
+    return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : default_text(), info.name);
   }
-  std::string now() const { return value.value_or(usual()); }
+  std::string now() const { return value.value_or(default_text()); }
   void set(const std::optional<std::string>& text) const { data.asked.options.push_back({info.name, text}); }
   /// A text that is the default is not stored as the user's.
   void type(const std::string& text) const {
     const std::string typed = with_unit(text, words);
     if (typed == now() || text == now()) return;
-    set(text.empty() || typed == usual() ? std::nullopt : std::optional(typed));
+    set(text.empty() || typed == default_text() ? std::nullopt : std::optional(typed));
   }
   void choose_file(const std::string& title, std::vector<std::string> endings, const std::string& prefix = {}) const {
     FilePicker picker{.title = title, .option = info.name, .prefix = prefix, .endings = std::move(endings)};
@@ -69,12 +69,12 @@ void draw_words(const Row& row) {
   const bool among = std::ranges::find(row.info.words, row.info.initial) != row.info.words.end();
   ImGui::SetNextItemWidth(row.width);
   drop_down("##value", row.now(), [&] {
-    if (!among && ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+    if (!among && ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
     for (const std::string& word : row.info.words) {
-      const bool usual = word == row.info.initial;
-      const bool chosen = ImGui::Selectable((usual ? word + "  (default)" : word).c_str(), word == row.now());
+      const bool is_default = word == row.info.initial;
+      const bool chosen = ImGui::Selectable((is_default ? word + "  (default)" : word).c_str(), word == row.now());
       if (const std::string meaning = meaning_of(row.info.name, word); !meaning.empty()) tip(sentence(meaning));
-      if (chosen) row.set(usual ? std::nullopt : std::optional(word));
+      if (chosen) row.set(is_default ? std::nullopt : std::optional(word));
     }
   });
 }
@@ -91,7 +91,7 @@ void draw_text(const Row& row, float width) {
 
 void draw_choices(const Row& row) {
   const PanelData& data = row.data;
-  if (ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+  if (ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
   switch (row.words.kind) {
     case FieldKind::object:
       for (const NamedFile& object : data.objects)
@@ -186,8 +186,8 @@ void draw_option(PanelData& data, const setup::OptionInfo& info) {
   if (row.value) {
     ImGui::SameLine();
     ImGui::SetCursorPosX(right - side);
-    if (button(data, "\u00d7", "Back to the default: " + (info.flag ? "off" : row.usual()), true, info.name + " reset",
-               {side, 0}))
+    if (button(data, "\u00d7", "Back to the default: " + (info.flag ? "off" : row.default_text()), true,
+               info.name + " reset", {side, 0}))
       row.set(std::nullopt);
   }
   ImGui::PopID();

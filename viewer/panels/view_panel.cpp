@@ -15,7 +15,7 @@ struct LayerRow {
   const char* name;  ///< in the panel
   const char* about;
 };
-constexpr LayerRow rows[] = {
+constexpr LayerRow layer_rows[] = {
     {Layer::solids, "solids", "The objects' surfaces"},
     {Layer::edges, "edges", "Outlines and sharp edges of the objects"},
     {Layer::skin, "finger", "The surface of the finger or hand, if there is a mesh of it"},
@@ -67,7 +67,7 @@ void draw_view_panel(PanelData& data) {
   slider("parts apart", data.state.explode, 100, 0, 100, "%.0f %%");
   tip("How far convex parts are drawn apart, as a share of their solid's size");
   if (!ImGui::BeginTable("layers", 2, ImGuiTableFlags_SizingStretchSame)) return;
-  for (const LayerRow& row : rows) {
+  for (const LayerRow& row : layer_rows) {
     const std::string word(word_of(layer_words, row.layer));
     LayerState& layer = data.state.layers[row.layer];
     ImGui::TableNextColumn();

@@ -95,7 +95,7 @@ double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
 }
 
 /// Crowded skin points hide each other. Drawing every n-th of them leaves enough for every pixel.
-std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
+std::uint32_t point_step(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
   constexpr double enough = 4;  // for each pixel
   if (box.empty()) return 1;
   double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
@@ -304,7 +304,7 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
   };
   draw(drawn.transducers_, 0.0f, Layer::transducers, 1);
   const std::uint32_t points = drawn.points_.count;
-  std::uint32_t each = crowding(shot.push, drawn.points_box_, points);
+  std::uint32_t each = point_step(shot.push, drawn.points_box_, points);
   if (shot.fineness == Fineness::quick) each = std::max(each, (points + most_quick_points - 1) / most_quick_points);
   draw(drawn.points_, 0.0f, Layer::points, each);
   draw(drawn.contacts_, 0.6f, Layer::contacts, 1);
