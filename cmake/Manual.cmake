@@ -1,26 +1,44 @@
-# cmake -DPALPA=... -DVIEWER=... -DOUT=... -DCHANGES=... -DCONTACT=... -P Manual.cmake: the pages for man and the completions for shells, as the programs
-# print them. VIEWER may be empty. Pages are compressed without their times, so that the same program gives the same bytes.
+# cmake -DPALPA=... -DVIEWER=... -DVERSION=... -DOUT=... -DCHANGES=... -DCONTACT=... -P Manual.cmake: the pages for man, which help2man writes
+# from the programs' help, and the completions for shells, as the programs print them. VIEWER may be empty. Pages are compressed without
+# their times, so that the same program gives the same bytes.
 file(REMOVE_RECURSE ${OUT})
 file(MAKE_DIRECTORY ${OUT}/man ${OUT}/bash ${OUT}/zsh ${OUT}/fish)
 
+find_program(HELP2MAN help2man REQUIRED)
 function(print FILE)
   execute_process(COMMAND ${ARGN} OUTPUT_FILE ${FILE} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
-function(page NAME)
-  print(${OUT}/man/${NAME}.1 ${ARGN})
+# page(NAME PROGRAM HELP SUMMARY ALSO...): from what PROGRAM prints with the words HELP. ALSO: names of other pages.
+function(page NAME PROGRAM HELP SUMMARY)
+  set(also ${ARGN})
+  list(TRANSFORM also REPLACE "-" "\\\\-")
+  list(TRANSFORM also REPLACE ".+" ".BR \\0 (1)\n")
+  list(JOIN also "" also)
+  file(WRITE ${OUT}/also "[see also]\n${also}")
+  # help2man would join the lines of examples.
+  cmake_path(GET PROGRAM PARENT_PATH folder)
+  cmake_path(GET PROGRAM FILENAME file)
+  execute_process(
+    COMMAND ${HELP2MAN} --no-info --name=${SUMMARY} --version-string=${NAME}\ ${VERSION} --source=palpa\ ${VERSION}
+            --include=${OUT}/also --help-option=${HELP} ./${file}
+    COMMAND sed -e "/^\\.SH EXAMPLES/,/^\\.\\(PP\\|SS\\)/{/^\\.IP/d;s/^\\.SH.*/&\\n.nf/;s/^\\.[PS][PS]/.fi\\n&/;s/^\\\\-/    &/}"
+    WORKING_DIRECTORY ${folder} OUTPUT_FILE ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND gzip -n9 ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
+  file(REMOVE ${OUT}/also)
 endfunction()
 
-execute_process(COMMAND ${PALPA} help man OUTPUT_VARIABLE overview COMMAND_ERROR_IS_FATAL ANY)
-page(palpa ${PALPA} help man)
-string(REGEX MATCHALL "\\.BR palpa[^ ]+" names "${overview}")
-foreach(name IN LISTS names)
-  string(REGEX REPLACE "^\\.BR (.*)$" "\\1" name "${name}")
-  string(REPLACE "\\-" "-" name "${name}")
-  string(REGEX REPLACE "^palpa-" "" words "${name}")
-  string(REPLACE "-" ";" words "${words}")
-  page(${name} ${PALPA} help man ${words})
+execute_process(COMMAND ${PALPA} help OUTPUT_VARIABLE overview COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE "^palpa: ([^\n]*)\n.*" "\\1" summary "${overview}")
+string(REGEX MATCH "Subcommands:\n([^\n]+\n)+" rows "${overview}")
+string(REGEX MATCHALL "\n  [a-z][^\n]+" rows "${rows}")
+set(pages "")
+foreach(row IN LISTS rows)
+  string(REGEX MATCH "^\n  (.*[^ ])   *([^ ].*)$" row "${row}")
+  string(REPLACE " " "-" name "palpa ${CMAKE_MATCH_1}")
+  page(${name} ${PALPA} "help ${CMAKE_MATCH_1} all" "${CMAKE_MATCH_2}" palpa)
+  list(APPEND pages ${name})
 endforeach()
+page(palpa ${PALPA} "help all" "${summary}" ${pages})
 print(${OUT}/bash/palpa ${PALPA} help bash)
 print(${OUT}/zsh/_palpa ${PALPA} help zsh)
 print(${OUT}/fish/palpa.fish ${PALPA} help fish)
@@ -63,7 +81,9 @@ file(WRITE ${OUT}/changelog "${text}\n -- ${CONTACT}  ${date}\n")
 execute_process(COMMAND gzip -n9 ${OUT}/changelog COMMAND_ERROR_IS_FATAL ANY)
 if(VIEWER)
   file(MAKE_DIRECTORY ${OUT}/viewer/man)
-  page(palpa-viewer ${VIEWER} --help man)
+  execute_process(COMMAND ${VIEWER} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX REPLACE "^[^:]*: ([^\n]*)\n.*" "\\1" summary "${help}")
+  page(palpa-viewer ${VIEWER} "--help all" "${summary}" palpa)
   file(RENAME ${OUT}/man/palpa-viewer.1.gz ${OUT}/viewer/man/palpa-viewer.1.gz)
   print(${OUT}/viewer/palpa-viewer ${VIEWER} --help bash)
   print(${OUT}/viewer/_palpa-viewer ${VIEWER} --help zsh)

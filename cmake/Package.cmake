@@ -9,7 +9,7 @@ if(PALPA_BUILD_VIEWER)
   set(viewer $<TARGET_FILE:palpa-viewer>)
 endif()
 add_custom_target(palpa_manual
-  COMMAND ${CMAKE_COMMAND} -DPALPA=$<TARGET_FILE:palpa> -DVIEWER=${viewer} -DOUT=${manual}
+  COMMAND ${CMAKE_COMMAND} -DPALPA=$<TARGET_FILE:palpa> -DVIEWER=${viewer} -DVERSION=${PROJECT_VERSION} -DOUT=${manual}
           -DCHANGES=${PROJECT_SOURCE_DIR}/CHANGELOG.md -DCONTACT=${contact} -P ${PROJECT_SOURCE_DIR}/cmake/Manual.cmake
   VERBATIM)
 get_property(rooms GLOBAL PROPERTY PALPA_ROOMS)

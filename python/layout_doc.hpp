@@ -6,7 +6,7 @@ namespace palpa::python {
 inline constexpr const char* solve_doc = R"(The drive for foci that sound together, in free air or on a finger.
 
 For one focus f, the transducer at distance d has the amplitude d / max d and the phase -k d (the paper's q_k, with
-the time factor exp(-i w t)). docs/solvers.md has the equations for several foci.
+the time factor exp(-i w t)). docs/notes/gs-pat.md has the equations for several foci.
 
 Parameters
 ----------

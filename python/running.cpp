@@ -170,7 +170,7 @@ Locked::~Locked() {
   if (taken_) PyGILState_Release(state_);
 }
 
-/// The interpreter ends a thread by a forced unwind, which has no object: the sanitizer takes that for a null
+/// The interpreter ends a thread by a forced unwind. It has no object, which the sanitizer would report as a null
 /// reference.
 [[gnu::no_sanitize("undefined")]] py::object call_python(const py::object& function, const py::tuple& arguments) {
   PyObject* answer = nullptr;

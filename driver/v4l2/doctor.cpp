@@ -67,9 +67,7 @@ std::string sharing(const Seen& seen, const std::vector<Seen>& all) {
 std::string advice_for(const Seen& seen, const std::vector<Seen>& all) {
   std::string advice;
   if (seen.refusal != 0) {
-    return seen.refusal == EACCES
-               ? "no permission: add yourself to the group video (usermod -aG video $USER) and log in again"
-               : std::generic_category().message(seen.refusal);
+    return seen.refusal == EACCES ? no_permission : std::generic_category().message(seen.refusal);
   }
   if (!seen.gives_depth()) return advice;
   add(advice, "depth: --source v4l2:" + seen.node.path);

@@ -12,6 +12,10 @@
 
 namespace palpa::driver::v4l2 {
 
+/// What to do if open() returns -EACCES.
+inline constexpr const char* no_permission =
+    "no permission: add yourself to the group video (usermod -aG video $USER) and log in again";
+
 /// Calls that fail return -errno; none returns -EINTR.
 class Kernel : public cameras::Host {
  public:

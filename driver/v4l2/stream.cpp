@@ -33,7 +33,7 @@ std::string refusal(int error) {
       return "there is no such camera; palpa doctor lists what is plugged in";
     case EACCES:
     case EPERM:
-      return "no permission: add yourself to the group video (usermod -aG video $USER) and log in again";
+      return no_permission;
     case EBUSY:
       return "another program uses this camera; close it first";
     default:

@@ -10,7 +10,7 @@ namespace palpa::array {
 namespace {
 
 /// Starting a thread takes a twentieth of this. It also disturbs the thread that sends drives on time.
-constexpr double worth_threads_ms = 2;
+constexpr double alone_ms = 2;
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -44,19 +44,19 @@ void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::s
   if (slots_.empty()) return;
   if (scratch_.empty()) scratch_.resize(worker_count());
   // A transfer other than the free field may have scratch of its own.
-  const bool side_by_side =
-      options.transfer == nullptr && slot_ms_ * static_cast<double>(slots_.size()) > worth_threads_ms;
-  const std::size_t threads = side_by_side ? std::min(scratch_.size(), slots_.size()) : 1;
-  const double begin_ms = now_ms();
-  if (threads == 1) {
-    solve(layout, options, 0, slots_.size(), out, scratch_[0]);
-  } else {
-    parallel_chunks(slots_.size(), chunk_count(slots_.size(), threads),
-                    [&](std::size_t thread, std::size_t begin, std::size_t end) {
-                      solve(layout, options, begin, end, out, scratch_[thread]);
-                    });
+  const bool may_have_help = options.transfer == nullptr && scratch_.size() > 1;
+  const double until_ms = now_ms() + alone_ms;
+  std::size_t done = 0;
+  while (done < slots_.size() && !(may_have_help && now_ms() > until_ms)) {
+    solve(layout, options, done, done + 1, out, scratch_[0]);
+    ++done;
   }
-  slot_ms_ = (now_ms() - begin_ms) * static_cast<double>(threads) / static_cast<double>(slots_.size());
+  const std::size_t rest = slots_.size() - done;
+  if (rest == 0) return;
+  parallel_chunks(rest, chunk_count(rest, scratch_.size()),
+                  [&](std::size_t thread, std::size_t begin, std::size_t end) {
+                    solve(layout, options, done + begin, done + end, out, scratch_[thread]);
+                  });
 }
 
 void SlotDrives::solve(const Layout& layout, const DriveOptions& options, std::size_t begin, std::size_t end,

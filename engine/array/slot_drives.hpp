@@ -3,7 +3,6 @@
 
 #include <complex>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,8 +23,7 @@ class SlotDrives {
   std::size_t size() const { return slots_.size(); }
 
   /// Writes the drives of all slots to `out`, slot after slot, one entry per transducer, with the same bytes on any
-  /// number of threads. Other threads help only if the slots take longer than it takes to start them, judged by those
-  /// of the batch before.
+  /// number of threads. Starts other threads only if the slots are not done within 2 ms.
   void solve(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out);
 
  private:
@@ -40,7 +38,6 @@ class SlotDrives {
   std::vector<SlotFocus> foci_;
   std::vector<std::complex<double>> factors_;
   std::vector<DriveScratch> scratch_;  ///< one per thread
-  double slot_ms_ = 0;                 ///< processor time of one slot in the batch before
 };
 
 }  // namespace palpa::array

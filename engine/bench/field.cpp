@@ -63,7 +63,8 @@ void check_within(const char* what, double value, double least, double most) {
   throw failure(fmt::format("bench: {} is {:.4g}, not {:.4g} to {:.4g}; nothing was timed", what, value, least, most));
 }
 
-/// The width of foci and the force of one, compared with published values of such arrays (docs/acoustics.md).
+/// The width of foci and the force of one, compared with published values of such arrays
+/// (docs/notes/field-numbers.md).
 void measure_foci(std::vector<Row>& rows) {
   const auto begin = std::chrono::steady_clock::now();
   const auto row = [&](const char* name, std::string note) {

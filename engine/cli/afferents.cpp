@@ -67,7 +67,7 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
 std::string summary_of_afferents(const setup::AfferentsResult& result, double duration_s) {
   std::string text = fmt::format("level {:.3g} of the linear pressures, crest of the force {:.3g} mN\n", result.factor,
                                  result.crest_n * 1e3);
-  for (std::size_t kind = 0; kind < study::afferent_classes; ++kind) {
+  for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind) {
     double spikes = 0, most = 0;
     for (const setup::ByClass& bin : result.spikes)
       spikes += bin[kind];

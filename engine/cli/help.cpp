@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "setup/manual.hpp"
+#include "setup/completion.hpp"
 #include "setup/option_table.hpp"
 #include "setup/parse.hpp"
 
@@ -55,7 +55,7 @@ constexpr const char* more_help =
     "  palpa help touch          what people use of touch, with examples; the same as palpa touch --help\n"
     "  palpa help touch all      every option of touch; the same as palpa touch --help all\n"
     "  palpa help all            options of all subcommands, units, exit codes, words\n"
-    "  palpa help man touch      the same as a page for man; palpa help bash, zsh or fish: completion\n"
+    "  palpa help bash           completes command lines in bash; palpa help zsh and palpa help fish, too\n"
     "  palpa --version           the version, the build and its libraries\n";
 
 constexpr const char* last_lines =
@@ -85,27 +85,14 @@ setup::HelpText text_of(const Program& program, const CLI::App& command) {
           .common = "palpa help all"};
 }
 
-std::vector<setup::ManualCommand> manual_of(const Program& program) {
-  std::vector<setup::ManualCommand> commands;
+/// `palpa help bash`, `zsh` and `fish`; empty for other words.
+std::optional<std::string> completion_asked(const Program& program, const std::vector<std::string>& words) {
+  const std::optional<setup::Shell> shell = words.size() == 1 ? setup::shell_of(words.front()) : std::nullopt;
+  if (!shell) return std::nullopt;
+  std::vector<setup::CompletedCommand> commands;
   for (const CLI::App* command : commands_of(program))
     commands.push_back({text_of(program, *command), setup::option_table(*command)});
-  return commands;
-}
-
-/// `palpa help man [SUBCOMMAND]` and `palpa help bash`, `zsh` and `fish`; empty for other words.
-std::optional<std::string> manual_asked(const Program& program, const std::vector<std::string>& words) {
-  if (words.size() == 1) {
-    if (const auto shell = setup::shell_of(words.front()))
-      return setup::completion(*shell, "palpa", manual_of(program));
-  }
-  if (words.empty() || words.front() != "man") return std::nullopt;
-  const std::vector<setup::ManualCommand> commands = manual_of(program);
-  if (words.size() == 1) return setup::man_page("palpa", summary, first_examples, commands);
-  const std::string name = fmt::format("palpa {}", fmt::join(words.begin() + 1, words.end(), " "));
-  for (const setup::ManualCommand& command : commands) {
-    if (command.text.name == name) return setup::man_page(command);
-  }
-  return std::nullopt;
+  return setup::completion(*shell, "palpa", commands);
 }
 
 }  // namespace
@@ -134,7 +121,7 @@ std::optional<std::string> help_asked(const Program& program, int argc, const ch
   if (all) words.pop_back();
   const HelpLength length = all ? HelpLength::all : HelpLength::usual;
   if (!all) {
-    if (std::optional<std::string> page = manual_asked(program, words)) return page;
+    if (std::optional<std::string> script = completion_asked(program, words)) return script;
   }
   if (words.empty()) return overview(program, length);
   const std::string name = fmt::format("{}", fmt::join(words, " "));

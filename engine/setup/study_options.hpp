@@ -11,6 +11,9 @@
 
 namespace palpa::setup {
 
+/// For a palpa that was built without SDL2, which plays noise in headphones.
+inline constexpr const char* how_to_get_sdl2 = "install libsdl2-dev (./dev deps audio) and build palpa again";
+
 struct StudyRunOptions {
   CommonOptions common;
   std::string plan;  ///< file

@@ -382,7 +382,7 @@ TEST(Medium, SoundSpeedAtATemperature) {
   EXPECT_ERROR(sound_speed_at(INFINITY), Exit::usage, "temperature inf");
 }
 
-/// The first batch is solved by one thread, and the next ones by several.
+/// What takes longer than 2 ms is solved by several threads.
 TEST(SlotDrives, AreTheSameOnAnyNumberOfThreads) {
   const Layout layout = scattered(300, 5);
   const DriveOptions options{.constraint = Constraint::uniform, .solver = Solver::gs_pat};

@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base drawing gpu geometry sensing touch array acoustics study session setup bench cli", floor_names)
+  split("base drawing gpu geometry sensing touch array acoustics study observer session setup bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.
@@ -25,7 +25,8 @@ BEGIN {
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads beside links watch predict plan loop previews .")
-  order("study", "statistics tables plan files afferents observer sitting . report predicted")
+  order("study", "statistics tables pages plan files sitting . report")
+  order("observer", "afferents . predicted")
   order("setup", ". experiment tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
@@ -79,6 +80,8 @@ function fault(text) {
   if (house == "engine") {
     if (target ~ /^(driver|viewer|assets|tests)$/) fault("engine/ may not include " name ", which is above it")
     if ((target in floor_of) && floor_of[target] > floor_of[room]) fault(room "/ may not include " name ", which is above it")
+    if (room == "observer" && target == "study" && name !~ /^study\/(statistics|tables|pages)\//)
+      fault("observer/ may not include " name ": of a study, it knows only tables, statistics and pages")
     if (room ~ /^(array|acoustics)$/ && target ~ /^(sensing|touch)$/) fault(room "/ may not include " name ": sound knows no fingers")
   } else if (house == "driver") {
     if (target ~ /^(viewer|assets|tests)$/) fault("driver/ may not include " name)

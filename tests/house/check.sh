@@ -90,7 +90,7 @@ help_pages() {
 # Which room may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
-# The walks of docs/architecture.md match the sources: tests/house/walks.py.
+# The walks of docs/notes/walks.md match the sources: tests/house/walks.py.
 walks() { python3 tests/house/walks.py; }
 
 # Plain English in comments, messages, tests and pages: tests/house/words.py.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""walks.py: follows the chains of calls in docs/architecture.md ("Walks") through the sources.
+"""walks.py: follows the chains of calls in docs/notes/walks.md through the sources.
 
 A walk is a heading `### TITLE: N files` and the indented lines below it. Each line names a function, the source that defines it,
 and, after two spaces, what it does; a line without a source has the source of the line above. A function stands deeper than its
@@ -11,7 +11,7 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGE = "docs/architecture.md"
+PAGE = "docs/notes/walks.md"
 ROOMS = ["", "engine", "driver"]
 
 

@@ -54,7 +54,9 @@ done
 for page in "$base"/files/usr/share/man/man1/*.gz; do
   ! command -v man >/dev/null || man --warnings -l "$page" 2>&1 >/dev/null | { ! grep .; } || die "man warns of $page"
 done
-[[ -s $base/files/usr/share/man/man1/palpa-touch.1.gz && -s $base/files/usr/share/man/man1/palpa-viewer.1.gz ]] || die "pages for man are missing"
+for option in palpa-touch:csv palpa-study-analyse:html palpa-viewer:screenshot; do
+  zgrep -q "^.fB.*${option#*:}" "$base/files/usr/share/man/man1/${option%:*}.1.gz" || die "the page for man of ${option%:*} lacks --${option#*:}"
+done
 ! command -v desktop-file-validate >/dev/null || desktop-file-validate --no-hints "$base/files/usr/share/applications/palpa-viewer.desktop"
 ! command -v appstreamcli >/dev/null || appstreamcli validate --no-net "$base"/files/usr/share/metainfo/*.xml >/dev/null || die "AppStream's metadata are faulty"
 rm -rf "$base/files"

@@ -76,7 +76,7 @@ TEST(SkinRates, BeyondTheFingertipAreUnknown) {
     p.y *= 5;  // 30 mm high
   const session::SkinAnswer felt = SkinRates().answer(q, bodies);
   for (std::size_t v = 0; v < felt.rates.size(); ++v)
-    EXPECT_EQ(std::isnan(felt.rates[v][pc]), glm::length(q.finger.positions[v]) > study::fingertip_reach_m) << v;
+    EXPECT_EQ(std::isnan(felt.rates[v][pc]), glm::length(q.finger.positions[v]) > observer::fingertip_reach_m) << v;
 }
 
 TEST(SkinRates, OfSilenceAreZero) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/files.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 
@@ -85,6 +86,17 @@ inline void write_small_plan(const std::filesystem::path& file, const std::strin
                        "[study]\nparticipants = 3\ntrials_per_shape = 5\ntouch_s = 2\n"
                        "[observer]\ndepths_mm = [1]\nplacements = 3\nlateral_mm = 0.05\nyaw_deg = 0.5\n"
                        "[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 30\n");
+}
+
+/// A rig with a screen and one small camera, which sees the fingertip.
+inline std::filesystem::path write_study_rig(const std::filesystem::path& folder) {
+  const std::string camera = read_text(source_file("tests/cli/support/small_rig.toml"));
+  const std::string paper = read_text(source_file("assets/rigs/paper.toml"));
+  const std::filesystem::path file = folder / "rig.toml";
+  const std::size_t screen = paper.find("[screen]");
+  write_text(file, camera.substr(0, camera.find("[array]")) +
+                       paper.substr(screen, paper.find("\n\n", screen) - screen) + "\n");
+  return file;
 }
 
 }  // namespace palpa::test

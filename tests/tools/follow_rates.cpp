@@ -2,7 +2,7 @@
 // by hand. Arguments: frames per film (default 30), films of fingers that move (default 18), anything: only with all
 // rules and with none. Or: still FRAMES, only hands at rest. Or: motion FILMS, only fingers that move. Or: leave FILMS,
 // only fingers that leave. Or: scan FRAMES, for many hands. Or: trace POSE TURN TILT PRESS_MM CAMERAS, for one of them.
-// The tables of docs/touch.md come from "still 30" and "motion 9".
+// The tables of docs/notes/finger-rates.md come from "still 30", "motion 9" and "leave 9".
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,6 @@
 // Prints how far foci are from the skin when they sound, without and with prediction. It is not a test; run it by hand.
-// It makes the tables of docs/touch.md, from rendered fingers and from the shared recordings (hand-motion).
+// It makes the tables of docs/notes/prediction-errors.md, from rendered fingers and from the shared recordings
+// (hand-motion).
 #include <cstdio>
 #include <memory>
 

@@ -1,5 +1,5 @@
 // Prints how much foci move from frame to frame, without and with steady foci. It is not a test; run it by hand. It
-// makes the tables of docs/touch.md. Argument: foci per finger (default 10).
+// makes the tables of docs/notes/steady-foci.md. Argument: foci per finger (default 10).
 #include <cstdio>
 #include <cstdlib>
 

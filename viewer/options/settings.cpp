@@ -27,7 +27,7 @@ std::optional<std::filesystem::path> settings_file() {
 
 namespace {
 
-constexpr const char *unfolded = "unfolded", *folded = "folded", *recent = "recent";
+constexpr const char *unfolded = "unfolded", *folded = "folded", *recent_files = "recent";
 
 std::vector<std::string> texts_or_none(TomlTable& table, const char* key) {
   return table.has(key) ? table.texts(key) : std::vector<std::string>();
@@ -71,7 +71,7 @@ Settings load_settings(const std::filesystem::path& file) {
     settings.headings[name] = true;
   for (const std::string& name : texts_or_none(table, folded))
     settings.headings[name] = false;
-  settings.recent = texts_or_none(table, recent);
+  settings.recent = texts_or_none(table, recent_files);
   if (std::optional<TomlTable> window = table.table("window")) settings.window = load_window(std::move(*window));
   if (std::optional<TomlTable> layers = table.table("layers")) {
     for (const Word<Layer>& entry : layer_words) {
@@ -116,7 +116,7 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
   std::vector<std::string> open, closed;
   for (const auto& [name, is_open] : settings.headings)
     (is_open ? open : closed).push_back(name);
-  text += list_of(unfolded, open) + list_of(folded, closed) + list_of(recent, settings.recent);
+  text += list_of(unfolded, open) + list_of(folded, closed) + list_of(recent_files, settings.recent);
   if (const auto& window = settings.window) {
     text += fmt::format("[window]\nx = {}\ny = {}\nwidth = {}\nheight = {}\n", window->x, window->y, window->width,
                         window->height);

@@ -7,8 +7,8 @@
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
 #include "base/version.hpp"
+#include "setup/completion.hpp"
 #include "setup/help.hpp"
-#include "setup/manual.hpp"
 #include "setup/option_table.hpp"
 #include "setup/parse.hpp"
 #include "viewer/options/settings.hpp"
@@ -35,12 +35,10 @@ setup::HelpText help_text() {
       .common = ""};
 }
 
-/// `--help`; `--help man` is a page for man, and `--help bash`, `zsh` and `fish` complete command lines.
+/// `--help`; `--help bash`, `zsh` and `fish` complete command lines.
 std::string page_of(const CLI::App& app, int argc, const char* const* argv) {
-  const std::string word = setup::word_after_help(argc, argv);
-  const setup::ManualCommand command{help_text(), setup::option_table(app)};
-  if (word == "man") return setup::man_page(command);
-  if (const auto shell = setup::shell_of(word)) return setup::completion(*shell, "palpa-viewer", {command});
+  if (const auto shell = setup::shell_of(setup::word_after_help(argc, argv)))
+    return setup::completion(*shell, "palpa-viewer", {{help_text(), setup::option_table(app)}});
   return setup::help_page(app, help_text(), setup::help_length(argc, argv));
 }
 

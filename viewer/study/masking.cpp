@@ -1,6 +1,7 @@
 #include "viewer/study/masking.hpp"
 
 #include "base/error.hpp"
+#include "setup/study_options.hpp"
 
 #ifdef PALPA_SDL2
 #include <SDL.h>
@@ -139,9 +140,8 @@ struct Masking::Device {};
 
 Masking::Masking(const std::string& kind) : name_(kind) {
   if (kind == "off") return;
-  throw failure("masking = \"" + kind +
-                "\": this palpa was built without SDL2, so it plays no sound in headphones: install libsdl2-dev "
-                "(./dev deps audio) and build palpa again, or write masking = \"off\" into the [run] of the plan");
+  throw failure("masking = \"" + kind + "\": this palpa was built without SDL2, so it plays no sound in headphones: " +
+                setup::how_to_get_sdl2 + ", or write masking = \"off\" into the [run] of the plan");
 }
 
 Masking::~Masking() = default;

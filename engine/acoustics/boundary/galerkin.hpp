@@ -16,7 +16,7 @@
 // Pairs of patches that touch are sampled by rules that remove the singularity, close pairs by six samples on each
 // patch, if necessary after subdivision (near_rules.hpp), and all others by three (triangle_rules.hpp). Single
 // precision is enough: the matrix is well conditioned, and its error of 4e-6 is far below the error of linear elements
-// (docs/acoustics.md).
+// (docs/notes/boundary-elements.md).
 #pragma once
 
 #include <atomic>

@@ -10,15 +10,15 @@
 #include "base/sha256.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
+#include "observer/beside.hpp"
+#include "observer/predicted/prediction_reports.hpp"
+#include "observer/prediction.hpp"
 #include "setup/assets.hpp"
 #include "setup/experiment/observe.hpp"
 #include "setup/progress.hpp"
 #include "setup/study_plan.hpp"
 #include "study/comparison.hpp"
-#include "study/observer/beside.hpp"
-#include "study/observer/prediction.hpp"
 #include "study/plan/plan_file.hpp"
-#include "study/predicted/prediction_reports.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -60,23 +60,24 @@ void run_study_simulate(const StudySimulateCommand& o) {
   study::refuse_without_fit(plan);
   // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
   std::vector<std::string> left_out;
-  std::vector<study::ObservedTable> tables;
+  std::vector<observer::ObservedTable> tables;
   for (const std::string& source : o.beside) {
     for (study::NamedTable& table : study::tables_of(source, left_out))
       tables.push_back({method_of(table.name, source), source, std::move(table.table)});
   }
   setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
-  const study::Prediction prediction = study::predict(setup::observe(plan, finger),
-                                                      {.fitted = {plan.fit.method, plan.fit.accuracy, plan.fit.trials},
-                                                       .observers = plan.counts.participants,
-                                                       .trials_per_shape = plan.counts.trials_per_shape,
-                                                       .touch_s = plan.counts.touch_s,
-                                                       .seed = o.common.seed},
-                                                      {.keep = true});
+  const observer::Prediction prediction =
+      observer::predict(setup::observe(plan, finger),
+                        {.fitted = {plan.fit.method, plan.fit.accuracy, plan.fit.trials},
+                         .observers = plan.counts.participants,
+                         .trials_per_shape = plan.counts.trials_per_shape,
+                         .touch_s = plan.counts.touch_s,
+                         .seed = o.common.seed},
+                        {.keep = true});
   progress.reset();
-  const std::string document = study::prediction_document(prediction), hash = sha256(document);
-  study::Beside beside = study::beside(prediction, tables);
+  const std::string document = observer::prediction_document(prediction), hash = sha256(document);
+  observer::Beside beside = observer::beside(prediction, tables);
   beside.left_out.insert(beside.left_out.begin(), left_out.begin(), left_out.end());
   warn_of(beside.left_out);
   if (!o.prediction.empty()) write_file(o.prediction, document);

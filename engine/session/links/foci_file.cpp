@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "session/links/foci_link.hpp"
 
 namespace palpa::session {
@@ -40,21 +41,12 @@ class JsonFile final : public FociFile {
   const char* between_ = "\n";
 };
 
-/// The text as a CSV cell, in quotes if necessary.
-std::string cell(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text)
-    quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
-}
-
 class CsvFile final : public FociFile {
  public:
   CsvFile(const std::string& file, const LinkSetting& setting) : out_(file) {
     out_.write("slot,time_s,finger,solid,focus,x,y,z,gain\n");
     for (const std::string& name : setting.solid_names)
-      solid_cells_.push_back(cell(name));
+      solid_cells_.push_back(csv_cell(name));
   }
   void plan(const PlayedPlan& plan) override {
     text_.clear();

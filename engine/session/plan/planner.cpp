@@ -1,8 +1,5 @@
 #include "session/plan/planner.hpp"
 
-// From a frame to a plan: the stage finds fingers, the predictor moves them, the scheduler makes their schedule, and
-// the drives of its slots are computed. On a device, points and drives take a submit each, with the host between them:
-// this costs a fraction of a millisecond, and keeps fingers, schedules and methods in plain C++.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -47,6 +44,9 @@ struct Flight {
   enum class State { idle, touching, driving } state = State::idle;
 };
 
+/// From a frame to a plan: the stage finds fingers, the predictor moves them, the scheduler makes their schedule, and
+/// the drives of its slots are computed. On a device, points and drives take a submit each, with the host between them:
+/// this costs a fraction of a millisecond, and keeps fingers, schedules and methods in plain C++.
 class FramePlanner : public Planner {
  public:
   FramePlanner(const gpu::Device* device, const SessionSetting& setting, Scheduler& scheduler, FingerSounds* sounds)

@@ -1,5 +1,6 @@
 // Where a point that moves with a finger will be some milliseconds after it was seen: a Kalman filter for constant
-// velocity, with a gate for the velocity. docs/touch.md says what it gains and why other filters were not taken.
+// velocity, with a gate for the velocity. docs/notes/prediction-errors.md says what it gains and why other filters were
+// not taken.
 //
 // Each axis has the state (x, v). Between two frames, white acceleration of the spectral density q^2 acts on it:
 //

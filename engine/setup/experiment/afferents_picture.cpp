@@ -68,11 +68,11 @@ drawing::Pixels afferents_picture(const AfferentsResult& result) {
   const SeenFromBelow seen(result.body, Vec3(0));
   const std::vector<std::int64_t> sites = sites_of_faces(result);
   std::vector<drawing::Pixels> pictures;
-  for (std::size_t kind = 0; kind < study::afferent_classes; ++kind)
+  for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind)
     pictures.push_back(drawing::halved(rates_picture(result, seen, sites, kind)));
-  for (std::size_t kind = 0; kind < study::afferent_classes; ++kind)
+  for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind)
     pictures.push_back(drawing::halved(times_picture(result, kind)));
-  return drawing::side_by_side(pictures, study::afferent_classes);
+  return drawing::side_by_side(pictures, observer::afferent_classes);
 }
 
 }  // namespace palpa::setup

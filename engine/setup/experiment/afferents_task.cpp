@@ -25,7 +25,7 @@ void check(const AfferentsTask& task) {
 }
 
 std::string AfferentsResult::class_name(std::size_t kind) const {
-  return std::string(study::afferent_words[kind].word);
+  return std::string(observer::afferent_words[kind].word);
 }
 
 AfferentsResult afferents(const AfferentsTask& task, ObservedFinger& finger, const std::string& scene,
@@ -39,39 +39,40 @@ AfferentsResult afferents(const AfferentsTask& task, ObservedFinger& finger, con
     throw bad_input(scene, "the finger touches nothing there; give another --penetration");
   out.crest_n = out.factor * touch.crest_n;
   out.bin_s = task.bin_s;
-  const auto samples = static_cast<std::size_t>(std::lround(task.duration_s * study::afferent_rate_hz));
-  const study::SkinMotion motion =
-      study::SkinUnderPattern(finger.load(study::Delays::waves), touch.pattern, samples).motion();
+  const auto samples = static_cast<std::size_t>(std::lround(task.duration_s * observer::afferent_rate_hz));
+  const observer::SkinMotion motion =
+      observer::SkinUnderPattern(finger.load(observer::Delays::waves), touch.pattern, samples).motion();
   const std::size_t sites = out.sites.positions.size();
   out.rates_hz.resize(sites);
   out.spikes.resize(static_cast<std::size_t>(std::ceil(task.duration_s / task.bin_s - 1e-9)));
-  for (const study::AfferentModel& model : study::afferent_models()) {
+  for (const observer::AfferentModel& model : observer::afferent_models()) {
     const auto kind = static_cast<std::size_t>(model.kind);
-    const study::Spikes spikes = study::respond(motion, model, out.factor, 0, study::SpikeTimes::yes);
+    const observer::Spikes spikes = observer::respond(motion, model, out.factor, 0, observer::SpikeTimes::yes);
     for (std::size_t s = 0; s < sites; ++s) {
-      const double here = study::afferents_at(out.sites.areas_cm2[s], model.kind);
+      const double here = observer::afferents_at(out.sites.areas_cm2[s], model.kind);
       out.afferents[kind] += here;
       if (spikes.counts[s] > 0) out.active[kind] += here;
-      out.rates_hz[s][kind] += spikes.counts[s] / task.duration_s / static_cast<double>(study::models_of(model.kind));
+      out.rates_hz[s][kind] +=
+          spikes.counts[s] / task.duration_s / static_cast<double>(observer::models_of(model.kind));
       for (const double time : spikes.times[s]) {
         // A spike is stamped with the end of its sample.
-        const auto bin = static_cast<std::size_t>((time - 0.5 / study::afferent_rate_hz) / task.bin_s);
+        const auto bin = static_cast<std::size_t>((time - 0.5 / observer::afferent_rate_hz) / task.bin_s);
         if (bin < out.spikes.size()) out.spikes[bin][kind] += here;
       }
     }
   }
-  for (std::size_t kind = 0; kind < study::afferent_classes; ++kind)
+  for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind)
     out.active[kind] /= out.afferents[kind];
   return out;
 }
 
 namespace {
 
-constexpr const char* class_keys[study::afferent_classes]{"sa1", "ra", "pc"};
+constexpr const char* class_keys[observer::afferent_classes]{"sa1", "ra", "pc"};
 
 void add_classes(JsonWriter& json, const ByClass& values) {
   json.begin_object(JsonWriter::Style::line);
-  for (std::size_t kind = 0; kind < study::afferent_classes; ++kind)
+  for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind)
     json.key(class_keys[kind]).rounded(values[kind], 10);
   json.end_object();
 }

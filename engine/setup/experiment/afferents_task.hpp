@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "geometry/solid.hpp"
+#include "observer/afferents/finger_place.hpp"
+#include "observer/afferents/models.hpp"
 #include "setup/experiment/observed_finger.hpp"
-#include "study/afferents/finger_place.hpp"
-#include "study/afferents/models.hpp"
 #include "study/plan/plan_method.hpp"
 
 namespace palpa::setup {
@@ -17,7 +17,7 @@ namespace palpa::setup {
 struct AfferentsTask {
   study::PlanMethod method{.name = "cross-section", .stride = {}};
   double penetration_m = 3e-3;
-  study::FingerPlace place;
+  observer::FingerPlace place;
   double crest_n = 16e-3;  ///< sets the level, see Calibration
   bool linear = false;     ///< the linear pressures instead
   double duration_s = 0.5, bin_s = 5e-3;
@@ -26,11 +26,11 @@ struct AfferentsTask {
 void check(const AfferentsTask& task);
 
 /// Values by class: SA1, RA, PC.
-using ByClass = std::array<double, study::afferent_classes>;
+using ByClass = std::array<double, observer::afferent_classes>;
 
 struct AfferentsResult {
   geometry::Mesh body;  ///< tip at the origin
-  study::SkinSites sites;
+  observer::SkinSites sites;
   double factor = 1;              ///< on the linear pressures
   double crest_n = 0;             ///< the largest force on the finger, at that level
   std::vector<ByClass> rates_hz;  ///< per site: of the mean afferent of the class

@@ -12,30 +12,31 @@
 #include "acoustics/felt/skin.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
+#include "observer/placements.hpp"
 #include "setup/assets.hpp"
 #include "setup/experiment/level.hpp"
 #include "setup/experiment/response_cache.hpp"
 #include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
-#include "study/observer/placements.hpp"
 
 namespace palpa::setup {
 namespace {
 
 /// Spikes of every model at every site within the counting window.
-std::vector<float> counts_of(const study::SkinMotion& motion, double factor) {
+std::vector<float> counts_of(const observer::SkinMotion& motion, double factor) {
   const std::size_t sites = motion.velocity.sites();
-  std::vector<float> counts(sites * study::model_count);
-  for (std::size_t m = 0; m < study::model_count; ++m) {
-    const study::Spikes spikes = study::respond(motion, study::afferent_models()[m], factor, study::settling_samples);
+  std::vector<float> counts(sites * observer::model_count);
+  for (std::size_t m = 0; m < observer::model_count; ++m) {
+    const observer::Spikes spikes =
+        observer::respond(motion, observer::afferent_models()[m], factor, observer::settling_samples);
     for (std::size_t s = 0; s < sites; ++s)
-      counts[s * study::model_count + m] = static_cast<float>(spikes.counts[s]);
+      counts[s * observer::model_count + m] = static_cast<float>(spikes.counts[s]);
   }
   return counts;
 }
 
 /// Root mean square over time of the deflection at each site, its lines weighted by a sensitivity.
-std::vector<float> felt_at(const study::SkinUnderPattern::Lines& lines, double (*sensitivity)(double hz)) {
+std::vector<float> felt_at(const observer::SkinUnderPattern::Lines& lines, double (*sensitivity)(double hz)) {
   std::vector<float> felt;
   for (std::size_t begin = 0; begin < lines.amplitudes.size(); begin += lines.hz.size()) {
     double square = 0;
@@ -47,19 +48,19 @@ std::vector<float> felt_at(const study::SkinUnderPattern::Lines& lines, double (
 }
 
 /// The response to one pattern at these levels, with all that the variants of the observer need.
-study::TouchResponse respond_to(const study::SkinLoad& waves, const study::SkinLoad& at_once,
-                                const study::PressurePattern& pattern, const std::vector<double>& factors) {
-  study::TouchResponse response;
+observer::TouchResponse respond_to(const observer::SkinLoad& waves, const observer::SkinLoad& at_once,
+                                   const observer::PressurePattern& pattern, const std::vector<double>& factors) {
+  observer::TouchResponse response;
   if (pattern.slots.empty()) return response;
-  const study::SkinUnderPattern skin(waves, pattern, study::observed_samples);
-  const study::SkinMotion motion = skin.motion();
+  const observer::SkinUnderPattern skin(waves, pattern, observer::observed_samples);
+  const observer::SkinMotion motion = skin.motion();
   for (const double factor : factors)
     response.counts.push_back(counts_of(motion, factor));
-  const study::SkinUnderPattern rigid(at_once, pattern, study::observed_samples);
+  const observer::SkinUnderPattern rigid(at_once, pattern, observer::observed_samples);
   response.at_once = counts_of(rigid.motion(), factors[0]);
   const std::vector<double> stress = skin.mean_stress();
   response.mean_stress.assign(stress.begin(), stress.end());
-  const study::SkinUnderPattern::Lines lines = skin.lines();
+  const observer::SkinUnderPattern::Lines lines = skin.lines();
   response.flutter = felt_at(lines, acoustics::flutter_sensitivity);
   response.vibration = felt_at(lines, acoustics::vibration_sensitivity);
   return response;
@@ -98,7 +99,7 @@ Calibration calibrate(ObservedFinger& finger, const array::Layout& layout) {
   const std::vector<geometry::Solid> solids = load_solids(file);
   const ObservedMethod observed{{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}}, &layout};
   const std::vector<double> depths{calibration_depth_m}, none;
-  const std::vector<study::FingerPlace> places(1);
+  const std::vector<observer::FingerPlace> places(1);
   const CacheKey key = key_of({finger, solids, depths, places, none}, observed);
   if (const std::optional<double> kept = load_number(key)) return {*kept};
   const Calibration calibration = calibrate_level(finger, layout);
@@ -120,7 +121,7 @@ struct MissingResponses {
 
 struct TouchList {
   const std::vector<double>& depths_m;
-  const std::vector<study::FingerPlace>& places;
+  const std::vector<observer::FingerPlace>& places;
   const std::vector<double>& factors;
 };
 
@@ -133,11 +134,12 @@ void touch_shape(ObservedFinger& finger, const TouchedScene& shape, const TouchL
     methods.push_back(one.method);
     one.into.resize(list.depths_m.size() * list.places.size());
   }
-  const study::SkinLoad &waves = finger.load(study::Delays::waves), &at_once = finger.load(study::Delays::none);
+  const observer::SkinLoad &waves = finger.load(observer::Delays::waves),
+                           &at_once = finger.load(observer::Delays::none);
   std::size_t first = 0;
   for (const double depth : list.depths_m) {
     std::vector<std::vector<TouchPattern>> patterns;
-    for (const study::FingerPlace& place : list.places) {
+    for (const observer::FingerPlace& place : list.places) {
       patterns.push_back(touch_patterns(finger, {shape.file, shape.solids, depth}, place, methods));
       activity.advance();
     }
@@ -160,14 +162,14 @@ double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
   return crest_force_n(plan, calibrate(finger, layout));
 }
 
-study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
+observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
   const Calibration calibration = calibrate(finger, *loaded.methods[plan.fit.method].layout);
-  study::Responses out;
+  observer::Responses out;
   out.depths_m = plan.observer.depths_m;
   out.placements = plan.observer.placements;
   out.areas_cm2 = finger.sites().areas_cm2;
-  out.seconds_counted = (study::observed_samples - study::settling_samples) / study::afferent_rate_hz;
+  out.seconds_counted = (observer::observed_samples - observer::settling_samples) / observer::afferent_rate_hz;
   for (const study::PlanShape& shape : plan.shapes)
     out.shapes.push_back(shape.name);
   std::vector<double> factors;
@@ -185,8 +187,8 @@ study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   add_level(fmt::format("plan ({:.2g} mN)", of_plan * 1e3), calibration.factor(of_plan));
   out.levels.back().plan_ceiling = plan.level.ceiling;
   add_level("linear", 1);
-  const std::vector<study::FingerPlace> places =
-      study::places_of({plan.observer.lateral_m, plan.observer.yaw_rad}, plan.observer.placements);
+  const std::vector<observer::FingerPlace> places =
+      observer::places_of({plan.observer.lateral_m, plan.observer.yaw_rad}, plan.observer.placements);
 
   // In the order of the result: by method, then by shape.
   std::vector<ShapeResponses> responses(loaded.methods.size() * loaded.shapes.size());
@@ -212,7 +214,7 @@ study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
       touch_shape(finger, loaded.shapes[s], {out.depths_m, places, factors}, missing[s], activity);
   }
   for (ShapeResponses& one : responses) {
-    for (study::TouchResponse& response : one)
+    for (observer::TouchResponse& response : one)
       out.touches.push_back(std::move(response));
   }
   return out;

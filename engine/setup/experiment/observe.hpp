@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "observer/responses.hpp"
 #include "setup/experiment/observed_finger.hpp"
-#include "study/observer/responses.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::setup {
@@ -18,6 +18,6 @@ double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger);
 
 /// All touches of the plan's methods and candidates. Results are kept between runs. Reports its progress (Activity).
 /// Throws bad_input naming a missing model or layout, otherwise as touch_patterns does.
-study::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger);
+observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger);
 
 }  // namespace palpa::setup

@@ -42,7 +42,7 @@ ObservedFinger::ObservedFinger(std::string name, const acoustics::Air& air,
 }
 
 void ObservedFinger::find_skin() {
-  sites_ = study::sites_of(mesh_);
+  sites_ = observer::sites_of(mesh_);
   if (sites_.positions.empty())
     throw bad_input(name_, "has no skin within 22 mm of the origin: a finger has its tip there, and its body along +y");
   skin_ = dense_points(mesh_, sites_.faces);
@@ -53,8 +53,8 @@ const acoustics::RigidBody& ObservedFinger::body() {
   return *body_;
 }
 
-const study::SkinLoad& ObservedFinger::load(study::Delays delays) {
-  std::optional<study::SkinLoad>& load = delays == study::Delays::waves ? waves_ : at_once_;
+const observer::SkinLoad& ObservedFinger::load(observer::Delays delays) {
+  std::optional<observer::SkinLoad>& load = delays == observer::Delays::waves ? waves_ : at_once_;
   if (!load) load.emplace(mesh_, sites_, delays);
   return *load;
 }

@@ -11,9 +11,9 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "observer/afferents/skin_load.hpp"
+#include "observer/afferents/skin_sites.hpp"
 #include "setup/options.hpp"
-#include "study/afferents/skin_load.hpp"
-#include "study/afferents/skin_sites.hpp"
 
 namespace palpa::setup {
 
@@ -30,12 +30,12 @@ class ObservedFinger {
   const acoustics::Air& air() const { return air_; }
   /// Made when it is first needed.
   const acoustics::RigidBody& body();
-  const study::SkinSites& sites() const { return sites_; }
+  const observer::SkinSites& sites() const { return sites_; }
   /// Points of the skin near the tip, at most about 0.3 mm apart, as dense as the clouds of several cameras. The mesh's
   /// own vertices are so far apart that an edge or a point of a shape may pass between them.
   const std::vector<Vec3>& skin() const { return skin_; }
   /// From pressures to afferents, with waves and without.
-  const study::SkinLoad& load(study::Delays delays);
+  const observer::SkinLoad& load(observer::Delays delays);
 
  private:
   void find_skin();
@@ -43,10 +43,10 @@ class ObservedFinger {
   std::string name_;
   acoustics::Air air_;
   geometry::Mesh mesh_;
-  study::SkinSites sites_;
+  observer::SkinSites sites_;
   std::vector<Vec3> skin_;
   std::shared_ptr<const acoustics::RigidBody> body_;
-  std::optional<study::SkinLoad> waves_, at_once_;
+  std::optional<observer::SkinLoad> waves_, at_once_;
 };
 
 }  // namespace palpa::setup

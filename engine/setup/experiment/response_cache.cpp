@@ -35,14 +35,14 @@ CacheKey key_of(const ResponseSource& source, const ObservedMethod& observed) {
     add_all(hash, solid.mesh.triangles);
   }
   add_all(hash, source.depths_m);
-  for (const study::FingerPlace& place : source.places) {
+  for (const observer::FingerPlace& place : source.places) {
     hash.add(place.x_m);
     hash.add(place.z_m);
     hash.add(place.yaw_rad);
   }
   add_all(hash, source.factors);
-  hash.add(study::observed_samples);
-  hash.add(study::settling_samples);
+  hash.add(observer::observed_samples);
+  hash.add(observer::settling_samples);
   const study::PlanMethod& m = observed.method;
   hash.add(static_cast<std::uint32_t>(m.method));
   hash.add(m.foci);
@@ -63,7 +63,7 @@ void store_responses(const CacheKey& key, const ShapeResponses& responses) {
   std::vector<std::uint8_t> sounds;
   std::vector<std::uint16_t> counts;
   std::vector<float> maps;
-  for (const study::TouchResponse& touch : responses) {
+  for (const observer::TouchResponse& touch : responses) {
     sounds.push_back(touch.counts.empty() ? 0 : 1);
     const auto add = [&](const std::vector<float>& values) {
       for (const float value : values)
@@ -87,13 +87,13 @@ std::optional<ShapeResponses> load_responses(const CacheKey& key, std::size_t to
   auto counts = file->section_as<std::uint16_t>(1);
   auto maps = file->section_as<float>(2);
   const auto loud = static_cast<std::size_t>(std::ranges::count(sounds, 1));
-  const std::size_t of_a_level = sites * study::model_count;
+  const std::size_t of_a_level = sites * observer::model_count;
   if (sounds.size() != touches || counts.size() != loud * (levels + 1) * of_a_level || maps.size() != loud * 3 * sites)
     return {};
   ShapeResponses responses(touches);
   for (std::size_t i = 0; i < touches; ++i) {
     if (sounds[i] == 0) continue;
-    study::TouchResponse& touch = responses[i];
+    observer::TouchResponse& touch = responses[i];
     const auto take_counts = [&] {
       std::vector<float> values(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(of_a_level));
       counts = counts.subspan(of_a_level);

@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "base/cache_file.hpp"
+#include "observer/responses.hpp"
 #include "setup/experiment/touch_patterns.hpp"
-#include "study/observer/responses.hpp"
 
 namespace palpa::setup {
 
-/// The touches of a shape with a method: every depth and placement, in the order of study::Responses.
-using ShapeResponses = std::vector<study::TouchResponse>;
+/// The touches of a shape with a method: every depth and placement, in the order of observer::Responses.
+using ShapeResponses = std::vector<observer::TouchResponse>;
 
 /// What the touches of a shape depend on, beside the method.
 struct ResponseSource {
   const ObservedFinger& finger;
   const std::vector<geometry::Solid>& solids;
   const std::vector<double>& depths_m;
-  const std::vector<study::FingerPlace>& places;
+  const std::vector<observer::FingerPlace>& places;
   const std::vector<double>& factors;  ///< of the levels
 };
 CacheKey key_of(const ResponseSource& source, const ObservedMethod& method);

@@ -38,25 +38,25 @@ bool same_array(const array::Layout& a, const array::Layout& b) {
 }
 
 /// The rates of the mean afferent of each class, at each site.
-std::vector<ByClass> rates_of(const study::SkinMotion& motion, std::size_t sites, double factor, double duration_s) {
+std::vector<ByClass> rates_of(const observer::SkinMotion& motion, std::size_t sites, double factor, double duration_s) {
   std::vector<ByClass> rates(sites);
-  for (const study::AfferentModel& model : study::afferent_models()) {
+  for (const observer::AfferentModel& model : observer::afferent_models()) {
     const auto kind = static_cast<std::size_t>(model.kind);
-    const study::Spikes spikes = study::respond(motion, model, factor);
+    const observer::Spikes spikes = observer::respond(motion, model, factor);
     for (std::size_t s = 0; s < sites; ++s)
-      rates[s][kind] += spikes.counts[s] / duration_s / static_cast<double>(study::models_of(model.kind));
+      rates[s][kind] += spikes.counts[s] / duration_s / static_cast<double>(observer::models_of(model.kind));
   }
   return rates;
 }
 
 /// Each vertex of the fingertip has the rates of the nearest site.
-std::vector<ByClass> at_vertices(const geometry::Mesh& mesh, const study::SkinSites& sites,
+std::vector<ByClass> at_vertices(const geometry::Mesh& mesh, const observer::SkinSites& sites,
                                  const std::vector<ByClass>& rates) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   std::vector<ByClass> values;
   values.reserve(mesh.positions.size());
   for (const Vec3& p : mesh.positions) {
-    if (glm::length(p) > study::fingertip_reach_m) {
+    if (glm::length(p) > observer::fingertip_reach_m) {
       values.push_back({none, none, none});
       continue;
     }
@@ -99,10 +99,10 @@ session::SkinAnswer SkinRates::answer(const session::SkinQuestion& asked, acoust
   const TouchPattern touch = patterns_of(*finger_, question.T_world_finger, question.layout, {&question.plan, 1},
                                          question.drive.directivity, give_up)[0];
   const double duration_s = AfferentsTask{}.duration_s;
-  const auto samples = static_cast<std::size_t>(std::lround(duration_s * study::afferent_rate_hz));
-  const study::SkinMotion motion =
-      study::SkinUnderPattern(finger_->load(study::Delays::waves), touch.pattern, samples).motion();
-  const study::SkinSites& sites = finger_->sites();
+  const auto samples = static_cast<std::size_t>(std::lround(duration_s * observer::afferent_rate_hz));
+  const observer::SkinMotion motion =
+      observer::SkinUnderPattern(finger_->load(observer::Delays::waves), touch.pattern, samples).motion();
+  const observer::SkinSites& sites = finger_->sites();
   out.rates = at_vertices(finger_->mesh(), sites, rates_of(motion, sites.positions.size(), factor_, duration_s));
   return out;
 }

@@ -21,7 +21,7 @@ namespace palpa::setup {
 namespace {
 
 /// The finger's own frame in the world.
-Transform pose_of(const ObservedFinger& finger, const TouchedScene& scene, const study::FingerPlace& place,
+Transform pose_of(const ObservedFinger& finger, const TouchedScene& scene, const observer::FingerPlace& place,
                   std::vector<Vec3>& skin) {
   Transform T_world_finger =
       glm::rotate(glm::translate(Transform(1.0), Vec3(place.x_m, 0, place.z_m)), place.yaw_rad, Vec3(0, 1, 0));
@@ -73,7 +73,7 @@ std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T
   std::vector<std::pair<std::size_t, std::uint32_t>> users;  // plan and map
   for (std::size_t p = 0; p < plans.size(); ++p) {
     const session::Plan& plan = plans[p];
-    study::PressurePattern& pattern = patterns[p].pattern;
+    observer::PressurePattern& pattern = patterns[p].pattern;
     pattern.slot_s = plan.schedule.slot_s;
     pattern.modulation_hz = plan.cycle.modulation_hz;
     pattern.modulation = plan.cycle.modulation;
@@ -115,7 +115,7 @@ std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T
 }
 
 std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedScene& scene,
-                                         const study::FingerPlace& place, std::span<const ObservedMethod> methods) {
+                                         const observer::FingerPlace& place, std::span<const ObservedMethod> methods) {
   std::vector<Vec3> world;
   const Transform T_world_finger = pose_of(finger, scene, place, world);
   const TouchInput skin = skin_points(finger.name(), world);

@@ -9,10 +9,10 @@
 #include "array/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/solid.hpp"
+#include "observer/afferents/finger_place.hpp"
+#include "observer/afferents/pressure_pattern.hpp"
 #include "session/plan/plan.hpp"
 #include "setup/experiment/observed_finger.hpp"
-#include "study/afferents/finger_place.hpp"
-#include "study/afferents/pressure_pattern.hpp"
 #include "study/plan/plan_method.hpp"
 
 namespace palpa::setup {
@@ -31,8 +31,8 @@ struct ObservedMethod {
 };
 
 struct TouchPattern {
-  study::PressurePattern pattern;  ///< without maps if nothing is touched
-  double crest_n = 0;              ///< the largest force of a map on the whole finger
+  observer::PressurePattern pattern;  ///< without maps if nothing is touched
+  double crest_n = 0;                 ///< the largest force of a map on the whole finger
 };
 
 /// One for each plan: the radiation pressure of each of its drives (Langevin) on the faces of the finger's sites. The
@@ -48,6 +48,6 @@ std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T
 /// layout cost little more than one. Throws bad_input if the finger stands within the array, otherwise as touch_once
 /// does.
 std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedScene& scene,
-                                         const study::FingerPlace& place, std::span<const ObservedMethod> methods);
+                                         const observer::FingerPlace& place, std::span<const ObservedMethod> methods);
 
 }  // namespace palpa::setup

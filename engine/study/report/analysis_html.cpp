@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "study/pages/html.hpp"
+#include "study/pages/numbers.hpp"
 #include "study/report/analysis_reports.hpp"
 #include "study/report/excluded.hpp"
 #include "study/report/figures.hpp"
-#include "study/report/html.hpp"
 #include "study/report/measures_text.hpp"
-#include "study/report/numbers.hpp"
 #include "study/statistics/paired.hpp"
 
 namespace palpa::study {

@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "study/files/results_file.hpp"
+#include "study/pages/measures_json.hpp"
 #include "study/report/analysis_reports.hpp"
-#include "study/report/measures_json.hpp"
 #include "study/statistics/paired.hpp"
 
 namespace palpa::study {

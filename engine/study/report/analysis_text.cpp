@@ -3,10 +3,10 @@
 #include <iterator>
 
 #include "base/text.hpp"
+#include "study/pages/numbers.hpp"
 #include "study/report/analysis_reports.hpp"
 #include "study/report/excluded.hpp"
 #include "study/report/measures_text.hpp"
-#include "study/report/numbers.hpp"
 
 namespace palpa::study {
 

@@ -7,12 +7,12 @@
 
 #include "base/json_writer.hpp"
 #include "base/text.hpp"
-#include "study/report/csv.hpp"
+#include "study/pages/csv.hpp"
+#include "study/pages/html.hpp"
+#include "study/pages/measures_json.hpp"
+#include "study/pages/numbers.hpp"
 #include "study/report/figures.hpp"
-#include "study/report/html.hpp"
-#include "study/report/measures_json.hpp"
 #include "study/report/measures_text.hpp"
-#include "study/report/numbers.hpp"
 
 namespace palpa::study {
 

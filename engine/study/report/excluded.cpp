@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "study/report/numbers.hpp"
+#include "study/pages/numbers.hpp"
 
 namespace palpa::study {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "study/report/svg.hpp"
+#include "study/pages/svg.hpp"
 
 namespace palpa::study {
 namespace {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "base/text.hpp"
+#include "study/pages/numbers.hpp"
 #include "study/report/figures.hpp"
-#include "study/report/numbers.hpp"
 
 namespace palpa::study {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/report/html.hpp"
+#include "study/pages/html.hpp"
 #include "study/tables/measures.hpp"
 #include "study/tables/two_tables.hpp"
 

@@ -1,7 +1,7 @@
 // Hidden skin: if no camera sees the underside of a fingertip, the patches of contacts on its two sides are joined to
 // one finger.
 //
-// Euclidean clusters of one solid are joined under three conditions (docs/touch.md gives the reasons):
+// Euclidean clusters of one solid are joined under three conditions (docs/touch.md has all rules):
 // - Together, they are no wider than a finger along the line between their means.
 // - Between the contacts that face each other, the line enters the skin at both ends, as it does between any two places
 //   of a convex body. The skin's outward normals come from the depth pictures.

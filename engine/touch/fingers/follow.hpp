@@ -10,7 +10,6 @@
 
 namespace palpa::touch {
 
-/// The fingers of earlier frames. One object for each stream of frames.
 /// The time from frame to frame.
 class FrameClock {
  public:
@@ -22,6 +21,7 @@ class FrameClock {
   std::optional<double> last_s_;
 };
 
+/// The fingers of earlier frames. One object for each stream of frames.
 struct Tracks {
   FrameClock clock;
   std::uint32_t count = 0;

@@ -57,7 +57,7 @@ struct KnownFingers {
   shader::ReachTable reach{};  ///< the fingers that are about to end
 };
 
-/// What a finger of this frame has from the finger of the frame before that it is.
+/// What a finger keeps from the frame before.
 struct Claim {
   std::uint32_t parting_us = known_never;  ///< after this frame
   std::uint32_t meeting_us = 0;            ///< after this frame

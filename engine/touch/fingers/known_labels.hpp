@@ -14,7 +14,7 @@ namespace palpa::touch {
 /// The fingers of the frame before, as the steps of a frame see them.
 struct Known {
   std::uint32_t elapsed_us = 0;   ///< from the frame before to this one
-  std::uint32_t rules = 0;        ///< bits, see stage_setting.hpp; also of a stream whose frame before has no fingers
+  std::uint32_t rules = 0;        ///< bits, see stage_setting.hpp; set even if `table` is null
   KnownFingers* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
   float finger_width = 0;         ///< metres
 

@@ -44,9 +44,9 @@ struct SplitWork {
 };
 
 /// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their
-/// smallest contacts. Parts of fewer than min_points contacts, or half of it if they belong
-/// to a known finger, are not fingers. With Cluster::inside, nothing is split.
-/// Fills `skins` for the fingers that it leaves.
+/// smallest contacts. Parts of fewer than min_points contacts are not fingers; half of that is enough for a part of a
+/// known finger. With Cluster::inside, nothing is split. Fills `skins` for the fingers that it leaves. For many wide
+/// clusters, it starts threads.
 void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, FingerSkins& skins,
                    SplitWork& work);
 

@@ -146,7 +146,8 @@ TEST(Bridge, CrossingFingersStayTwo) {
 }
 
 TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
-  // Where the underside is hidden. tests/touch/bridge_rates prints the rates of many more; docs/touch.md has them.
+  // Where the underside is hidden. build/release/bin/bridge_rates prints the rates of many more, which
+  // docs/notes/finger-rates.md has.
   std::mt19937 random(11);
   int split_before = 0, split_after = 0, merged_by_bridging = 0;
   for (int t = 0; t < (palpa::test::instrumented() ? 16 : 40); ++t) {

@@ -14,6 +14,7 @@
 #include "study/plan/plan_file.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/study_files.hpp"
 #include "viewer/live/heard_link.hpp"
 #include "viewer/study/conductor.hpp"
 #include "viewer/study/scripted_keys.hpp"
@@ -32,17 +33,6 @@ inline std::filesystem::path write_study_plan(const std::filesystem::path& folde
                        "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = " +
                        std::to_string(touch_s) + "\n[run]\nmasking = \"off\"\npredict = false\n" + run +
                        "[level]\nceiling = 0.5\nlimit_db = 140\n" + blocks);
-  return file;
-}
-
-/// A rig with a screen and one small camera, which sees the fingertip.
-inline std::filesystem::path write_study_rig(const std::filesystem::path& folder) {
-  const std::string camera = read_text(source_file("tests/cli/support/small_rig.toml"));
-  const std::string paper = read_text(source_file("assets/rigs/paper.toml"));
-  const std::filesystem::path file = folder / "rig.toml";
-  const std::size_t screen = paper.find("[screen]");
-  write_text(file, camera.substr(0, camera.find("[array]")) +
-                       paper.substr(screen, paper.find("\n\n", screen) - screen) + "\n");
   return file;
 }
 

@@ -1,0 +1,32 @@
+// Skin as an elastic half-space (E = 0.05 N/mm2, nu = 0.4): stress below loads, and the deflection of its surface.
+// Lengths are in mm, forces in N, stresses in N/mm2.
+#pragma once
+
+namespace palpa::observer {
+
+inline constexpr double skin_modulus = 0.05;     ///< E, N/mm2
+inline constexpr double skin_poisson = 0.4;      ///< nu
+inline constexpr double wave_speed_mm_s = 8000;  ///< of surface waves
+
+/// E / (1 - nu^2), N/mm2.
+inline constexpr double skin_stiffness = skin_modulus / (1 - skin_poisson * skin_poisson);
+
+/// The vertical stress at depth z and distance r from a force of 1 N on a point: 3 z^3 / (2 pi (r^2 + z^2)^2.5).
+double stress_of_point(double z, double r);
+
+/// The surface's deflection at distance r from the centre of a disc of radius a with a pressure of 1 N/mm2:
+///
+///   w = 4 a / (pi E') E(r/a) for r <= a,   w = 4 r / (pi E') (E(a/r) - (1 - a^2/r^2) K(a/r)) outside
+///
+/// K and E are the complete elliptic integrals of the modulus, E' is skin_stiffness.
+double deflection_of_disc(double a, double r);
+
+/// The vertical stress at depth z and distance r from the axis of a flat punch of radius a with a force of 1 N (Sneddon
+/// 1946).
+double stress_of_punch(double a, double z, double r);
+/// The surface's deflection at distance r from such a punch, relative to that under it: 2/pi asin(a/r), at most 1.
+double reach_of_punch(double a, double r);
+/// The force of a punch that is pressed in by 1 mm, N: 2 a E'.
+double force_of_punch(double a);
+
+}  // namespace palpa::observer
