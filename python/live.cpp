@@ -213,7 +213,7 @@ void play(SessionObject& o, const setup::LiveOptions& options) {
 void refuse_written(const Run& run) {
   for (const Output& output : run.written) {
     std::error_code fault;
-    if (output.kind == Output::Kind::folder || output.target == "-" ||
+    if (output.kind != Output::Kind::file || output.target == "-" ||
         !std::filesystem::is_regular_file(output.target, fault))
       continue;
     throw bad_usage(

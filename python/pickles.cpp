@@ -24,8 +24,8 @@
 // Found by the namespaces of their arguments.
 namespace palpa::touch {
 static void fields(python::Archive& a, Finger& o) {
-  auto& [id, solid, count, contacts, section, foci, placed, point_like, depth, holds] = o;
-  a(id, solid, count, contacts, section, foci, placed, point_like, depth, holds);
+  auto& [id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward] = o;
+  a(id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward);
 }
 static void fields(python::Archive& a, Touch& o) {
   auto& [contacts, deep, fingers, finger_count, cluster_count, dropped] = o;

@@ -10,9 +10,9 @@
 namespace palpa::driver::emulate {
 
 std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
-  std::optional<TraceFile> file;
+  OpenFile file;
   std::optional<ByteTrace> trace;
-  if (!options.trace.empty()) trace.emplace(file.emplace(options.trace), emulator.wire);
+  if (!options.trace.empty()) trace.emplace(file = open_trace(options.trace), emulator.wire);
   write_file("-", emulator.address + "\n");
 
   std::mutex lock;

@@ -1,12 +1,7 @@
 #include "driver/emulate/trace.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <utility>
 
-#include "base/error.hpp"
-#include "base/open_output.hpp"
 #include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::emulate {
@@ -23,19 +18,8 @@ void put_hex(std::string& out, std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-TraceFile::TraceFile(const std::string& name)
-    : place_(output_place(name)),
-      file_(stdout, [](std::FILE* file) { return file == stdout ? 0 : std::fclose(file); }) {
-  const WaitUntil until(Stop::asked());
-  const int descriptor = open_output(name, place_);
-  if (descriptor == STDOUT_FILENO) return;
-  file_.reset(::fdopen(descriptor, "w"));
-  if (!file_) throw write_failure(place_.name, errno);
-}
-
-void TraceFile::write(std::string_view line) {
-  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0)
-    throw write_failure(place_.name, errno);
+OpenFile open_trace(const std::string& name) {
+  return open_output(name, {.stop = &Stop::asked()});
 }
 
 void ByteTrace::bytes(double now_s, std::span<const std::uint8_t> bytes) {
@@ -47,7 +31,7 @@ void ByteTrace::bytes(double now_s, std::span<const std::uint8_t> bytes) {
   file_.write(json.take());
 }
 
-UsbTrace::UsbTrace(TraceFile& file, std::string serial) : file_(file), serial_(std::move(serial)) {}
+UsbTrace::UsbTrace(const OpenFile& file, std::string serial) : file_(file), serial_(std::move(serial)) {}
 
 void UsbTrace::begin(double now_s, const char* kind) {
   json_.clear();

@@ -3,46 +3,33 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "base/json_writer.hpp"
-#include "base/output_place.hpp"
+#include "base/output_file.hpp"
 #include "driver/usb/local_server.hpp"
 
 namespace palpa::driver::emulate {
 
-/// The file. Several boards may write to one.
-class TraceFile {
- public:
-  /// Replaces the file; "-" is stdout. Throws failure() that names it.
-  explicit TraceFile(const std::string& name);
-  /// Adds a line, which ends with a line break. Throws failure().
-  void write(std::string_view line);
-
- private:
-  OutputPlace place_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
+/// Replaces the file, to which several boards may write; "-" is stdout. Throws failure() that names it.
+OpenFile open_trace(const std::string& name);
 
 /// A line that has only bytes. `kind` is "tcp" or "serial".
 class ByteTrace {
  public:
-  ByteTrace(TraceFile& file, const char* kind) : file_(file), kind_(kind) {}
+  ByteTrace(const OpenFile& file, const char* kind) : file_(file), kind_(kind) {}
   void bytes(double now_s, std::span<const std::uint8_t> bytes);
 
  private:
-  TraceFile& file_;
+  const OpenFile& file_;
   const char* kind_;
 };
 
 /// One board's USB. If `serial` is not empty, each line has it, because several boards are in that file.
 class UsbTrace final : public usb::Wiretap {
  public:
-  UsbTrace(TraceFile& file, std::string serial);
+  UsbTrace(const OpenFile& file, std::string serial);
   void control(double now_s, const usb::Setup& setup, std::span<const std::uint8_t> in) override;
   void bulk(double now_s, std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
 
@@ -50,7 +37,7 @@ class UsbTrace final : public usb::Wiretap {
   void begin(double now_s, const char* kind);
   void end(std::span<const std::uint8_t> bytes);
 
-  TraceFile& file_;
+  const OpenFile& file_;
   std::string serial_, hex_;
   JsonWriter json_;
 };

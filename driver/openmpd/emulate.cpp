@@ -33,7 +33,7 @@ namespace {
 /// A board, its socket, its trace.
 struct Emulated {
   Emulated(const Address& address, usb::ftdi::Channel channel, const Calibration& its_calibration,
-           emulate::TraceFile* trace, bool alone)
+           const OpenFile* trace, bool alone)
       : board(address.serial, channel), calibration(its_calibration) {
     if (trace != nullptr) tap.emplace(*trace, alone ? "" : address.serial);
     server = std::make_unique<usb::LocalServer>(board, tap ? &*tap : nullptr);
@@ -170,8 +170,8 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   if (!options.files.empty()) files = read_board_files(options.files);
   std::optional<array::Layout> layout;
   if (options.view) layout = layout_of(options, addresses.size());
-  std::optional<emulate::TraceFile> trace;
-  if (!options.trace.empty()) trace.emplace(options.trace);
+  std::optional<OpenFile> trace;
+  if (!options.trace.empty()) trace = emulate::open_trace(options.trace);
 
   const emulate::Stop stop;
   std::vector<std::unique_ptr<Emulated>> boards;

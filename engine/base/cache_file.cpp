@@ -10,12 +10,12 @@
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "base/file_register.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 
@@ -24,166 +24,111 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<char, 8> magic{'p', 'a', 'l', 'p', 'a', '-', 'c', '1'};
-constexpr std::uint64_t endian = 0x0102030405060708;
-constexpr std::size_t alignment = 64;
+// A file has the number of sections and the size of each (64 bits), the sections, each after zeros up to its alignment,
+// and the hash of all bytes before it, which depends on the key, too.
+constexpr std::uint64_t version = 2;
+constexpr std::size_t alignment = 64, word = sizeof(std::uint64_t);
 
-struct Header {
-  std::array<char, 8> magic;
-  std::uint64_t endian;
-  CacheKey key;
-  std::uint64_t bytes;     // of the whole file
-  std::uint64_t sections;  // followed by a Place for each
-  std::uint64_t checksum;  // of everything after this header
-  std::uint64_t unused;
-};
-static_assert(sizeof(Header) == alignment);
-
-struct Place {
-  std::uint64_t offset, bytes;
-};
-
-std::size_t aligned(std::size_t bytes) {
-  return (bytes + alignment - 1) / alignment * alignment;
+/// The bytes from there on up to the next aligned place.
+std::size_t padding(std::size_t at) {
+  return (alignment - at % alignment) % alignment;
 }
 
 /// Empty if there is no cache.
-fs::path folder() {
-  const char* off = std::getenv("PALPA_CACHE");
-  if (off != nullptr && std::string_view(off) == "off") return {};
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "palpa";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && fs::path(home).is_absolute()) return fs::path(home) / ".cache" / "palpa";
-  return {};
+fs::path file_for(std::string_view kind, const CacheKey& key) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return fs::path(value != nullptr ? value : "");
+  };
+  const fs::path cache = variable("XDG_CACHE_HOME"), home = variable("HOME");
+  const fs::path folder = cache.is_absolute() ? cache : home / ".cache";
+  if (variable("PALPA_CACHE") == "off" || !folder.is_absolute()) return {};
+  return folder / "palpa" / fmt::format("{}-{:016x}{:016x}", kind, key[0], key[1]);
 }
 
-fs::path file_for(const fs::path& where, std::string_view kind, const CacheKey& key) {
-  return where / fmt::format("{}-{:016x}{:016x}", kind, key[0], key[1]);
+std::uint64_t seed_of(const CacheKey& key) {
+  return key[0] ^ key[1] ^ version;
 }
 
-struct Mapping {
-  void* at = MAP_FAILED;
-  std::size_t bytes = 0;
-
-  Mapping() = default;
-  Mapping(const Mapping&) = delete;
-  Mapping& operator=(const Mapping&) = delete;
-  ~Mapping() {
-    if (at != MAP_FAILED) munmap(at, bytes);
+/// The sections of a file; empty if it is damaged or another one.
+std::vector<std::span<const std::byte>> sections_in(std::span<const std::byte> bytes, const CacheKey& key) {
+  const auto word_at = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    std::memcpy(&value, &bytes[at], word);
+    return value;
+  };
+  if (bytes.size() < 2 * word) return {};
+  const std::size_t size = bytes.size() - word;
+  const std::uint64_t count = word_at(0);
+  if (word_at(size) != XXH3_64bits_withSeed(bytes.data(), size, seed_of(key)) || count >= size / word) return {};
+  std::vector<std::span<const std::byte>> sections;
+  std::size_t at = (1 + count) * word;
+  for (std::size_t i = 1; i <= count; ++i) {
+    const std::uint64_t length = word_at(i * word);
+    at += padding(at);
+    if (at > size || length > size - at) return {};
+    sections.push_back(bytes.subspan(at, length));
+    at += length;
   }
-};
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
+  return sections;
+}
 
 }  // namespace
 
-struct CacheHash::State {
-  XXH3_state_t* xxh = XXH3_createState();
-  State() { XXH3_128bits_reset(xxh); }
-  ~State() { XXH3_freeState(xxh); }
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-};
-
-CacheHash::CacheHash() : state_(std::make_unique<State>()) {}
-CacheHash::~CacheHash() = default;
-
 void CacheHash::add(const void* data, std::size_t bytes) {
-  if (bytes > 0) XXH3_128bits_update(state_->xxh, data, bytes);
-}
-
-CacheKey CacheHash::key() const {
-  const XXH128_hash_t hash = XXH3_128bits_digest(state_->xxh);
-  return {hash.high64, hash.low64};
+  const auto [low, high] = XXH3_128bits(data, bytes);
+  const std::array pieces{key_[0], key_[1], high, low};
+  const auto [next_low, next_high] = XXH3_128bits(pieces.data(), sizeof(pieces));
+  key_ = {next_high, next_low};
 }
 
 std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheKey& key) {
-  const fs::path where = folder();
-  if (where.empty()) return nullptr;
-  const fs::path path = file_for(where, kind, key);
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const fs::path path = file_for(kind, key);
+  const int descriptor = path.empty() ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return nullptr;
   struct stat info {};
-  if (file.get() < 0 || fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return nullptr;
+  const bool is_file = ::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode);
   const auto size = static_cast<std::size_t>(info.st_size);
-  const auto unusable = [&]() -> std::shared_ptr<const CacheFile> {
-    log::debug(
-        fmt::format("{}: not a complete cache file of this version; palpa makes its contents again", path.string()));
-    return nullptr;
-  };
-  if (size < sizeof(Header)) return unusable();
-  auto mapping = std::make_shared<Mapping>();
-  mapping->bytes = size;
-  mapping->at = mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.get(), 0);
-  if (mapping->at == MAP_FAILED) return unusable();
-  const auto* bytes = static_cast<const std::byte*>(mapping->at);
-  Header header{};
-  std::memcpy(&header, bytes, sizeof(header));
-  if (header.magic != magic || header.endian != endian || header.key != key || header.bytes != size ||
-      header.sections > (size - sizeof(Header)) / sizeof(Place) ||
-      header.checksum != XXH3_64bits(bytes + sizeof(Header), size - sizeof(Header))) {
-    return unusable();
+  void* at = is_file ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor, 0) : MAP_FAILED;
+  ::close(descriptor);
+  CacheFile file;
+  if (at != MAP_FAILED) {
+    file.memory = std::shared_ptr<void>(at, [size](void* it) { ::munmap(it, size); });
+    file.sections = sections_in({static_cast<const std::byte*>(at), size}, key);
   }
-  auto result = std::make_shared<CacheFile>();
-  for (std::uint64_t i = 0; i < header.sections; ++i) {
-    Place place{};
-    std::memcpy(&place, bytes + sizeof(Header) + i * sizeof(Place), sizeof(place));
-    if (place.offset % alignment != 0 || place.offset > size || place.bytes > size - place.offset) return unusable();
-    result->sections_.emplace_back(bytes + place.offset, place.bytes);
-  }
-  result->memory_ = std::move(mapping);
-  return result;
+  if (!file.sections.empty()) return std::make_shared<const CacheFile>(std::move(file));
+  if (is_file)
+    log::debug(path.string() + ": not a complete cache file of this version; palpa makes its contents again");
+  return nullptr;
 }
 
 void store_cached(std::string_view kind, const CacheKey& key, std::span<const std::span<const std::byte>> sections) {
-  const fs::path where = folder();
-  if (where.empty()) return log::debug("no cache: PALPA_CACHE is off, or there is no home directory");
-  std::vector<Place> places;
-  std::size_t end = aligned(sizeof(Header) + sections.size() * sizeof(Place));
-  const std::size_t head = end;
-  for (const auto& section : sections) {
-    places.push_back({end, section.size()});
-    end = aligned(end + section.size());
-  }
-  static constexpr std::array<char, alignment> zeros{};
-  const auto each_piece = [&](const auto& give) {
-    give(places.data(), places.size() * sizeof(Place));
-    give(zeros.data(), head - sizeof(Header) - places.size() * sizeof(Place));
-    for (const auto& section : sections) {
-      give(section.data(), section.size());
-      give(zeros.data(), aligned(section.size()) - section.size());
-    }
-  };
-  XXH3_state_t* sum = XXH3_createState();
-  XXH3_64bits_reset(sum);
-  each_piece([&](const void* data, std::size_t bytes) {
-    if (bytes > 0) XXH3_64bits_update(sum, data, bytes);
-  });
-  const Header header{magic, endian, key, end, sections.size(), XXH3_64bits_digest(sum), 0};
-  XXH3_freeState(sum);
+  const fs::path path = file_for(kind, key);
+  if (path.empty()) return log::debug("no cache: PALPA_CACHE is off, or there is no home directory");
   std::error_code ignored;
-  fs::create_directories(where, ignored);
+  fs::create_directories(path.parent_path(), ignored);
   try {
-    const fs::path path = file_for(where, kind, key);
-    file_register::add_own(path);
+    add_own_file(path);
     OutputFile file(path);
-    const auto write = [&](const void* data, std::size_t bytes) {
+    XXH3_state_t sum;
+    XXH3_INITSTATE(&sum);
+    XXH3_64bits_reset_withSeed(&sum, seed_of(key));
+    std::size_t at = 0;
+    const auto put = [&](const void* data, std::size_t bytes) {
       file.write({static_cast<const char*>(data), bytes});
+      if (bytes > 0) XXH3_64bits_update(&sum, data, bytes);
+      at += bytes;
     };
-    write(&header, sizeof(header));
-    each_piece(write);
+    std::vector<std::uint64_t> sizes{sections.size()};
+    for (const std::span<const std::byte> section : sections)
+      sizes.push_back(section.size());
+    put(sizes.data(), sizes.size() * word);
+    for (const std::span<const std::byte> section : sections) {
+      put(std::array<char, alignment>{}.data(), padding(at));
+      put(section.data(), section.size());
+    }
+    const std::uint64_t checksum = XXH3_64bits_digest(&sum);
+    put(&checksum, word);
     file.finish();
   } catch (const Error& error) {
     log::debug(fmt::format("no cache: {}", error.what()));

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace palpa {
@@ -15,14 +15,9 @@ namespace palpa {
 /// 128 bits that identify a cached result.
 using CacheKey = std::array<std::uint64_t, 2>;
 
-/// Hashes bytes, one piece after the other (XXH3, 128 bits).
+/// Hashes pieces of bytes, one after the other (XXH3, 128 bits).
 class CacheHash {
  public:
-  CacheHash();
-  ~CacheHash();
-  CacheHash(const CacheHash&) = delete;
-  CacheHash& operator=(const CacheHash&) = delete;
-
   void add(const void* data, std::size_t bytes);
   /// Hashes a value without padding.
   template <typename T>
@@ -30,30 +25,24 @@ class CacheHash {
     static_assert(std::is_trivially_copyable_v<T>);
     add(&value, sizeof(value));
   }
-  CacheKey key() const;
+  const CacheKey& key() const { return key_; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  CacheKey key_{};
 };
 
-/// The contents of a cache file, mapped into memory: sections of plain values, each aligned to 64 bytes.
-class CacheFile {
- public:
-  std::size_t sections() const { return sections_.size(); }
-  std::span<const std::byte> section(std::size_t i) const { return sections_[i]; }
+/// The contents of a cache file: sections of plain values, each aligned to 64 bytes.
+struct CacheFile {
+  std::shared_ptr<const void> memory;  ///< in which the sections are
+  std::vector<std::span<const std::byte>> sections;
+
   /// The section as values of T; empty if its size is not a multiple of T's.
   template <typename T>
   std::span<const T> section_as(std::size_t i) const {
-    const auto bytes = sections_[i];
+    const std::span<const std::byte> bytes = sections[i];
     if (bytes.size() % sizeof(T) != 0) return {};
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-
- private:
-  friend std::shared_ptr<const CacheFile> load_cached(std::string_view, const CacheKey&);
-  std::shared_ptr<const void> memory_;
-  std::vector<std::span<const std::byte>> sections_;
 };
 
 /// Loads what store_cached stored under this kind and key: $XDG_CACHE_HOME/palpa/KIND-KEY, else
@@ -61,8 +50,8 @@ class CacheFile {
 /// truncated, damaged (a checksum covers everything), of another version or not palpa's. `kind` is lower-case letters.
 std::shared_ptr<const CacheFile> load_cached(std::string_view kind, const CacheKey& key);
 
-/// Stores sections for later runs. The file is written under another name and renamed, so that no process ever sees
-/// half of it, even if two processes store the same key. If nothing can be written, a debug line gives the reason.
+/// Stores sections for later runs, so that no process ever sees half of them, even if two processes store the same key.
+/// If nothing can be written, a debug line gives the reason.
 void store_cached(std::string_view kind, const CacheKey& key, std::span<const std::span<const std::byte>> sections);
 
 }  // namespace palpa

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
+#include "base/outputs.hpp"
 
 namespace palpa {
 namespace {
@@ -32,9 +32,9 @@ InputFile::InputFile(const std::filesystem::path& path, std::uint64_t most_bytes
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
   size_ = known ? static_cast<std::uint64_t>(status.st_size) : 0;
-  if (known && S_ISREG(status.st_mode) && file_register::is_in_use()) {
+  if (known && S_ISREG(status.st_mode)) {
     try {
-      file_register::reads(path, {status.st_dev, status.st_ino});
+      refuse_output_as_input(path, descriptor_);
     } catch (const Error&) {
       ::close(descriptor_);
       throw;

@@ -1,11 +1,11 @@
 #include "base/log.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "base/stream_writer.hpp"
 #include "base/text.hpp"
 
@@ -83,17 +84,8 @@ void keep(Level at, std::string_view line) {
 
 /// Blocks until the reader has taken the text.
 void put(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
-    if (written >= 0) {
-      text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno == EAGAIN) {  // another process made this pipe or terminal non-blocking
-      pollfd room{STDERR_FILENO, POLLOUT, 0};
-      ::poll(&room, 1, -1);
-    } else if (errno != EINTR) {
-      return;  // the failure cannot be reported anywhere
-    }
-  }
+  std::size_t written = 0;
+  write_all(STDERR_FILENO, text, written);  // a failure cannot be reported anywhere
 }
 
 /// `least`: the lowest level of the log at which the line is written, usually `at`.
@@ -260,7 +252,10 @@ Relay::Relay() {
   constexpr std::size_t room = 1 << 16;
   Relayed& r = relayed();
   const std::lock_guard lock(r.mutex);
-  if (r.relays == 0) r.writer.emplace(STDERR_FILENO, "stderr", room);
+  if (r.relays == 0) {
+    constexpr bool others_write = true;
+    r.writer.emplace(OpenFile("stderr", ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)), room, others_write);
+  }
   ++r.relays;
 }
 
@@ -269,8 +264,9 @@ Relay::~Relay() {
   const std::lock_guard lock(r.mutex);
   if (--r.relays > 0) return;
   try {
-    if (r.writer->flush(r.writer->on_disk() ? StreamWriter::disk_patience_s : patience_s)) r.tell_left_out();
-    r.writer->flush(patience_s / 4);
+    const double patience = r.writer->on_disk() ? StreamWriter::disk_patience_s : patience_s;
+    if (r.writer->flush({.seconds = patience})) r.tell_left_out();
+    r.writer->flush({.seconds = patience_s / 4});
     r.writer->close();
   } catch (const Error&) {  // a closed pipe, or a reader that still does not read
   }

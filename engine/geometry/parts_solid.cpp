@@ -128,7 +128,7 @@ void store(const CacheKey& key, const Parts& parts) {
 
 std::optional<Parts> load(const CacheKey& key) {
   const auto file = load_cached("parts", key);
-  if (!file || file->sections() != 3) return std::nullopt;
+  if (!file || file->sections.size() != 3) return std::nullopt;
   const auto seam = file->section_as<double>(0);
   const auto sizes = file->section_as<std::uint64_t>(1);
   auto corners = file->section_as<Vec3>(2);

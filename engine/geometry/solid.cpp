@@ -68,7 +68,7 @@ void store(const CacheKey& key, const SolidMesh& solid) {
 
 std::optional<SolidMesh> load(const CacheKey& key) {
   const auto file = load_cached("solid", key);
-  if (!file || file->sections() != 4) return std::nullopt;
+  if (!file || file->sections.size() != 4) return std::nullopt;
   SolidMesh solid;
   const auto positions = file->section_as<Vec3>(0);
   const auto triangles = file->section_as<glm::uvec3>(1);

@@ -63,7 +63,7 @@ CacheKey key_of(const CacheKey& responses, const PredictedStudy& study, const Va
 
 std::optional<PredictedVariant> load_variant(const CacheKey& key, std::size_t methods, std::size_t shapes) {
   const auto file = load_cached(decisions_kind, key);
-  if (!file || file->sections() != 1) return {};
+  if (!file || file->sections.size() != 1) return {};
   std::span<const double> values = file->section_as<double>(0);
   const std::size_t of_a_method = numbers_before_shares + shapes * shapes;
   if (values.size() != 1 && values.size() != 1 + methods * of_a_method) return {};

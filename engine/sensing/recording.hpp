@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/stream_writer.hpp"
+#include "base/output_file.hpp"
 #include "sensing/depth_source.hpp"
 
 namespace palpa::sensing {
@@ -37,12 +37,13 @@ class RecordingWriter {
 
  private:
   void begin();
+  void refuse_while_written() const;
 
   std::filesystem::path folder_;
   bool made_folder_ = false;
   std::vector<Camera> cameras_;
   std::vector<std::filesystem::path> old_;  ///< files of the recording that is replaced
-  std::optional<StreamWriter> times_;       ///< once it has begun
+  std::optional<OpenFile> times_;           ///< once it has begun
   std::uint64_t frames_ = 0;
   double last_time_ = 0;
   std::uint64_t last_sequence_ = 0;

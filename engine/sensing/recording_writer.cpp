@@ -6,10 +6,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
-#include "base/open_output.hpp"
 #include "base/output_file.hpp"
-#include "base/output_place.hpp"
+#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/recording.hpp"
@@ -20,14 +18,6 @@ namespace {
 
 /// It is open, and so locked, while the recording grows.
 constexpr const char* times_name = "times.csv";
-/// The size of one line of times.csv.
-constexpr std::size_t most_waiting = 1 << 16;
-
-/// Waits until the whole line is on the disk, however long that takes, as for the images.
-void put(StreamWriter& out, const std::string& line) {
-  constexpr double forever_s = 1e6;
-  if (!out.add(line) || !out.flush(forever_s)) out.fail_stalled();
-}
 
 std::string mask_name(std::size_t camera) {
   return fmt::format("mask-{}.png", camera);
@@ -90,14 +80,19 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
   }
   if (existing == Existing::refused)
     throw bad_usage(fmt::format("{} is not empty; name a new folder", folder.string()));
-  refuse_while_written(folder / times_name);
+  refuse_while_written();
   old_ = files_to_replace(folder);
 }
 
+/// Throws bad_usage while another one writes a recording in the folder.
+void RecordingWriter::refuse_while_written() const {
+  if (std::error_code fault; std::filesystem::exists(folder_ / times_name, fault)) open_to_append(folder_ / times_name);
+}
+
 void RecordingWriter::begin() {
-  if (!old_.empty()) refuse_while_written(folder_ / times_name);  // another recording may have begun meanwhile
+  if (!old_.empty()) refuse_while_written();  // another recording may have begun meanwhile
   for (const std::filesystem::path& file : old_) {
-    file_register::writes(output_place(file));  // refuses a file that was read, under whatever name
+    writable_place(file);  // refuses a file that was read, under whatever name
     std::error_code error;
     std::filesystem::remove(file, error);
     if (error) throw failure(fmt::format("{}: cannot be replaced: {}", file.string(), error.message()));
@@ -113,8 +108,8 @@ void RecordingWriter::begin() {
     text += to_toml(kept) + "\n";
   }
   write_file(folder_ / "recording.toml", text);
-  times_.emplace((folder_ / times_name).string(), most_waiting);
-  put(*times_, times_heading(cameras_.size()) + "\n");
+  times_ = open_output(folder_ / times_name);
+  times_->write(times_heading(cameras_.size()) + "\n");
 }
 
 bool RecordingWriter::write(const FrameSet& set) {
@@ -135,7 +130,7 @@ bool RecordingWriter::write(const FrameSet& set) {
                 set.frames[i].depth);
   }
   // The line makes the frame part of the recording, so it is written last, in one piece.
-  put(*times_, line + "\n");
+  times_->write(line + "\n");
   last_time_ = oldest;
   last_sequence_ = set.sequence;
   ++frames_;

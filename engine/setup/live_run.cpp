@@ -11,7 +11,6 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/memory.hpp"
-#include "base/open_output.hpp"
 #include "base/text.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/hand_over.hpp"
@@ -62,8 +61,7 @@ std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::Li
   return {{"--json", o.common.json},
           {"--events", o.events.starts_with("udp:") ? "" : o.events},
           {"--link", session::file_of_link(o.link, links)},
-          {"--record", o.record, Output::Kind::folder,
-           o.overwrite ? Output::Full::replaced : Output::Full::may_be_replaced}};
+          {"--record", o.record, o.overwrite ? Output::Kind::replaced_recording : Output::Kind::recording}};
 }
 
 void check(const LiveOptions& o) {
@@ -110,10 +108,9 @@ std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> l
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
     : options_(settled(options, links)), stop_(&stop), prepared_(prepare_live(options_, sources)) {
-  const WaitUntil until(stop);
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
-    sink_ = session::open_event_sink(options_.events, session().solid_names(), options_.every_frame ? stop_ : nullptr);
+    sink_ = session::open_event_sink(options_.events, session().solid_names(), stop_, options_.every_frame);
   }
   if (!options_.record.empty()) {
     recorder_.emplace(options_.record, source().cameras(),

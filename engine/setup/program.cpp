@@ -7,12 +7,13 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <new>
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
 #include "base/log.hpp"
+#include "base/outputs.hpp"
 #include "base/start_thread.hpp"
 #include "base/text.hpp"
 #include "gpu/device.hpp"
@@ -61,7 +62,7 @@ Exit report(Exit code, const std::string& line) {
 int run_program(const std::function<void()>& body) {
   begin_ending();
   guard_standard_streams();
-  const KeptRegister all_files;
+  const std::shared_ptr<void> all_files = keep_register();
   survive_signals_of_writes();
   Exit code = Exit::ok;
   try {

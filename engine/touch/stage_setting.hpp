@@ -21,6 +21,10 @@ inline constexpr std::uint32_t known_apart = 4;  ///< known fingers stay apart
 inline constexpr std::uint32_t known_together = 8;  ///< a known finger stays one
 inline constexpr std::uint32_t known_edges = 16;  ///< contacts of a finger about to end reach beyond the shell's edges
 inline constexpr std::uint32_t known_falling = 32;  ///< known_few and known_edges do not hold a finger that leaves
+inline constexpr std::uint32_t known_whole =
+    64;  ///< skin that parts from a known finger is the finger's until it is one
+inline constexpr std::uint32_t known_again = 128;    ///< skin that has just left waits, unless it presses
+inline constexpr std::uint32_t known_members = 256;  ///< contacts that join or leave a finger are no motion of it
 
 struct StageSetting {
   Parameters parameters;

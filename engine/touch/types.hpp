@@ -108,9 +108,11 @@ struct Finger {
   /// Fewer than 3 contacts, or coincident or collinear ones: no cross-section, but one focus at the centroid,
   /// amplitude-modulated.
   bool point_like = false;
-  float depth_m = 0;  ///< depth of its deepest skin point, see find_depths
+  float depth_m = 0;  ///< depth of its deepest firm skin point, see find_depths
   /// With hysteresis: half of min_points contacts are enough for it in the next frame.
   bool holds = false;
+  /// With hysteresis: unit, the mean of its skin's outward normals, which point into the solid; zero if unknown.
+  glm::vec3 inward{};
 };
 
 /// Reused from frame to frame; the vectors keep their allocations.

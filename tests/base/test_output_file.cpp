@@ -77,6 +77,19 @@ TEST_F(OutputFileTest, AFullDiskLeavesWhatWas) {
                "/dev/full: cannot be written: No space left on device");
 }
 
+TEST_F(OutputFileTest, AFileThatCannotGrowEndsWithItsLastWholeRecord) {
+  const OpenFile out = open_output(file_);
+  out.write("one\n");
+  {
+    const test::FileSizeLimit limit(6);
+    EXPECT_STREQ(test::thrown_by([&] { out.write("three\n"); }).what(),
+                 (file_.string() + ": cannot be written: File too large").c_str());
+  }
+  EXPECT_EQ(contents(file_), "one\n");
+  out.write("four\n");
+  EXPECT_EQ(contents(file_), "one\nfour\n");
+}
+
 TEST_F(OutputFileTest, KeepsTheModeOfWhatItReplaces) {
   const mode_t mask = umask(027);
   write_file(file_, "x");
@@ -193,7 +206,7 @@ TEST_F(OutputFileTest, AppendsToWhatIsOpenAlready) {
 
 TEST_F(OutputFileTest, RefusesWhatCannotBeWrittenBeforeAnythingIs) {
   const auto fault = [](const fs::path& file) {
-    const Error error = test::thrown_by([&] { refuse_unwritable(output_place(file)); });
+    const Error error = test::thrown_by([&] { writable_place(file); });
     EXPECT_EQ(error.code(), Exit::failed) << file;
     return std::string(error.what());
   };
@@ -203,9 +216,9 @@ TEST_F(OutputFileTest, RefusesWhatCannotBeWrittenBeforeAnythingIs) {
   write_file(file_, "x");
   EXPECT_NE(fault(file_ / "x").find("Not a directory"), std::string::npos);
   EXPECT_NE(fault(folder_ / "x/"), "");
-  EXPECT_EQ(test::thrown_by([&] { refuse_unwritable(output_place(file_)); }).code(), Exit::ok);
-  EXPECT_EQ(test::thrown_by([&] { refuse_unwritable(output_place(folder_ / "new")); }).code(), Exit::ok);
-  EXPECT_EQ(test::thrown_by([] { refuse_unwritable(output_place("-")); }).code(), Exit::ok);
+  EXPECT_EQ(test::thrown_by([&] { writable_place(file_); }).code(), Exit::ok);
+  EXPECT_EQ(test::thrown_by([&] { writable_place(folder_ / "new"); }).code(), Exit::ok);
+  EXPECT_EQ(test::thrown_by([] { writable_place("-"); }).code(), Exit::ok);
   EXPECT_EQ(files(), 1u);
   if (geteuid() == 0) GTEST_SKIP() << "skipped: root may write anything";
   chmod(file_.c_str(), 0400);
@@ -221,7 +234,7 @@ TEST_F(OutputFileTest, AnOrdinaryUserIsToldOfRightsThatAreMissing) {
   {
     const test::OrdinaryUser user;
     for (const fs::path& file : {file_, folder_ / "new", folder_ / "closed/new"}) {
-      const Error refused = test::thrown_by([&] { refuse_unwritable(output_place(file)); });
+      const Error refused = test::thrown_by([&] { writable_place(file); });
       EXPECT_EQ(refused.what(), file.string() + ": cannot be written: Permission denied");
       const Error failed = test::thrown_by([&] { write_file(file, "y"); });
       EXPECT_EQ(failed.what(), file.string() + ": cannot be written: Permission denied");
@@ -235,11 +248,11 @@ TEST_F(OutputFileTest, KnowsAFileByEveryName) {
   write_file(file_, "x");
   fs::create_symlink("out", folder_ / "soft");
   fs::create_hard_link(file_, folder_ / "hard");
-  const OutputPlace place = output_place(file_);
-  EXPECT_EQ(place.kind, OutputPlace::Kind::file);
-  EXPECT_EQ(output_place(folder_ / "soft").identity, place.identity);
-  EXPECT_EQ(output_place(folder_ / "hard").identity, place.identity);
-  EXPECT_NE(output_place(folder_ / "other").identity, place.identity);
+  const OutputPlace place = writable_place(file_);
+  EXPECT_EQ(place.type, fs::file_type::regular);
+  EXPECT_EQ(writable_place(folder_ / "soft").identity, place.identity);
+  EXPECT_EQ(writable_place(folder_ / "hard").identity, place.identity);
+  EXPECT_NE(writable_place(folder_ / "other").identity, place.identity);
 }
 
 }  // namespace

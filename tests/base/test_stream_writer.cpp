@@ -12,13 +12,22 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/open_output.hpp"
+#include "base/output_file.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa {
 namespace {
+
+/// On the pipe of a test, which closes its own descriptor.
+StreamWriter writer_on(int pipe, std::size_t room) {
+  return {OpenFile("a pipe", ::dup(pipe)), room};
+}
+
+StreamWriter writer_of(const std::string& file) {
+  return {open_output(file), 1 << 16};
+}
 
 /// Lines of many lengths, each of one letter.
 std::string lines_of(char letter, int count) {
@@ -39,15 +48,15 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
       read_back.append(block.data(), static_cast<std::size_t>(got));
   });
   {
-    StreamWriter a(ends[1], "a", 1 << 21), b(ends[1], "b", 1 << 21);
+    StreamWriter a = writer_on(ends[1], 1 << 21), b = writer_on(ends[1], 1 << 21);
     // All waiting lines are taken at once: many lines together, and more than a pipe holds.
     for (auto* const writer : {&a, &b}) {
       std::istringstream lines(lines_of(writer == &a ? 'a' : 'b', count));
       for (std::string line; std::getline(lines, line);)
         ASSERT_TRUE(writer->add(line + '\n'));
     }
-    EXPECT_TRUE(a.flush(10));
-    EXPECT_TRUE(b.flush(10));
+    EXPECT_TRUE(a.flush({.seconds = 10}));
+    EXPECT_TRUE(b.flush({.seconds = 10}));
   }
   close(ends[1]);
   reader.join();
@@ -68,10 +77,10 @@ TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
   std::string line(1000, 'x');
   line.back() = '\n';
   {
-    StreamWriter writer(ends[1], "a", 1 << 20);
+    StreamWriter writer = writer_on(ends[1], 1 << 20);
     for (int n = 0; n < 200; ++n)
       ASSERT_TRUE(writer.add(line));
-    EXPECT_FALSE(writer.flush(0.1));
+    EXPECT_FALSE(writer.flush({.seconds = 0.1}));
   }
   close(ends[1]);
   std::string text(1 << 20, '\0');
@@ -86,7 +95,7 @@ TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
 /// The message for a second writer of the file; empty if it may write.
 std::string second_writer(const std::string& file) {
   try {
-    StreamWriter second(file, 1 << 16);
+    writer_of(file);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Exit::usage);
     return error.what();
@@ -97,9 +106,9 @@ std::string second_writer(const std::string& file) {
 TEST(StreamWriter, AFileHasOneWriterAtATime) {
   const std::string file = test::scratch_folder("one-writer") / "stream.txt";
   {
-    StreamWriter first(file, 1 << 16);
+    StreamWriter first = writer_of(file);
     ASSERT_TRUE(first.add("kept\n"));
-    ASSERT_TRUE(first.flush(10));
+    ASSERT_TRUE(first.flush({.seconds = 10}));
     EXPECT_EQ(second_writer(file), file + ": another palpa is writing this file; wait until it has ended");
     // The same file under another name, and in another process.
     std::filesystem::create_hard_link(file, file + ".link");
@@ -109,10 +118,10 @@ TEST(StreamWriter, AFileHasOneWriterAtATime) {
     int status = 0;
     waitpid(child, &status, 0);
     EXPECT_EQ(status, 0);
-    EXPECT_NE(test::error_of([&] { refuse_while_written(file); }, Exit::usage), "");
+    EXPECT_ERROR(open_to_append(file), Exit::usage, "another palpa is writing this file");
     EXPECT_EQ(test::read_text(file), "kept\n") << "a refused writer has emptied it";
   }
-  EXPECT_NO_THROW(refuse_while_written(file));
+  EXPECT_NO_THROW(open_to_append(file));
   EXPECT_EQ(second_writer(file), "");
   EXPECT_EQ(test::read_text(file), "");
 }

@@ -1,18 +1,15 @@
 #!/usr/bin/env python3
-"""files.py FILE...: palpa opens, makes, moves and removes files in a few places only, each of which asks the register of files
-(engine/base/file_register.hpp) or touches nothing that is anybody's. Whatever else does is reported.
+"""files.py FILE...: palpa opens, makes, moves and removes files in a few places only, each of which asks whether it may
+(engine/base/outputs.hpp) or touches nothing that is anybody's. Whatever else does is reported.
 """
 import re
 import sys
 
-# Place: its purpose, and the reason if the register need not know of it.
+# Place: its purpose, and the reason if it need not ask.
 PLACES = {
-    "engine/base/open_output.cpp": "the one place that opens what is written; asks the register",
-    "engine/base/output_file.cpp": "puts a file that was written beside its place there; asks the register",
-    "engine/base/input_file.cpp": "the one place that opens what is read; tells the register",
+    "engine/base/output_file.cpp": "the one place that opens what is written; asks whether it may",
+    "engine/base/input_file.cpp": "the one place that opens what is read; asks whether it may",
     "engine/base/cache_file.cpp": "the cache, palpa's own: never a user's file",
-    "engine/base/stream_writer.cpp": "cuts what it has written itself",
-    "engine/base/append_file.cpp": "appends what must not be lost; asks the register, and reads only what it wrote",
     "engine/base/memory.cpp": "/proc", "engine/base/memory_limits.cpp": "/proc and /sys", "engine/base/start_thread.cpp": "/proc and /sys",
     "engine/gpu/patience.cpp": "/proc", "engine/bench/bench.cpp": "/proc", "engine/bench/surface.cpp": "/proc",
     "engine/geometry/parts/convex_hull.cpp": "/dev/null",
@@ -21,7 +18,7 @@ PLACES = {
     "engine/study/sitting/participant_folder.cpp": "makes the folders of a participant", "engine/study/sitting/withdrawal.cpp": "erases a participant who withdraws",
     "viewer/run/film.cpp": "makes its folder", "viewer/options/settings.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
-    "driver/rosbag/bag.cpp": "reads a bag as a stream; tells the register itself",
+    "driver/rosbag/bag.cpp": "reads a bag as a stream; asks itself",
     "driver/sonicsurface/line.cpp": "a serial port", "driver/sonicsurface/pty.cpp": "a terminal of its own",
     "driver/usb/libusb.cpp": "/sys", "driver/usb/local_server.cpp": "sockets of its own, and their lock",
     "driver/v4l2/kernel.cpp": "a camera", "driver/v4l2/nodes.cpp": "/sys",

@@ -9,12 +9,12 @@
 
 #include "array/schedule.hpp"
 #include "fakes.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/hand_films.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -70,10 +70,7 @@ class Rendering {
  public:
   explicit Rendering(const ChainFilm& film) : Rendering(film, film.noise) {}
   Rendering(const ChainFilm& film, sensing::Noise noise)
-      : film_(film), rig_(sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras, {}, noise, film.seed) {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    finger_ = {std::move(ply.positions), std::move(ply.triangles)};
-  }
+      : film_(film), rig_(sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras, {}, noise, film.seed) {}
   const std::vector<sensing::Camera>& cameras() const { return rig_.cameras(); }
   std::uint64_t frames() const { return static_cast<std::uint64_t>(film_.length_s * film_.rate_hz); }
   double time_of(std::uint64_t k) const { return static_cast<double>(k) / film_.rate_hz; }
@@ -87,7 +84,7 @@ class Rendering {
  private:
   const ChainFilm& film_;
   sensing::SyntheticRig rig_;
-  geometry::Mesh finger_;
+  const geometry::Mesh& finger_ = finger_skin().mesh;
   sensing::FrameSet set_;
 };
 
@@ -235,12 +232,11 @@ std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
 
 LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::Link& link) {
   const std::vector<sensing::Camera> cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras;
-  geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
   session::SessionSetting setting{.solids = solids_of("plate"), .cameras = cameras, .events = std::nullopt};
   setting.predict.predict = session::Predict::automatic;
   setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
   session::Session session(std::move(setting));
-  const auto source = sensing::make_synthetic_source(cameras, {std::move(ply.positions), std::move(ply.triangles)}, {},
+  const auto source = sensing::make_synthetic_source(cameras, finger_skin().mesh, {},
                                                      {.motion = motion, .paced = true, .frames = frames});
   LiveRun run;
   Watcher watcher;

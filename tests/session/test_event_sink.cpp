@@ -139,7 +139,7 @@ TEST(EventSink, ItsEndWaitsForNobodyLong) {
 TEST(EventSink, ThatMayWaitLeavesNothingOut) {
   Fifo fifo("event-wait");
   std::atomic<bool> stop{false};
-  const auto sink = open_event_sink(fifo.file.string(), names, &stop);
+  const auto sink = open_event_sink(fifo.file.string(), names, &stop, true);
   Reading reader(fifo);
   for (std::uint32_t n = 0; n < 20'000; ++n)
     sink->write(events(1, n));
@@ -151,7 +151,7 @@ TEST(EventSink, ThatMayWaitLeavesNothingOut) {
 TEST(EventSink, ThatMayWaitStillStops) {
   Fifo fifo("event-stop");
   std::atomic<bool> stop{false};
-  const auto sink = open_event_sink(fifo.file.string(), names, &stop);
+  const auto sink = open_event_sink(fifo.file.string(), names, &stop, true);
   std::thread stopper([&] {
     std::this_thread::sleep_for(100ms);
     stop = true;

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "base/append_file.hpp"
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "study/files/study_folder.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/withdrawal.hpp"
@@ -339,33 +339,32 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
 }
 
 TEST_F(RecordTest, AppendsAndCuts) {
-  AppendFile file(folder_ / "appended");
-  file.add("one\n");
-  EXPECT_ERROR(AppendFile(folder_ / "appended"), Exit::usage, "another palpa is writing this file");
-  file.add("two\n");
-  EXPECT_EQ(file.content(100), "one\ntwo\n");
-  EXPECT_REFUSED(file.content(7), "has more than 7 bytes");
+  const OpenFile file = open_to_append(folder_ / "appended");
+  file.write("one\n", true);
+  EXPECT_ERROR(open_to_append(folder_ / "appended"), Exit::usage, "another palpa is writing this file");
+  file.write("two\n", true);
+  EXPECT_EQ(read_text(folder_ / "appended"), "one\ntwo\n");
   file.cut(4);
-  file.add("three\n");
+  file.write("three\n", true);
   EXPECT_EQ(read_text(folder_ / "appended"), "one\nthree\n");
-  EXPECT_ERROR(AppendFile("/dev/full"), Exit::failed, "is not a regular file");
-  EXPECT_ERROR(AppendFile(folder_ / "no such folder" / "file"), Exit::failed, "no such folder");
+  EXPECT_ERROR(open_to_append("/dev/full"), Exit::failed, "is not a regular file");
+  EXPECT_ERROR(open_to_append(folder_ / "no such folder" / "file"), Exit::failed, "no such folder");
 }
 
 TEST_F(RecordTest, AFileThatCannotGrowKeepsItsRecords) {
-  AppendFile file(folder_ / "appended");
-  file.add("one\n");
+  const OpenFile file = open_to_append(folder_ / "appended");
+  file.write("one\n", true);
   // The limit of a file's size acts like a full disk: the first bytes of a record still fit.
   struct rlimit before {};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const struct rlimit little { 6, before.rlim_max };
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
-  EXPECT_ERROR(file.add("three\n"), Exit::failed, "appended");
+  EXPECT_ERROR(file.write("three\n", true), Exit::failed, "appended");
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(read_text(folder_ / "appended"), "one\n");
-  file.add("four\n");
+  file.write("four\n", true);
   EXPECT_EQ(read_text(folder_ / "appended"), "one\nfour\n");
 }
 

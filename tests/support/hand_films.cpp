@@ -3,49 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
-#include <numbers>
 #include <random>
 
-#include "assets/generators/hand.hpp"
-#include "assets/generators/hand_bones.hpp"
-#include "geometry/files/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
-
-const geometry::Mesh& finger_mesh() {
-  static const geometry::Mesh mesh = [] {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    return geometry::Mesh{std::move(ply.positions), std::move(ply.triangles)};
-  }();
-  return mesh;
-}
-
-const geometry::Mesh& hand_mesh(const std::string& pose) {
-  static std::map<std::string, geometry::Mesh> meshes;
-  auto at = meshes.find(pose);
-  if (at == meshes.end()) at = meshes.emplace(pose, assets::make_hand(*assets::named_hand_pose(pose))).first;
-  return at->second;
-}
-
-Transform turned(const Vec3& axis, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-  const auto turn = [&](const Vec3& v) { return v * c + glm::cross(axis, v) * s + axis * glm::dot(axis, v) * (1 - c); };
-  return Transform(Vec4(turn({1, 0, 0}), 0), Vec4(turn({0, 1, 0}), 0), Vec4(turn({0, 0, 1}), 0), Vec4(0, 0, 0, 1));
-}
-
-/// Lowered until its lowest point lies `press` below y = 0.
-Transform pressed(const geometry::Mesh& mesh, Transform T, double press) {
-  double lowest = 1e9;
-  for (const Vec3& p : mesh.positions)
-    lowest = std::min(lowest, transform_point(T, p).y);
-  T[3].y -= lowest + press;
-  return T;
-}
 
 /// Half of the noise of depth_noise.hpp, smoothed by [1 2 1]/4 in both directions, without its faults at rims.
 void add_half_noise(const sensing::Camera& camera, std::uint64_t key, std::vector<std::uint16_t>& depth) {
@@ -79,7 +45,7 @@ void add_half_noise(const sensing::Camera& camera, std::uint64_t key, std::vecto
 }  // namespace
 
 HandScene fingers_scene(int count, double thickness_m, double press_m, double tilt_deg, double plate_m) {
-  const geometry::Mesh& mesh = finger_mesh();
+  const HandSkin& finger = finger_skin();
   const double scale = thickness_m / 18e-3;
   HandScene scene{.plate_m = plate_m, .digits = static_cast<std::uint32_t>(count)};
   for (int f = 0; f < count; ++f) {
@@ -87,32 +53,17 @@ HandScene fingers_scene(int count, double thickness_m, double press_m, double ti
     for (int k = 0; k < 3; ++k)
       T[k] *= scale;
     T[3] = Vec4((f - (count - 1) / 2.0) * thickness_m, 0, 0, 1);
-    scene.skin.push_back(
-        {&mesh, pressed(mesh, T, press_m), std::vector<std::uint32_t>(mesh.positions.size(), std::uint32_t(f))});
+    scene.skin.push_back({&finger.mesh, pressed(finger.mesh, T, press_m),
+                          std::vector<std::uint32_t>(finger.part.size(), std::uint32_t(f))});
   }
   return scene;
 }
 
 HandScene hand_scene(const std::string& pose, double press_m, double tilt_deg, double plate_m, double turn_deg) {
-  const geometry::Mesh& mesh = hand_mesh(pose);
-  const assets::HandBones bones = assets::pose_bones(*assets::named_hand_pose(pose));
-  HandScene scene{.name = pose, .plate_m = plate_m, .digits = 6};
-  HandScene::Skin skin{
-      &mesh, pressed(mesh, turned({0, 1, 0}, 180 + turn_deg) * turned({1, 0, 0}, -tilt_deg), press_m), {}};
-  for (const Vec3& p : mesh.positions) {
-    std::uint32_t best = 5;  // the palm
-    double nearest = 1e9;
-    for (const assets::Bone& bone : bones.palm)
-      nearest = std::min(nearest, assets::distance(bone, p));
-    for (std::uint32_t d = 0; d < 5; ++d) {
-      for (const assets::Bone& bone : bones.digits[d].bones) {
-        const double apart = assets::distance(bone, p);
-        if (apart < nearest) nearest = apart, best = d;
-      }
-    }
-    skin.digit.push_back(best);
-  }
-  scene.skin.push_back(std::move(skin));
+  const HandSkin& hand = hand_skin(*assets::named_hand_pose(pose));
+  HandScene scene{.name = pose, .plate_m = plate_m, .digits = hand.parts};
+  const Transform T = turned({0, 1, 0}, 180 + turn_deg) * turned({1, 0, 0}, -tilt_deg);
+  scene.skin.push_back({&hand.mesh, pressed(hand.mesh, T, press_m), hand.part});
   return scene;
 }
 

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/open_output.hpp"
+#include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/start_thread.hpp"
 #include "sensing/skin_twin.hpp"

@@ -7,9 +7,9 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "base/outputs.hpp"
 #include "base/toml.hpp"
 
 namespace palpa::viewer {
@@ -52,7 +52,7 @@ std::string list_of(const char* key, const std::vector<std::string>& items) {
 
 Settings load_settings(const std::filesystem::path& file) {
   Settings settings;
-  file_register::add_own(file);
+  add_own_file(file);
   std::error_code fault;
   if (!std::filesystem::exists(file, fault) && !fault) return settings;
   TomlTable table = TomlTable::load(file, "the viewer's settings", {.bytes = 1U << 16, .items = 1000});
@@ -125,10 +125,8 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
     const LayerState& state = settings.layers[entry.value];
     text += fmt::format("[layers.{}]\nvisible = {}\nopacity = {}\n", entry.word, state.visible, state.opacity);
   }
-  file_register::add_own(file);
-  OutputFile out(file);
-  out.write(text);
-  out.finish();
+  add_own_file(file);
+  write_file(file, text);
 }
 
 Settings to_remember(const Settings& before, const Settings& began, const Settings& now) {

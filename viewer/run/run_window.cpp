@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
+#include "base/outputs.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/options/settings.hpp"
@@ -86,7 +86,7 @@ Size pixels_of(const Window& window) {
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
   Script script(options);
-  if (const auto settings = settings_file()) file_register::add_own(*settings);  // before an output can be declared
+  if (const auto settings = settings_file()) add_own_file(*settings);  // before an output can be declared
   const Outputs outputs(outputs_of(options, script, kinds));
   refuse_outputs_as_inputs(options);
   const std::filesystem::path settings = settings_file().value_or("");

@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/append_file.hpp"
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/without_folders.hpp"

@@ -52,7 +52,7 @@ CacheKey cache_key(const Mesh& mesh, const SurfaceOptions& options) {
 
 std::optional<Surface> load(const CacheKey& key, const SurfaceOptions& options) {
   const auto file = load_cached("surface", key);
-  if (!file || file->sections() != 6) return std::nullopt;
+  if (!file || file->sections.size() != 6) return std::nullopt;
   const auto frame = file->section_as<Frame>(0);
   Surface out;
   out.cells = file->section_as<shader::SurfaceCell>(1);

@@ -10,10 +10,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/output_file.hpp"
 #include "base/stream_writer.hpp"
 
 namespace palpa::session {
@@ -38,21 +40,22 @@ std::string_view text_of(std::span<const T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
+/// The patience of a link: its drives are only useful now, so their reader has to be there first.
+constexpr double link_patience_s = 0.5;
+
 class RecordLink : public Link {
  public:
   RecordLink(const std::string& file, const LinkSetting& setting, const std::atomic<bool>* wait_unless)
       : wait_unless_(wait_unless),
         transducers_(setting.layout.transducers.size()),
         record_bytes_(sizeof(std::uint64_t) + transducers_ * sizeof(array::TransducerDrive)),
-        writer_(file, room_of_pipe + 4 * record_bytes_,
-                wait_unless ? ReaderPatience() : ReaderPatience(link_patience_s)) {
-    if (writer_.on_disk()) writer_.grow(room_of_disk + 4 * record_bytes_);
+        writer_(opened(file, wait_unless, record_bytes_)) {
     Header header{{}, version, static_cast<std::uint32_t>(transducers_), setting.slot_s};
     std::memcpy(header.magic, magic, sizeof(magic));
     writer_.add(text_of(std::span<const Header>(&header, 1)));
     if (!flush()) writer_.fail_stalled();
     // If the disk becomes full, the data written so far must not end with a sounding drive.
-    writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive), sizeof(Header));
+    writer_.end_in_zeros(transducers_ * sizeof(array::TransducerDrive));
   }
 
   void plan(const PlayedPlan&) override {}
@@ -77,10 +80,10 @@ class RecordLink : public Link {
  private:
   bool waits() const { return wait_unless_ && !*wait_unless_; }
   bool add() {
-    if (waits() && writer_.add_waiting(record_, *wait_unless_)) return true;
-    return stalled_ ? writer_.add(record_) : writer_.add_patiently(record_, record_bytes_);
+    if (waits() && writer_.add(record_, {.stop = wait_unless_})) return true;
+    return stalled_ ? writer_.add(record_) : writer_.add(record_, {.seconds = StreamWriter::patience_s}, record_bytes_);
   }
-  bool flush() { return (waits() && writer_.flush_waiting(*wait_unless_)) || writer_.flush_patiently(); }
+  bool flush() { return (waits() && writer_.flush({.stop = wait_unless_})) || writer_.flush(); }
   /// Ends the file in silence now, without waiting for other slow parts of the program.
   void close_stalled() {
     try {
@@ -91,6 +94,14 @@ class RecordLink : public Link {
 
   /// A stalled reader must not get drives long after they are over; a stalled disk must have no effect on the sound.
   static constexpr std::size_t room_of_pipe = 1 << 18, room_of_disk = 1 << 25;
+
+  static StreamWriter opened(const std::string& file, const std::atomic<bool>* wait_unless, std::size_t record_bytes) {
+    Patience patience{.stop = wait_unless};
+    if (wait_unless == nullptr) patience.seconds = link_patience_s;
+    OpenFile out = open_output(file, patience);
+    const std::size_t room = out.on_disk() ? room_of_disk : room_of_pipe;
+    return {std::move(out), room + 4 * record_bytes};
+  }
 
   const std::atomic<bool>* wait_unless_;
   std::size_t transducers_, record_bytes_;

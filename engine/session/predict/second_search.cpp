@@ -122,6 +122,20 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
   return true;
 }
 
+bool SecondSearch::is_near(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
+                           const touch::Parameters& parameters) {
+  if (finger.inward == glm::vec3(0)) return false;
+  constexpr float everywhere = 3.0e38F;
+  reach_.count = 1;
+  reach_.fingers[0] = {.velocity = {},
+                       .centre = {0, 0, 0, everywhere},
+                       .inward = {finger.inward.x, finger.inward.y, finger.inward.z, 0},
+                       .solid = finger.solid};
+  find_contacts(points, solids_, parameters, {&reach_, 0}, after_);
+  return std::ranges::any_of(after_.contacts,
+                             [&](const touch::Contact& contact) { return contact.solid == finger.solid; });
+}
+
 bool SecondSearch::move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
                         touch::Touch& out) {
   const touch::Finger& finger = seen.fingers[f];
@@ -131,7 +145,11 @@ bool SecondSearch::move(const touch::Touch& seen, std::uint32_t f, const Vec3& w
     add_moved(seen, f, way, out);
     return true;
   }
-  if (!find(finger, moved_, parameters, after_)) return false;
+  if (!find(finger, moved_, parameters, after_)) {
+    if (!finger.holds || !is_near(finger, moved_, parameters)) return false;
+    add_moved(seen, f, way, out);
+    return true;
+  }
   const touch::Finger &old = before_.fingers[0], &now = after_.fingers[0];
   touch::Finger& moved = add_moved(seen, f, way, out);
   out.contacts.resize(out.contacts.size() - moved.contacts.size());

@@ -8,6 +8,7 @@
 #include "sensing/skin_point.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/predict/kept_frames.hpp"
+#include "shaders/touch/contacts/reach.h"
 #include "touch/contacts/prepared_solids.hpp"
 #include "touch/types.hpp"
 
@@ -26,16 +27,19 @@ class SecondSearch {
   void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
 
   /// Moves finger `f` of `seen` by `way`, with the skin of `frames` that is nearer to it than to other fingers, and
-  /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts, or half of that if
-  /// the finger holds. Its foci are moved by what the way changes: each by the difference between its sector's centroid
-  /// before and after. So a way of zero changes nothing, and the foci keep their smoothing. The axes stay. Returns
-  /// whether it was added.
+  /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts; a finger that holds
+  /// touches until none of its skin is within 0.5 mm of the shell. Its foci are moved by what the way changes: each by
+  /// the difference between its sector's centroid before and after. So a way of zero changes nothing, and the foci keep
+  /// their smoothing. The axes stay. Returns whether it was added.
   bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
 
  private:
   std::uint32_t take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
   bool find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
             const touch::Parameters& parameters, touch::Touch& out) const;
+  /// Whether some of the points are contacts of the finger's solid, or would be 0.5 mm deeper or shallower.
+  bool is_near(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
+               const touch::Parameters& parameters);
 
   CameraView view_;
   const touch::PreparedSolids& solids_;
@@ -49,6 +53,7 @@ class SecondSearch {
   std::vector<Box> others_;
   std::vector<sensing::SkinPoint> points_, moved_;
   touch::Touch before_, after_;
+  shader::ReachTable reach_{};
 };
 
 /// Copies finger `f` of `seen` to the end of `out`, moved rigidly by `way`, with its contacts.

@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "base/stream_writer.hpp"
 #include "session/links/udp.hpp"
 
@@ -15,22 +17,24 @@ namespace {
 
 class StreamSink : public EventSink {
  public:
-  StreamSink(const std::string& file, std::span<const std::string> solid_names, const std::atomic<bool>* wait_unless)
-      : writer_(file, room), solid_names_(solid_names.begin(), solid_names.end()), wait_unless_(wait_unless) {}
+  StreamSink(const std::string& file, std::span<const std::string> solid_names, const std::atomic<bool>* stop,
+             bool waits)
+      : writer_(open_output(file, {.stop = stop}), room),
+        solid_names_(solid_names.begin(), solid_names.end()),
+        patience_{.seconds = waits ? std::nullopt : std::optional(0.0), .stop = stop} {}
 
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
       write_event_line(event, solid_names_, json_);
-      const std::string_view line = json_.finish();
-      const bool taken = wait_unless_ ? writer_.add_waiting(line, *wait_unless_) : writer_.add(line);
+      const bool taken = writer_.add(json_.finish(), patience_);
       written_ += taken ? 1 : 0;
       drop(taken ? 0 : 1);
     }
   }
 
   void finish() override {
-    if (wait_unless_) writer_.flush_waiting(*wait_unless_);
-    writer_.flush_patiently();
+    if (!patience_.seconds) writer_.flush(patience_);
+    writer_.flush();
     writer_.close();  // from here on nothing more is written
     const std::uint64_t lost = writer_.waiting();
     written_ -= std::min(lost, written_);
@@ -49,7 +53,7 @@ class StreamSink : public EventSink {
 
   StreamWriter writer_;
   std::vector<std::string> solid_names_;
-  const std::atomic<bool>* wait_unless_;
+  Patience patience_;  ///< for lines
   bool warned_ = false;
   JsonWriter json_;
 };
@@ -81,10 +85,10 @@ class UdpSink : public EventSink {
 }  // namespace
 
 std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
-                                           const std::atomic<bool>* wait_unless) {
+                                           const std::atomic<bool>* stop, bool waits) {
   if (target.starts_with("udp:")) return std::make_unique<UdpSink>(target.substr(4), solid_names);
   if (target.empty()) throw bad_usage("--events needs -, a file or udp:HOST:PORT");
-  return std::make_unique<StreamSink>(target, solid_names, wait_unless);
+  return std::make_unique<StreamSink>(target, solid_names, stop, waits);
 }
 
 }  // namespace palpa::session

@@ -30,10 +30,10 @@ class EventSink {
 };
 
 /// "-", a file or "udp:HOST:PORT". A separate thread writes the lines at once. If the reader or the disk is slower, up
-/// to a megabyte is buffered. After that, complete lines are left out and counted, and there is one warning. Pass
-/// `wait_unless` if frames wait for the loop: then no line is left out, because the sink waits for the reader until
-/// that flag becomes true. Throws bad_usage for another form, failure() if the target cannot be opened.
+/// to a megabyte is buffered. After that, complete lines are left out and counted, and there is one warning. If frames
+/// wait for the loop, the sink `waits` for the reader, too, and no line is left out. `stop` ends such waits, and the
+/// wait for somebody who opens a pipe. Throws bad_usage for another form, failure() if the target cannot be opened.
 std::unique_ptr<EventSink> open_event_sink(const std::string& target, std::span<const std::string> solid_names,
-                                           const std::atomic<bool>* wait_unless = nullptr);
+                                           const std::atomic<bool>* stop = nullptr, bool waits = false);
 
 }  // namespace palpa::session

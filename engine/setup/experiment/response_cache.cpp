@@ -82,7 +82,7 @@ void store_responses(const CacheKey& key, const ShapeResponses& responses) {
 std::optional<ShapeResponses> load_responses(const CacheKey& key, std::size_t touches, std::size_t sites,
                                              std::size_t levels) {
   const auto file = load_cached(touches_kind, key);
-  if (!file || file->sections() != 3) return {};
+  if (!file || file->sections.size() != 3) return {};
   const auto sounds = file->section_as<std::uint8_t>(0);
   auto counts = file->section_as<std::uint16_t>(1);
   auto maps = file->section_as<float>(2);
@@ -112,7 +112,7 @@ std::optional<ShapeResponses> load_responses(const CacheKey& key, std::size_t to
 
 std::optional<double> load_number(const CacheKey& key) {
   const auto file = load_cached(touches_kind, key);
-  if (!file || file->sections() != 1 || file->section_as<double>(0).size() != 1) return {};
+  if (!file || file->sections.size() != 1 || file->section_as<double>(0).size() != 1) return {};
   return file->section_as<double>(0)[0];
 }
 

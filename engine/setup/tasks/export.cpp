@@ -155,7 +155,7 @@ ExportRun::ExportRun(const ExportTask& task, std::span<const session::SourceKind
     : frames_(task.frames), stop_(&stop), prepared_(prepare(unmeasured(task), sources, false)) {
   const session::Session& session = *prepared_.session;
   if (links.empty()) refuse_idle(task, session.solids());
-  if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_);
+  if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_, true);
   if (!task.foci.empty()) foci_ = session::open_foci_file(task.foci, session.link_setting());
   if (!task.drives.empty()) drives_ = session::open_record_link(task.drives, session.link_setting(), stop_);
   links_ = std::make_unique<Links>(links);

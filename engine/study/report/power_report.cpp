@@ -52,10 +52,10 @@ std::string power_text(const PowerSetting& setting, const PowerResult& result,
     fmt::format_to(std::back_inserter(text), "  {:>12}   {}   {}\n", row.people, shown(row.power),
                    shown(std::optional(row.interval)));
   }
-  text += "\n" + answer_line(setting, result) + "\n";
+  text += fmt::format("\n{}\n", answer_line(setting, result));
   if (!others.empty()) text += std::string(why_others) + "\n";
   for (const OtherCorrelation& other : others)
-    text += "  " + other_line(setting, other) + "\n";
+    text += fmt::format("  {}\n", other_line(setting, other));
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iterator>
 #include <string_view>
 
@@ -39,8 +40,9 @@ std::string finger_sidecar() {
 }  // namespace
 
 FingerRecorder::FingerRecorder(const ParticipantFolder& folder, std::uint32_t run)
-    : file_(folder.file(run, fmt::format("{}.tsv.gz", recording))) {
-  if (file_.size() > 0) throw failure(file_.name() + ": is there already, and is not replaced");
+    : file_(open_to_append(folder.file(run, fmt::format("{}.tsv.gz", recording)))) {
+  if (std::filesystem::file_size(file_.name()) > 0)
+    throw failure(file_.name() + ": is there already, and is not replaced");
   write_file(folder.file(run, fmt::format("{}.json", recording)), finger_sidecar());
 }
 
@@ -66,7 +68,7 @@ void FingerRecorder::add(double time_s, const std::optional<FingerSample>& sampl
 void FingerRecorder::flush(double time_s) {
   rows_until(time_s);
   if (rows_.empty()) return;
-  file_.add(gzip_of(rows_));
+  file_.write(gzip_of(rows_), true);
   rows_.clear();
 }
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "base/append_file.hpp"
 #include "base/math.hpp"
+#include "base/output_file.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {
@@ -36,7 +36,7 @@ class FingerRecorder {
  private:
   void rows_until(double time_s);
 
-  AppendFile file_;
+  OpenFile file_;
   std::string rows_;
   std::uint64_t next_row_ = 0;
   double sample_s_ = 0;

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/append_file.hpp"
 #include "base/error.hpp"
+#include "base/output_file.hpp"
 #include "study/files/study_folder.hpp"
 #include "study/plan/order.hpp"
 
@@ -103,9 +103,8 @@ void make_folders(const ParticipantFolder& folder) {
   const bool made = fs::create_directories(folder.beh(), fault);
   if (fault) throw failure(fmt::format("{}: cannot be created: {}", folder.beh().string(), fault.message()));
   if (!made) return;
-  const fs::path study = folder.path.parent_path();
-  for (const fs::path& place : {folder.path, study, study.parent_path()})
-    sync_folder(place);
+  for (const fs::path& place : {folder.beh(), folder.path.parent_path()})
+    keep_file(place);
 }
 
 }  // namespace palpa::study

@@ -13,8 +13,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
-#include "base/output_file.hpp"
+#include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "study/files/tsv.hpp"
 #include "study/sitting/events_table.hpp"
@@ -80,6 +79,12 @@ bool contains_rows(const std::string& table, const std::string& log) {
   });
 }
 
+/// A journal or a log may be empty.
+std::string content_of(const std::filesystem::path& file) {
+  std::error_code fault;
+  return std::filesystem::file_size(file, fault) == 0 ? std::string() : read_file(file, most_journal_bytes);
+}
+
 }  // namespace
 
 Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal,
@@ -96,50 +101,41 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
     try_out();
   }
   make_folders(folder_);
-  file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder_.path), .is_folder = true}});
-  try {
-    file_ = std::make_unique<AppendFile>(folder_.journal());
-    Journal journal = read_journal(file_->content(most_journal_bytes), file_->name());
-    const JournalHead head{.participant = participant, .plan_sha256 = plan.sha256};
-    if (journal.head && journal.head->participant != participant) {
-      throw bad_input(file_->name(), fmt::format("is the journal of participant {}, not of {}",
-                                                 journal.head->participant, participant));
-    }
-    if (journal.head && journal.head->plan_sha256 != plan.sha256) {
-      throw bad_usage(
-          fmt::format("{}: participant {} was begun with another plan, or {} was changed since: continue "
-                      "with the same file, or give the new plan another --out",
-                      file_->name(), participant, plan.file));
-    }
-    const bool finished = agenda_after(steps_, journal.entries, file_->name()).finished();
-    for (const Entry& entry : journal.entries) {
-      if (entry.kind != EntryKind::start || entry.rehearsal == rehearsal) continue;
-      throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_->name(),
-                                  entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
-    }
-    refuse_unknown_files(journal.entries);
-    if (!begins && !finished) {
-      refuse_other_models(plan, steps_, journal.entries, file_->name());
-      try_out();
-    }
-    file_->cut(journal.whole);
-    entries_ = std::move(journal.entries);
-    digits_ = std::move(journal.last_digits);
-    if (!journal.head) {
-      const std::string line = head_line(head);
-      file_->add(line);
-      digits_ = digits_of(line);
-    }
-    write_file(folder_.path / (folder_.name() + "_order.csv"), order_csv(plan, steps_));
-    write_logs(true);
-  } catch (...) {
-    file_register::release(this);
-    throw;
+  outputs_.emplace(std::vector<Output>{{"--out", folder_.path.string(), Output::Kind::continued_folder}});
+  file_ = open_to_append(folder_.journal());
+  Journal journal = read_journal(content_of(folder_.journal()), file_.name());
+  const JournalHead head{.participant = participant, .plan_sha256 = plan.sha256};
+  if (journal.head && journal.head->participant != participant) {
+    throw bad_input(file_.name(),
+                    fmt::format("is the journal of participant {}, not of {}", journal.head->participant, participant));
   }
-}
-
-Record::~Record() {
-  file_register::release(this);
+  if (journal.head && journal.head->plan_sha256 != plan.sha256) {
+    throw bad_usage(
+        fmt::format("{}: participant {} was begun with another plan, or {} was changed since: continue "
+                    "with the same file, or give the new plan another --out",
+                    file_.name(), participant, plan.file));
+  }
+  const bool finished = agenda_after(steps_, journal.entries, file_.name()).finished();
+  for (const Entry& entry : journal.entries) {
+    if (entry.kind != EntryKind::start || entry.rehearsal == rehearsal) continue;
+    throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_.name(),
+                                entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
+  }
+  refuse_unknown_files(journal.entries);
+  if (!begins && !finished) {
+    refuse_other_models(plan, steps_, journal.entries, file_.name());
+    try_out();
+  }
+  file_.cut(journal.whole);
+  entries_ = std::move(journal.entries);
+  digits_ = std::move(journal.last_digits);
+  if (!journal.head) {
+    const std::string line = head_line(head);
+    file_.write(line, true);
+    digits_ = digits_of(line);
+  }
+  write_file(folder_.path / (folder_.name() + "_order.csv"), order_csv(plan, steps_));
+  write_logs(true);
 }
 
 void Record::refuse_finished() const {
@@ -148,12 +144,12 @@ void Record::refuse_finished() const {
 }
 
 Agenda Record::agenda() const {
-  return agenda_after(steps_, entries_, file_->name());
+  return agenda_after(steps_, entries_, file_.name());
 }
 
 void Record::add(const Entry& entry) {
   const std::string line = entry_line(entry, digits_);
-  file_->add(line);
+  file_.write(line, true);
   digits_ = digits_of(line);
   entries_.push_back(entry);
   switch (entry.kind) {
@@ -200,7 +196,7 @@ void Record::refuse_lost_journal() const {
 void Record::refuse_unknown_files(std::span<const Entry> entries) const {
   const auto runs = runs_of(entries);
   const auto refuse = [&](const std::string& file, const char* what) {
-    throw bad_input(file_->name(),
+    throw bad_input(file_.name(),
                     fmt::format("does not contain {} {}: restore the journal, or give this participant another number; "
                                 "nothing was changed",
                                 what, (folder_.beh() / file).string()));
@@ -211,7 +207,7 @@ void Record::refuse_unknown_files(std::span<const Entry> entries) const {
     if (!known && (run || file.ends_with(end_of_log))) refuse(file, "the run of");
     if (!known || folder_.beh() / file != folder_.file(*run, end_of_log)) continue;
     // The log is written from the journal, after each entry that ends a step.
-    const std::string log = AppendFile(folder_.beh() / file).content(most_journal_bytes);
+    const std::string log = content_of(folder_.beh() / file);
     if (!contains_rows(events_table(*plan_, steps_, runs[*run - 1]), log)) refuse(file, "all rows of");
   }
 }

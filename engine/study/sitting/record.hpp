@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "base/append_file.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"
@@ -33,7 +34,6 @@ class Record {
   Record(
       const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal,
       const std::function<void()>& try_out = [] {});
-  ~Record();
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
@@ -61,7 +61,8 @@ class Record {
   std::vector<Step> steps_;
   std::vector<Entry> entries_;
   std::string digits_;
-  std::unique_ptr<AppendFile> file_;
+  std::optional<Outputs> outputs_;
+  OpenFile file_;  ///< the journal
 };
 
 /// The time as "2026-11-25T09:30:00Z", for the stamp of a start.

@@ -4,27 +4,16 @@
 
 #include <system_error>
 
-#include "base/append_file.hpp"
 #include "base/error.hpp"
-#include "base/file_register.hpp"
 #include "base/json_writer.hpp"
+#include "base/output_file.hpp"
+#include "base/outputs.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// While it lives, the participant's folder may be written.
-class Claimed {
- public:
-  explicit Claimed(const fs::path& folder) {
-    file_register::claim({{.owner = this, .option = "--out", .place = output_place(folder), .is_folder = true}});
-  }
-  ~Claimed() { file_register::release(this); }
-  Claimed(const Claimed&) = delete;
-  Claimed& operator=(const Claimed&) = delete;
-};
 
 std::string tombstone_text(std::uint32_t participant) {
   JsonWriter json;
@@ -41,14 +30,11 @@ Withdrawal withdraw(const fs::path& study, std::uint32_t participant) {
     throw bad_input(study.string(),
                     fmt::format("has no participant {}: there is no folder {}", participant, folder.name()));
   }
-  const Claimed claimed(folder.path);
+  const Outputs outputs({{"--out", folder.path.string(), Output::Kind::continued_folder}});
   Withdrawal withdrawal{.before = folder.withdrawn()};
   // Throws while a sitting has the journal open.
-  if (fs::exists(folder.journal(), fault)) const AppendFile journal(folder.journal());
-  if (!withdrawal.before) {
-    AppendFile tombstone(folder.tombstone());
-    tombstone.add(tombstone_text(participant));
-  }
+  if (fs::exists(folder.journal(), fault)) open_to_append(folder.journal());
+  if (!withdrawal.before) open_to_append(folder.tombstone()).write(tombstone_text(participant), true);
   const auto erase = [&](const fs::path& path) {
     const std::uintmax_t files = fs::remove_all(path, fault);
     if (fault)

@@ -28,6 +28,7 @@ struct Claims {
       if (k != none && (heir[k] == none || contacts(f) > contacts(heir[k]))) heir[k] = f;
     }
   }
+  bool is_heir(std::uint32_t f) const { return of[f] != none && heir[of[f]] == f; }
   /// Whether `f` is a small cluster beside a known finger.
   bool is_island(const Known& known, const Finger& finger, const FingerSkin& skin, std::uint32_t f) const {
     const std::uint32_t k = of[f] != none ? of[f] : known_nearby(known, finger.solid, skin.samples);
@@ -37,47 +38,141 @@ struct Claims {
   }
 };
 
+/// The middle of a cluster's insides. Without samples, the place of its first contact.
+Float3 inside_of(const Touch& touch, const Finger& finger, const FingerSkin& skin, float width) {
+  if (skin.samples.empty()) return float3(touch.contacts[finger.contacts.front()].position);
+  const Float3 first = inside_of(skin.samples.front(), width);
+  Float3 sum{0, 0, 0};
+  for (const SkinSample& sample : skin.samples)
+    sum = plus(sum, minus(inside_of(sample, width), first));
+  return plus(first, scaled(sum, 1.0F / static_cast<float>(skin.samples.size())));
+}
+
+/// One frame's decisions.
+struct Admission {
+  const Parameters& parameters;
+  const Known& known;
+  const Touch& touch;
+  const FingerSkins& skins;
+  const Claims claims{known, touch, skins};
+  InplaceVector<Island, max_fingers> islands{};     ///< of this frame
+  std::array<bool, max_fingers> seen{};             ///< islands of the frame before
+  InplaceVector<EndedFinger, max_fingers> ended{};  ///< before this frame, and still to be remembered
+
+  void remember_ended() {
+    if (known.table == nullptr) return;
+    for (EndedFinger finger : known.table->ended) {
+      finger.since_us = us_after(finger.since_us, known.elapsed_us);
+      if (finger.since_us < ended_us_most) ended.push_back(finger);
+    }
+  }
+
+  /// Whether it lies where a finger has ended, and does not press.
+  bool hovers(const Finger& finger, const FingerSkin& skin) {
+    const Float3 inside = inside_of(touch, finger, skin, known.finger_width);
+    const float reach = 0.5F * known.finger_width;
+    const auto before = std::ranges::find_if(ended, [&](const EndedFinger& other) {
+      return other.solid == finger.solid && square_apart(other.inside, inside) <= reach * reach;
+    });
+    if (before == ended.end()) return false;
+    const auto presses = std::ranges::count_if(
+        finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].depth_m >= pressing_m; });
+    if (static_cast<std::uint32_t>(presses) >= least_contacts(parameters.min_points, false)) return false;
+    before->since_us = 0;
+    return true;
+  }
+
+  /// Whether the cluster has been there for long enough.
+  bool has_waited(const Finger& finger) {
+    Island island{float3(touch.contacts[finger.contacts.front()].position), finger.solid};
+    for (std::size_t k = 0; k < known.table->islands.size(); ++k) {
+      const Island& before = known.table->islands[k];
+      if (!same_island(island, before)) continue;
+      seen[k] = true;
+      island.evidence_us = std::max(island.evidence_us, us_after(before.evidence_us, known.elapsed_us));
+    }
+    if (island.evidence_us >= island_wait_us) return true;
+    islands.push_back(island);
+    return false;
+  }
+
+  bool is_finger(std::uint32_t f) {
+    const Finger& finger = touch.fingers[f];
+    const std::uint32_t claimed = claims.of[f];
+    const bool goes_on = known.has(known_few) && claims.is_heir(f) &&
+                         !next_fall(known.table->fingers[claimed].fall, contacts_in_shell(touch, finger)).falls;
+    if (finger.contact_count < least_contacts(parameters.min_points, goes_on)) return false;
+    const bool faint = claimed == none && small_alone(finger.contact_count, parameters.min_points);
+    const bool again = known.has(known_again) && claimed == none && hovers(finger, skins[f]);
+    if (again && faint) return false;
+    const bool waits = again || (known.has(known_islands) && (faint || claims.is_island(known, finger, skins[f], f)));
+    return !waits || has_waited(finger);
+  }
+
+  void remember_islands() {
+    if (known.table == nullptr) return;
+    for (std::size_t k = 0; k < known.table->islands.size(); ++k) {
+      Island island = known.table->islands[k];
+      const std::uint32_t lost_us = known.elapsed_us;
+      if (seen[k] || island.evidence_us <= lost_us || islands.size() == max_fingers) continue;
+      island.evidence_us -= lost_us;
+      islands.push_back(island);
+    }
+  }
+};
+
 }  // namespace
 
-ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownFingers& table, Touch& out,
-                        FingerSkins& skins) {
-  const Claims claims(known, out, skins);
-  ClaimList stay{};
-  std::array<Island, max_fingers> islands{};
-  std::uint32_t islands_now = 0, kept = 0;
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
+                        Touch& out, FingerSkins& skins) {
+  Admission admission{parameters, known, out, skins};
+  const Claims& claims = admission.claims;
+  admission.remember_ended();
+  std::array<bool, max_fingers> stays{}, grows{}, goes_on{};
+  for (std::uint32_t f = 0; f < out.finger_count; ++f)
+    stays[f] = admission.is_finger(f);
+  admission.remember_islands();
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
-    Finger& finger = out.fingers[f];
     const std::uint32_t claimed = claims.of[f];
-    const bool goes_on =
-        known.has(known_few) && claimed != none && !next_fall(table.fingers[claimed].fall, finger.contact_count).falls;
-    bool stays = finger.contact_count >= least_contacts(parameters.min_points, goes_on);
-    const bool faint = claimed == none && small_alone(finger.contact_count, parameters.min_points);
-    if (stays && known.has(known_islands) && (faint || claims.is_island(known, finger, skins[f], f))) {
-      Island island{float3(out.contacts[finger.contacts.front()].position), finger.solid};
-      for (std::uint32_t k = 0; k < known.table->islands; ++k) {
-        const Island& before = known.table->island[k];
-        if (before.solid == island.solid && same_island(island, before))
-          island.age_us = std::max(island.age_us, us_after(before.age_us, known.elapsed_us));
-      }
-      stays = island.age_us >= island_wait_us;
-      if (!stays) islands[islands_now++] = island;
+    if (claimed == none) continue;
+    if (stays[f]) goes_on[claimed] = true;
+    const std::uint32_t heir = claims.heir[claimed];
+    if (stays[f] || !stays[heir] || skins[f].samples.empty() || !known.has(known_whole)) continue;
+    std::vector<std::uint32_t>& all = out.fingers[heir].contacts;
+    all.insert(all.end(), out.fingers[f].contacts.begin(), out.fingers[f].contacts.end());
+    grows[heir] = true;
+  }
+
+  ClaimList stay{};
+  std::uint32_t kept = 0;
+  for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+    if (!stays[f]) continue;
+    Finger& finger = out.fingers[f];
+    if (grows[f]) {
+      std::ranges::sort(finger.contacts);
+      finger.contact_count = static_cast<std::uint32_t>(finger.contacts.size());
+      skins[f] = look_at(sight, known, out, finger);
     }
-    if (!stays) continue;
-    if (kept != f) {
-      std::swap(out.fingers[kept], finger);
-      skins[kept] = skins[f];
-    }
-    if (claimed != none) {
+    if (const std::uint32_t claimed = claims.of[f]; claimed != none) {
       stay[kept].parting_us = next_parting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
       stay[kept].meeting_us = next_meeting_us(table.fingers[claimed], table.doubts[claimed], known.elapsed_us);
       stay[kept].fall = table.fingers[claimed].fall;
+    }
+    if (kept != f) {
+      std::swap(out.fingers[kept], finger);
+      skins[kept] = skins[f];
     }
     ++kept;
   }
   out.cluster_count -= out.finger_count - kept;
   out.finger_count = kept;
-  table.islands = islands_now;
-  table.island = islands;
+  for (std::uint32_t k = 0; known.table != nullptr && k < table.count; ++k) {
+    if (goes_on[k] || admission.ended.size() == max_fingers) continue;
+    const KnownFinger& finger = table.fingers[k];
+    admission.ended.push_back({scaled(plus(finger.low, finger.high), 0.5F), finger.solid, 0});
+  }
+  table.ended = admission.ended;
+  table.islands = admission.islands;
   std::ranges::fill(table.doubts, 0U);
   return stay;
 }

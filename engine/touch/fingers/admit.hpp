@@ -1,7 +1,10 @@
 // Which clusters are fingers, by the fingers of the frame before. This is decided after clusters are split and joined.
-// - A cluster of a known finger is a finger with half of min_points contacts; any other needs min_points.
-// - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, or
-//   one that is no known finger and has fewer than twice min_points contacts.
+// - The largest cluster of a known finger, its heir, is a finger with half of min_points contacts; any other cluster
+//   needs min_points.
+// - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, one
+//   that is no known finger and has fewer than twice min_points contacts, or one where a finger has just ended with
+//   fewer than min_points contacts 0.3 mm deep.
+// - Skin of a known finger that does not become a finger of its own is the heir's.
 #pragma once
 
 #include <array>
@@ -14,9 +17,10 @@ namespace palpa::touch {
 /// What each finger that stays has to do with the fingers of the frame before.
 using ClaimList = std::array<Claim, max_fingers>;
 
-/// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands to `table`, to
-/// which `known` also refers unless there are no known fingers. Ends the doubts of the table.
-ClaimList admit_fingers(const Parameters& parameters, const Known& known, KnownFingers& table, Touch& out,
-                        FingerSkins& skins);
+/// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands and the fingers
+/// that have ended to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the
+/// table.
+ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
+                        Touch& out, FingerSkins& skins);
 
 }  // namespace palpa::touch

@@ -23,16 +23,22 @@ float squared(const glm::vec3& v) {
   return glm::dot(v, v);
 }
 
+/// The greater of a finger's depth and that of one of its points.
+float deeper(const Sight& sight, float depth, const Contact& point) {
+  if (point.depth_m <= depth || !(sight.cameras.empty() || is_firm(sight, point.point))) return depth;
+  return point.depth_m;
+}
+
 }  // namespace
 
-void find_depths(Touch& touch) {
+void find_depths(const Sight& sight, Touch& touch) {
   std::array<Bounds, max_fingers> bounds;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
     finger.depth_m = 0;
     for (const std::uint32_t index : finger.contacts) {
       const Contact& contact = touch.contacts[index];
-      finger.depth_m = std::max(finger.depth_m, contact.depth_m);
+      finger.depth_m = deeper(sight, finger.depth_m, contact);
       bounds[f].low = glm::min(bounds[f].low, contact.position);
       bounds[f].high = glm::max(bounds[f].high, contact.position);
     }
@@ -52,7 +58,8 @@ void find_depths(Touch& touch) {
       least_centroid = centroid;
     }
     if (nearest == touch.finger_count) continue;
-    touch.fingers[nearest].depth_m = std::max(touch.fingers[nearest].depth_m, deep.depth_m);
+    float& depth = touch.fingers[nearest].depth_m;
+    depth = deeper(sight, depth, deep);
   }
 }
 

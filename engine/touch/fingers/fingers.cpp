@@ -43,7 +43,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
     bridge_fingers(sight, parameters, known, out, skins_);
     watch.mark("bridge");
     if (known_) {
-      claims = admit_fingers(parameters, known, *known_, out, skins_);
+      claims = admit_fingers(sight, parameters, known, *known_, out, skins_);
       watch.mark("admit");
     }
   }
@@ -64,7 +64,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters
     watch.mark("glide");
   }
   if (known_) leave_out_beyond(out, places_);
-  find_depths(out);
+  find_depths(sight, out);
   watch.mark("depths");
 }
 

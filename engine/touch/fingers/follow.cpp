@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/follow_math.hpp"
+#include "touch/fingers/members.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -62,7 +64,8 @@ struct Follow {
   void merge();
   void move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers);
   void choose_who_stays();
-  Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home);
+  Float3 joined(std::uint32_t finger, const Tracks& all) const;
+  Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined);
 };
 
 void Follow::move_on(const Tracks& before) {
@@ -233,7 +236,17 @@ void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t 
   }
 }
 
-Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home) {
+/// Zero for a finger that is nearly where it is expected, or was not in the frame before.
+Float3 Follow::joined(std::uint32_t f, const Tracks& all) const {
+  const std::uint32_t t = track_of[f];
+  if (t == none || t >= all.skin_before.fingers) return {0, 0, 0};
+  const Candidate& track = candidates[t];
+  constexpr float near = 0.3e-3F;
+  if (square_apart(float3(fingers[f].section.centroid), track.place) <= near * near) return {0, 0, 0};
+  return moved_by_members(all.skin_before.places[t], all.skin.places[f], minus(track.place, float3(track.old.place)));
+}
+
+Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined) {
   Finger& finger = fingers[f];
   CrossSection& section = finger.section;
   const PrincipalAxes axes = axes_of(finger);
@@ -246,6 +259,7 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   t.solid = finger.solid;
   t.carrier = none;
   t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
+  t.joined = joined;
   t.flags = finger.point_like ? 0 : track_has_axes;
   t.place = vec4(float3(section.centroid));
   t.axis1 = vec4(axes.w1, axes.l1);
@@ -263,7 +277,8 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
         std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
     t.id = track.old.id;
     if (passengers == 0) {
-      track.velocity = moved(track.velocity, minus(float3(section.centroid), track.place), velocity_gain(since_s));
+      const Float3 surprise = minus(minus(float3(section.centroid), joined), track.place);
+      track.velocity = moved(track.velocity, surprise, velocity_gain(since_s));
     } else {
       move_cluster(f, track, passengers);
       t.contacts = track.old.contacts;
@@ -295,6 +310,18 @@ Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_
   return t;
 }
 
+/// Keeps the places of the fingers' contacts, and of those of the frame before.
+void keep_skin(const Touch& touch, Tracks& tracks) {
+  std::swap(tracks.skin, tracks.skin_before);
+  tracks.skin.fingers = touch.finger_count;
+  for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+    std::vector<Float3>& places = tracks.skin.places[f];
+    places.clear();
+    for (const std::uint32_t i : touch.fingers[f].contacts)
+      places.push_back(float3(touch.contacts[i].position));
+  }
+}
+
 }  // namespace
 
 std::uint32_t FrameClock::elapsed_us(double time_s) {
@@ -310,18 +337,22 @@ void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting
   Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == follow_restart ? 0 : elapsed_us,
                 setting.memory_us(), setting.axes == Axes::steady};
   if (elapsed_us == follow_restart) tracks.count = 0;
+  if (elapsed_us == follow_restart) tracks.skin.fingers = 0;
+  keep_skin(touch, tracks);
   follow.move_on(tracks);
   follow.find_birth_costs();
   follow.assign();
   follow.merge();
   follow.choose_who_stays();
   tracks.count = 0;
+  const bool members = (setting.hysteresis_rules & known_members) != 0;
   std::uint32_t home = 0;  // the first home that may be free
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const bool born = follow.track_of[f] == none;
     while (born && follow.home_taken[home])
       ++home;
-    tracks.tracks[tracks.count++] = follow.followed(f, tracks.next_id, home);
+    const Float3 joined = members ? follow.joined(f, tracks) : Float3{0, 0, 0};
+    tracks.tracks[tracks.count++] = follow.followed(f, tracks.next_id, home, joined);
     if (!born) continue;
     ++tracks.next_id;
     ++home;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "touch/fingers/follow_math.hpp"
 #include "touch/stage_setting.hpp"
@@ -27,14 +29,17 @@ struct Tracks {
   std::uint32_t count = 0;
   std::uint32_t next_id = 0;
   std::array<Track, follow_most_tracks> tracks{};
+  /// The places of the contacts of the frame's fingers, whose tracks are the first; and of the frame before.
+  struct Skin {
+    std::uint32_t fingers = 0;
+    std::array<std::vector<Float3>, max_fingers> places{};
+  } skin, skin_before;
 };
 
-/// Gives ids to the first `finger_count` fingers of a frame, whose sections come from
-/// find_sections(). If the setting has steady axes, turns their axes as little as possible from those of the previous
-/// frame. Ids count up from 0 in the order of the fingers and are never reused. In the first frame, the ids are the
-/// fingers' order. After each call, the first tracks are those of the frame's fingers, in their order. Allocates
-/// nothing.
-/// `elapsed_us` comes from the tracks' clock.
+/// Gives ids to the first `finger_count` fingers of a frame, whose sections come from find_sections(). If the setting
+/// has steady axes, turns their axes as little as possible from those of the previous frame. Ids count up from 0 in the
+/// order of the fingers and are never reused. In the first frame, the ids are the fingers' order. After each call, the
+/// first tracks are those of the frame's fingers, in their order. `elapsed_us` comes from the tracks' clock.
 void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch);
 
 }  // namespace palpa::touch

@@ -38,6 +38,7 @@ struct Track {
   shader::vec4 axis3;      // steady w3
   shader::vec4 spread_a;   // covariance when last seen by itself: xx, xy, xz, yy
   shader::vec4 spread_b;   // yz, zz
+  Float3 joined;           // of this frame's fingers: how far contacts that joined or left moved its centroid
 };
 
 /// A finger that has merged into another's cluster is remembered for this time.

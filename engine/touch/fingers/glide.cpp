@@ -94,7 +94,7 @@ void glide_finger(const Track& track, Home& home, Finger& finger) {
   const Float3 centre = float3(finger.section.centroid), old_centre = float3(home.centre);
   const PrincipalAxes axes = frame_of(float3(finger.section.axes[0]), float3(finger.section.axes[2]));
   const PrincipalAxes old_axes = frame_of(float3(home.axis1), float3(home.axis3));
-  const Float3 motion = motion_of(old_centre, centre, float3(home.velocity), frame_s);
+  const Float3 motion = motion_of(old_centre, minus(centre, track.joined), float3(home.velocity), frame_s);
 
   std::array<Focus, max_foci> copy;
   const std::span<const Focus> sectors = std::span(copy).first(count);

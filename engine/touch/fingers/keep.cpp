@@ -10,20 +10,25 @@
 namespace palpa::touch {
 namespace {
 
-/// Skin may reach beyond the shell's edges around a finger that is about to end.
-void add_reach(const SkinSamples& samples, const KnownFinger& finger, shader::ReachTable& table) {
-  const Float3 first = samples.front().position;
-  Float3 place{0, 0, 0}, normal{0, 0, 0};
-  for (const SkinSample& sample : samples) {
-    place = plus(place, minus(sample.position, first));
+/// Zero if the samples do not tell.
+Float3 inward_of(const SkinSamples& samples) {
+  Float3 normal{0, 0, 0};
+  for (const SkinSample& sample : samples)
     normal = plus(normal, sample.normal);
-  }
+  return dot3(normal, normal) > 0 ? unit(normal) : Float3{0, 0, 0};
+}
+
+/// Skin may reach beyond the shell's edges around a finger that is about to end.
+void add_reach(const SkinSamples& samples, const Float3& inward, const KnownFinger& finger, shader::ReachTable& table) {
+  if (!(dot3(inward, inward) > 0)) return;
+  const Float3 first = samples.front().position;
+  Float3 place{0, 0, 0};
+  for (const SkinSample& sample : samples)
+    place = plus(place, minus(sample.position, first));
   const Float3 centre = plus(first, scaled(place, 1.0F / static_cast<float>(samples.size())));
   float farthest = 0;
   for (const SkinSample& sample : samples)
     farthest = std::max(farthest, square_apart(sample.position, centre));
-  if (!(dot3(normal, normal) > 0)) return;
-  const Float3 inward = unit(normal);
   table.fingers[table.count++] = {.velocity = finger.velocity,
                                   .centre = {centre.x, centre.y, centre.z, squared_reach(std::sqrt(farthest))},
                                   .inward = {inward.x, inward.y, inward.z, 0},
@@ -40,8 +45,7 @@ void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const 
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
     const SkinSamples& samples = skins[f].samples;
-    const auto in_shell = static_cast<std::uint32_t>(
-        std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
+    const std::uint32_t in_shell = contacts_in_shell(touch, finger);
     KnownFinger& kept = table.fingers[f];
     kept = {.solid = finger.solid,
             .samples = std::max(static_cast<std::uint32_t>(samples.size()), 1U),
@@ -50,9 +54,11 @@ void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const 
             .velocity = tracks.tracks[f].velocity,
             .fall = (rules & known_falling) != 0 ? next_fall(claims[f].fall, in_shell) : Fall{.contacts = in_shell}};
     const bool falls = kept.fall.falls;
+    const Float3 inward = inward_of(samples);
     finger.holds = (rules & known_few) != 0 && !falls;
+    finger.inward = to_vec(inward);
     if ((rules & known_edges) != 0 && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
-      add_reach(samples, kept, table.reach);
+      add_reach(samples, inward, kept, table.reach);
     if (samples.empty()) {  // its place instead
       table.insides[f][0] = float3(touch.contacts[finger.contacts.front()].position);
     }

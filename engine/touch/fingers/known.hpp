@@ -2,9 +2,11 @@
 // in docs/touch.md.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
+#include "base/inplace_vector.hpp"
 #include "shaders/touch/contacts/reach.h"
 #include "touch/fingers/exact.hpp"
 #include "touch/fingers/sight.hpp"
@@ -43,15 +45,22 @@ inline constexpr std::uint32_t doubt_apart = 2;  ///< it looks like one with ano
 struct Island {
   Float3 place{};
   std::uint32_t solid = 0;
-  std::uint32_t age_us = 0;
+  std::uint32_t evidence_us = 0;  ///< for how long it has been there, less half the time that it was missing
+};
+
+/// A finger that has ended.
+struct EndedFinger {
+  Float3 inside{};  ///< the middle of its insides
+  std::uint32_t solid = 0;
+  std::uint32_t since_us = 0;
 };
 
 struct KnownFingers {
   std::uint32_t count = 0;
   std::array<KnownFinger, max_fingers> fingers{};
   std::array<std::uint32_t, max_fingers> doubts{};  ///< of the known fingers in this frame
-  std::uint32_t islands = 0;
-  std::array<Island, max_fingers> island{};
+  InplaceVector<Island, max_fingers> islands;
+  InplaceVector<EndedFinger, max_fingers> ended;
   /// Per finger and sample: inside_of().
   std::array<std::array<Float3, most_samples>, max_fingers> insides{};
   shader::ReachTable reach{};  ///< the fingers that are about to end
@@ -70,6 +79,10 @@ inline constexpr float known_reach = 0.4F;
 /// distance.
 inline constexpr std::uint32_t island_wait_us = 50000;
 inline constexpr float island_reach_m = 8e-3F;
+
+/// Skin at the place of a finger that ended less than this ago is an island, unless min_points contacts are that deep.
+inline constexpr std::uint32_t ended_us_most = 500000;
+inline constexpr float pressing_m = 0.3e-3F;
 
 /// A known finger with fewer contacts in the shell than this times the least number is about to end. One without any
 /// has ended. Skin around its samples up to this distance may be its contacts even beyond the shell's edges.
@@ -105,7 +118,13 @@ inline std::uint32_t next_meeting_us(const KnownFinger& finger, std::uint32_t do
 }
 
 inline bool same_island(const Island& a, const Island& b) {
-  return square_apart(a.place, b.place) <= island_reach_m * island_reach_m;
+  return a.solid == b.solid && square_apart(a.place, b.place) <= island_reach_m * island_reach_m;
+}
+
+/// The contacts of a finger that are not beyond the shell's edges.
+inline std::uint32_t contacts_in_shell(const Touch& touch, const Finger& finger) {
+  return static_cast<std::uint32_t>(
+      std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
 }
 
 /// A finger that leaves has fewer contacts in each frame, while those of a finger at rest go up and down. A finger

@@ -244,7 +244,7 @@ class Grouping {
     for (std::size_t s = 0; s < count_; ++s)
       parts.part.push_back(static_cast<std::uint8_t>(head(s)));
     for (std::size_t h = 0; h < count_; ++h)
-      parts.known[h] = members_[h] != 0 && label_of(h) != known_none;
+      parts.known[h] = members_[h] != 0 ? label_of(h) : known_none;
     return parts;
   }
 
@@ -486,11 +486,6 @@ class Grouping {
 };
 
 }  // namespace
-
-float noise_at(float depth) {
-  // Metres, and an addition per square metre of distance.
-  return PALPA_TUNED(valley, 1e-3F) + PALPA_TUNED(noise, 5e-3F) * depth * depth;
-}
 
 Parts find_parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
                  const Known& known) {

@@ -14,8 +14,8 @@ namespace palpa::touch {
 struct Parts {
   InplaceVector<std::uint8_t, most_samples> part;  ///< per sample
   std::array<Float3, most_samples> insides{};      ///< per sample: inside_of()
-  /// Per part: whether some of its samples belong to a known finger.
-  std::array<bool, most_samples> known{};
+  /// Per part: the known finger of most of its samples that belong to one; known_none if none does.
+  std::array<std::uint32_t, most_samples> known{};
   /// Per finger of the frame before: how this frame contradicts it; bits, see KnownFingers::doubts.
   std::array<std::uint8_t, max_fingers> doubts{};
 
@@ -27,9 +27,5 @@ struct Parts {
 /// `labels`: the samples' known fingers. Several threads may call it.
 Parts find_parts(const Sight& sight, const SkinSamples& samples, float finger_width, const KnownLabels& labels,
                  const Known& known);
-
-/// How much two depths at this distance from a camera may differ on one surface, metres: a depth camera's noise grows
-/// with the distance. A valley is at least as deep.
-float noise_at(float depth);
 
 }  // namespace palpa::touch

@@ -136,6 +136,28 @@ Appearance appearance(const SightCamera& camera, const Float3& world) {
   return a;
 }
 
+float noise_at(float depth) {
+  // Metres, and an addition per square metre of distance.
+  return PALPA_TUNED(valley, 1e-3F) + PALPA_TUNED(noise, 5e-3F) * depth * depth;
+}
+
+bool is_firm(const Sight& sight, std::uint32_t point) {
+  constexpr std::uint32_t reach = 2, window = 5, company = 5;
+  const SeenPixel p = pixel_of(sight, point);
+  const SightCamera& camera = sight.cameras[p.camera];
+  const auto depth_of = [&](std::uint32_t raw) { return static_cast<float>(raw) * camera.depth_unit; };
+  const float at = depth_of(raw_at(sight, p.camera, p.u, p.v));
+  std::uint32_t near = 0;
+  for (std::uint32_t v = p.v; v < p.v + window; ++v) {
+    for (std::uint32_t u = p.u; u < p.u + window; ++u) {  // both too large by `reach`
+      if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
+      const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
+      if (raw >= camera.first_depth && std::abs(at - depth_of(raw)) <= noise_at(at)) ++near;
+    }
+  }
+  return near >= PALPA_TUNED(company, company);
+}
+
 Float3 normal_at(const Sight& sight, std::uint32_t point) {
   const auto [c, u, v] = pixel_of(sight, point);
   const SightCamera& camera = sight.cameras[c];

@@ -68,6 +68,13 @@ inline float surface_step_m() {
   return PALPA_TUNED(rim, 4e-3F);
 }
 
+/// How much two depths at this distance from a camera may differ on one surface, metres: a depth camera's noise grows
+/// with the distance. A valley is at least as deep.
+float noise_at(float depth);
+
+/// Whether enough pixels around a contact's pixel, itself included, are about as far away. Flying pixels are not firm.
+bool is_firm(const Sight& sight, std::uint32_t point);
+
 /// The skin's outward normal at a contact's pixel. It is zero if the pixel's neighbours do not give one: such pixels
 /// lie on rims or float beside them.
 Float3 normal_at(const Sight& sight, std::uint32_t point);

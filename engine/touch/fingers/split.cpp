@@ -16,24 +16,6 @@ namespace {
 /// Clusters of a known finger are examined from this share of the greatest width of a finger on.
 constexpr float known_wide = 0.8F;
 
-/// Whether enough pixels around a contact's pixel, itself included, are about as far away.
-bool is_firm(const Sight& sight, std::uint32_t point) {
-  constexpr std::uint32_t reach = 2, window = 5, company = 5;
-  const SeenPixel p = pixel_of(sight, point);
-  const SightCamera& camera = sight.cameras[p.camera];
-  const auto depth_of = [&](std::uint32_t raw) { return static_cast<float>(raw) * camera.depth_unit; };
-  const float at = depth_of(raw_at(sight, p.camera, p.u, p.v));
-  std::uint32_t near = 0;
-  for (std::uint32_t v = p.v; v < p.v + window; ++v) {
-    for (std::uint32_t u = p.u; u < p.u + window; ++u) {  // both too large by `reach`
-      if (u < reach || v < reach || u - reach >= camera.width || v - reach >= camera.height) continue;
-      const std::uint32_t raw = raw_at(sight, p.camera, u - reach, v - reach);
-      if (raw >= camera.first_depth && std::abs(at - depth_of(raw)) <= noise_at(at)) ++near;
-    }
-  }
-  return near >= PALPA_TUNED(company, company);
-}
-
 /// Whether a surface supports a cluster: half of its sampled contacts are firm. A known finger needs half of that.
 bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {
   const SampledContacts sampled = sample_contacts(finger);
@@ -68,6 +50,11 @@ float splitting_width(const Parameters& parameters) {
 
 using PerPart = std::array<std::uint32_t, most_samples>;
 
+/// The number of contacts that a part needs of which `finger` is the known finger, if any.
+std::uint32_t least_of(const Parameters& parameters, const Known& known, std::uint32_t finger) {
+  return least_contacts(parameters.min_points, known.has(known_few) && finger != known_none);
+}
+
 /// Fills `wide`: the parts of a cluster, and the part of each of its contacts: that of its nearest sample.
 void assign_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, const Known& known, float width,
                   SplitWork::Wide& wide) {
@@ -93,6 +80,26 @@ void assign_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin
     }
     wide.part_of.push_back(wide.parts.part[nearest]);
     ++wide.counts[wide.parts.part[nearest]];
+  }
+}
+
+/// Gives the contacts of parts that are too small to be fingers to the largest part of the same known finger.
+void keep_whole(const Parameters& parameters, const Known& known, SplitWork::Wide& wide) {
+  std::array<std::uint8_t, most_samples> to{};
+  for (std::size_t part = 0; part < most_samples; ++part) {
+    to[part] = static_cast<std::uint8_t>(part);
+    const std::uint32_t finger = wide.parts.known[part];
+    if (wide.counts[part] == 0 || finger == known_none || wide.counts[part] >= least_of(parameters, known, finger))
+      continue;
+    for (std::size_t other = 0; other < most_samples; ++other) {
+      if (wide.parts.known[other] == finger && wide.counts[other] > wide.counts[to[part]])
+        to[part] = static_cast<std::uint8_t>(other);
+    }
+  }
+  wide.counts = {};
+  for (std::uint8_t& part : wide.part_of) {
+    part = to[part];
+    ++wide.counts[part];
   }
 }
 
@@ -138,8 +145,10 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     work.wide[wide_count++].finger = f;
   }
   const auto find = [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin))
+    for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin)) {
       assign_parts(sight, out, skins[wide.finger], known, width, wide);
+      if (known.has(known_whole) && wide.parts.several()) keep_whole(parameters, known, wide);
+    }
   };
   // Other threads cost more than they gain for the few clusters of a hand.
   constexpr std::uint32_t many = 4;
@@ -164,8 +173,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
     const auto begins = sort_by_parts(finger, wide->counts, wide->part_of, work.contacts);
     for (std::size_t part = 0; part < most_samples; ++part) {
       const std::uint32_t size = wide->counts[part];
-      const bool goes_on = known.has(known_few) && wide->parts.known[part];
-      if (size == 0 || size < least_contacts(parameters.min_points, goes_on)) continue;
+      if (size == 0 || size < least_of(parameters, known, wide->parts.known[part])) continue;
       work.clusters.push_back({work.contacts[begins[part]], finger.solid, SplitWork::is_part, begins[part], size});
     }
   }

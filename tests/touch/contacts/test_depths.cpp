@@ -26,11 +26,17 @@ Contact deep(float x, float depth, std::uint32_t solid = 0) {
   return {0, solid, depth, {x, -depth, 0}};
 }
 
+/// The depths of points that no camera sees.
+void depths_of(Touch& touch) {
+  const sensing::RayTables tables;
+  find_depths({{}, tables, {}}, touch);
+}
+
 TEST(Depths, AreThoseOfTheContactsWhereNothingIsDeeper) {
   Touch touch;
   add_finger(touch, 0);
   touch.contacts[2].depth_m = 0.0014F;
-  find_depths(touch);
+  depths_of(touch);
   EXPECT_EQ(touch.fingers[0].depth_m, 0.0014F);
 }
 
@@ -40,7 +46,7 @@ TEST(Depths, DeepPointsGoToTheNearestFingerOfTheirSolid) {
   add_finger(touch, 0.02F);
   add_finger(touch, 0.02F, 1);
   touch.deep = {deep(0.001F, 0.006F), deep(0.009F, 0.004F), deep(0.012F, 0.005F), deep(0.0F, 0.020F, 1)};
-  find_depths(touch);
+  depths_of(touch);
   EXPECT_EQ(touch.fingers[0].depth_m, 0.006F);
   EXPECT_EQ(touch.fingers[1].depth_m, 0.005F) << "12 mm is nearer to the box that begins at 15 mm";
   EXPECT_EQ(touch.fingers[2].depth_m, 0.020F) << "another solid's fingers are no matter";
@@ -50,10 +56,10 @@ TEST(Depths, ADeepPointFarFromAllFingersIsNobodys) {
   Touch touch;
   add_finger(touch, 0);
   touch.deep = {deep(0.040F, 0.002F), deep(0, 0.032F)};
-  find_depths(touch);
+  depths_of(touch);
   EXPECT_EQ(touch.fingers[0].depth_m, 0.001F);
   touch.deep = {deep(0.034F, 0.002F), deep(0, 0.030F)};
-  find_depths(touch);
+  depths_of(touch);
   EXPECT_EQ(touch.fingers[0].depth_m, 0.030F);
 }
 
@@ -65,14 +71,43 @@ TEST(Depths, DoNotDependOnTheOrderOfPoints) {
     add_finger(touch, 0.012F * static_cast<float>(f));
   for (int i = 0; i < 500; ++i)
     touch.deep.push_back(deep(place(random), depth(random)));
-  find_depths(touch);
+  depths_of(touch);
   const std::vector<Finger> first = touch.fingers;
   for (int n = 0; n < 10; ++n) {
     std::shuffle(touch.deep.begin(), touch.deep.end(), random);
-    find_depths(touch);
+    depths_of(touch);
     for (std::size_t f = 0; f < first.size(); ++f)
       ASSERT_EQ(touch.fingers[f].depth_m, first[f].depth_m);
   }
+}
+
+TEST(Depths, FlyingPixelsDoNotPress) {
+  sensing::Camera camera{.width = 20, .height = 20, .fx = 600, .fy = 600, .cx = 10, .cy = 10, .depth_unit_m = 1e-4};
+  const sensing::RayTables tables = sensing::make_rays({&camera, 1});
+  const std::vector<SightCamera> cameras = sight_cameras({&camera, 1}, tables);
+  // Skin at 0.5 m, and a pixel that flies 15 mm behind it.
+  std::vector<sensing::DepthFrame> images(1);
+  images[0].depth.assign(std::size_t{20} * 20, 5000);
+  const std::uint32_t flying = 7 * 20 + 7, firm = 12 * 20 + 12;
+  images[0].depth[flying] = 5150;
+  Touch touch;
+  add_finger(touch, 0);
+  for (Contact& contact : touch.contacts)
+    contact.point = firm;
+  Contact flies = deep(0.001F, 0.018F), presses = deep(0.001F, 0.004F);
+  flies.point = flying;
+  presses.point = firm;
+  touch.deep = {flies, presses};
+  find_depths({cameras, tables, images}, touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.004F);
+  // The same for contacts.
+  touch.deep.clear();
+  touch.contacts[1].point = flying;
+  touch.contacts[1].depth_m = 0.0014F;
+  find_depths({cameras, tables, images}, touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.001F);
+  depths_of(touch);
+  EXPECT_EQ(touch.fingers[0].depth_m, 0.0014F) << "without cameras, all points are firm";
 }
 
 }  // namespace

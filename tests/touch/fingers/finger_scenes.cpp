@@ -3,57 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
 #include <numbers>
 
 #include "assets/generators/hand.hpp"
-#include "geometry/files/ply.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
+using palpa::test::finger_skin;
+using palpa::test::hand_skin;
+using palpa::test::pressed;
+using palpa::test::rotation;
 using palpa::test::source_file;
-
-const geometry::Mesh& finger_mesh() {
-  static const geometry::Mesh mesh = [] {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    return geometry::Mesh{std::move(ply.positions), std::move(ply.triangles)};
-  }();
-  return mesh;
-}
-
-const geometry::Mesh& hand_mesh(const char* name) {
-  static std::map<std::string, geometry::Mesh> meshes;
-  auto at = meshes.find(name);
-  if (at == meshes.end())
-    at = meshes.emplace(name, geometry::load_gltf(source_file(std::string("assets/") + name)).meshes.at(0).mesh).first;
-  return at->second;
-}
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
-}
-
-Transform rotation(const Vec3& axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  const auto turned = [&](const Vec3& v) {
-    return v * c + glm::cross(axis, v) * s + axis * glm::dot(axis, v) * (1 - c);
-  };
-  return Transform(Vec4(turned({1, 0, 0}), 0), Vec4(turned({0, 1, 0}), 0), Vec4(turned({0, 0, 1}), 0),
-                   Vec4(0, 0, 0, 1));
-}
-
-/// Lowered until its lowest point lies `press` below y = 0.
-Transform pressed(const geometry::Mesh& mesh, Transform T, double press) {
-  double lowest = 1e9;
-  for (const Vec3& p : mesh.positions)
-    lowest = std::min(lowest, transform_point(T, p).y);
-  T[3].y -= lowest + press;
-  return T;
 }
 
 std::vector<sensing::Camera> ring(std::mt19937& random, int count) {
@@ -102,6 +70,7 @@ FingerScene random_scene(std::mt19937& random, SceneKind kind, int cameras) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
+  const geometry::Mesh& finger = finger_skin().mesh;
   FingerScene scene;
   scene.solid = box({-0.2, -0.15, -0.2}, {0.2, 0, 0.2}, "box");
   scene.cameras = ring(random, cameras);
@@ -116,11 +85,11 @@ FingerScene random_scene(std::mt19937& random, SceneKind kind, int cameras) {
     for (const double x : {-0.06, -0.02, 0.02, 0.06}) {
       Transform T = rotation({1, 0, 0}, std::numbers::pi / 2);
       T[3] = Vec4(x, 0, -0.03, 1);
-      scene.skin.push_back({&finger_mesh(), pressed(finger_mesh(), turn * T, 0)});
+      scene.skin.push_back({&finger, pressed(finger, turn * T, 0)});
     }
     scene.skin.push_back({&wall});
   } else if (kind == SceneKind::hand_deep || kind == SceneKind::palm) {
-    const geometry::Mesh& mesh = hand_mesh("hand.glb");
+    const geometry::Mesh& mesh = hand_skin(*assets::named_hand_pose("spread")).mesh;
     const Transform T =
         kind == SceneKind::palm
             ? pressed(mesh, turn * rotation({1, 0, 0}, -std::numbers::pi / 2 + radians(between(-4, 4))),
@@ -159,9 +128,9 @@ FingerScene random_scene(std::mt19937& random, SceneKind kind, int cameras) {
       // Side by side along x; leaning towards z.
       Transform T = rotation({0, 1, 0}, bent) * rotation({1, 0, 0}, tilt);
       T[3] = Vec4(k * apart, 0, 4e-3 * k * k * (count > 2 ? 0.5 : 0.0), 1);
-      T = pressed(finger_mesh(), turn * T, std::max(1e-3, depth + between(-1e-3, 1e-3)));
-      scene.skin.push_back({&finger_mesh(), T});
-      scene.fingers.push_back(some_of(finger_mesh(), T));
+      T = pressed(finger, turn * T, std::max(1e-3, depth + between(-1e-3, 1e-3)));
+      scene.skin.push_back({&finger, T});
+      scene.fingers.push_back(some_of(finger, T));
     }
   }
   see_again(scene, random());

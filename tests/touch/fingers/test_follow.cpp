@@ -38,6 +38,13 @@ class Sequence {
   const Touch& frame(std::vector<Finger> fingers, double time_s) {
     touch_.finger_count = static_cast<std::uint32_t>(fingers.size());
     touch_.fingers = std::move(fingers);
+    touch_.contacts.clear();
+    for (Finger& finger : touch_.fingers) {
+      for (std::uint32_t& contact : finger.contacts) {
+        contact = static_cast<std::uint32_t>(touch_.contacts.size());
+        touch_.contacts.push_back({.solid = finger.solid, .position = finger.section.centroid});
+      }
+    }
     follow_fingers(tracks_, tracks_.clock.elapsed_us(time_s), setting_, touch_);
     return touch_;
   }

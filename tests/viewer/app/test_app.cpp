@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "base/file_register.hpp"
+#include "base/outputs.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "live_app.hpp"
@@ -94,7 +94,7 @@ TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAgain) {
 }
 
 TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
-  const KeptRegister kept;
+  const auto kept = keep_register();
   begin("synthetic:" + test::source_file("assets/finger.ply").string());
   ASSERT_TRUE(comes_to(LiveState::running));
   const std::string before = test::read_text(scene_);

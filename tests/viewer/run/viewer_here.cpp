@@ -3,8 +3,8 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/file_register.hpp"
 #include "base/log.hpp"
+#include "base/outputs.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
 #include "setup/options.hpp"
@@ -32,7 +32,7 @@ Result viewer_here(const std::vector<std::string>& words) {
   result.exit_code = 0;
   // On a separate thread: drawing a live run permanently lowers the priority of its thread.
   std::thread([&] {
-    const KeptRegister all_files;
+    const auto all_files = keep_register();
     try {
       draw(words);
     } catch (const Error& error) {

@@ -1,5 +1,5 @@
 // No file that was read is overwritten, and only declared files are written.
-#include "base/file_register.hpp"
+#include "base/outputs.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -14,8 +14,6 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
-#include "base/outputs.hpp"
-#include "base/stream_writer.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -55,7 +53,7 @@ class RegisterTest : public testing::Test {
 };
 
 TEST_F(RegisterTest, WhatWasReadIsNoOutputAnyMore) {
-  const KeptRegister kept;
+  const auto kept = keep_register();
   read_file(path("input"), 100);
   for (const std::string& name : names())
     EXPECT_EQ(refusal({{"--csv", name}}), "--csv: " + name + " is read by this command, name another file");
@@ -64,13 +62,13 @@ TEST_F(RegisterTest, WhatWasReadIsNoOutputAnyMore) {
 
 TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
   for (const std::string& name : names()) {
-    const KeptRegister kept;
+    const auto kept = keep_register();
     const Outputs outputs({{"--csv", name}});
     EXPECT_EQ(test::thrown_by([&] { read_file(path("input"), 100); }).code(), Exit::usage) << name;
     EXPECT_EQ(test::thrown_by([&] { refuse_output_as_input(path("input")); }).code(), Exit::usage) << name;
     EXPECT_EQ(test::thrown_by([&] { write_file(name, "x"); }).code(), Exit::usage) << "somebody wants to read it";
   }
-  const KeptRegister kept;
+  const auto kept = keep_register();
   EXPECT_EQ(read_file(path("input"), 100), "input");
   // The names of files that are to be created are known.
   const Outputs outputs({{"--csv", path("new")}});
@@ -82,12 +80,11 @@ TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
 TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
   const std::string part = "palpa did not declare it";
   EXPECT_NO_THROW(write_file(path("free"), "x")) << "a program that uses the library need not declare anything";
-  const KeptRegister kept;
+  const auto kept = keep_register();
   for (const std::string& name : {path("new"), path("free"), path("deep/new"), std::string("/dev/null")}) {
     EXPECT_NE(std::string(test::thrown_by([&] { write_file(name, "x"); }).what()).find(part), std::string::npos)
         << name;
-    EXPECT_NE(std::string(test::thrown_by([&] { StreamWriter(name, 100); }).what()).find(part), std::string::npos)
-        << name;
+    EXPECT_NE(std::string(test::thrown_by([&] { open_output(name); }).what()).find(part), std::string::npos) << name;
   }
   EXPECT_EQ(test::read_text(path("free")), "x");
   EXPECT_FALSE(fs::exists(path("new")));
@@ -111,13 +108,11 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
   fs::create_directory(path("take"));
   test::write_text(path("take/one"), "one");
   fs::create_symlink(path("take"), path("same"));
-  const std::vector<Output> replaced{{"--record", path("take"), Output::Kind::folder, Output::Full::replaced}};
+  const std::vector<Output> replaced{{"--record", path("take"), Output::Kind::replaced_recording}};
   EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::folder}}).find("name a new folder"), std::string::npos);
-  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::folder, Output::Full::may_be_replaced}})
-                .find("give --overwrite"),
-            std::string::npos);
+  EXPECT_NE(refusal({{"--record", path("take"), Output::Kind::recording}}).find("give --overwrite"), std::string::npos);
   {
-    const KeptRegister kept;
+    const auto kept = keep_register();
     const Outputs outputs(replaced);
     for (const char* name : {"take/one", "same/one", "deep/../take/one"})
       EXPECT_EQ(test::thrown_by([&] { read_file(path(name), 100); }).code(), Exit::usage) << name;
@@ -126,20 +121,33 @@ TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
     fs::remove(path("take/two"));
   }
   {
-    const KeptRegister kept;
+    const auto kept = keep_register();
     read_file(path("same/one"), 100);
     EXPECT_EQ(refusal(replaced), "--record: " + path("take/one") + " is read by this command, name another folder");
   }
   // Under another name, the file is known when it is to be deleted.
   fs::create_hard_link(path("take/one"), path("elsewhere"));
-  const KeptRegister kept;
+  const auto kept = keep_register();
   const Outputs outputs(replaced);
   read_file(path("elsewhere"), 100);
-  EXPECT_EQ(test::thrown_by([&] { file_register::writes(output_place(path("take/one"))); }).code(), Exit::usage);
+  EXPECT_EQ(test::thrown_by([&] { writable_place(path("take/one")); }).code(), Exit::usage);
+}
+
+TEST_F(RegisterTest, AFolderThatIsContinuedIsReadAndWritten) {
+  fs::create_directory(path("study"));
+  test::write_text(path("study/log"), "old");
+  const auto kept = keep_register();
+  const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
+  EXPECT_EQ(read_file(path("study/log"), 100), "old");
+  write_file(path("study/log"), "new");
+  EXPECT_EQ(read_file(path("study/log"), 100), "new");
+  const Outputs json({{"--json", path("study/result")}});
+  write_file(path("study/result"), "x");
+  EXPECT_EQ(test::thrown_by([&] { read_file(path("study/result"), 100); }).code(), Exit::usage);
 }
 
 TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
-  const KeptRegister kept;
+  const auto kept = keep_register();
   const Outputs outputs({{"save as", path("scene")}});
   {
     const Outputs first({{"save as", path("scene2")}});
@@ -148,20 +156,20 @@ TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
   read_file(path("scene2"), 100);
   const Outputs second({{"save as", path("scene2")}});
   write_file(path("scene2"), "y");
-  file_register::add_own(path("settings"));
+  add_own_file(path("settings"));
   write_file(path("settings"), "x");
   read_file(path("settings"), 100);
   write_file(path("settings"), "y");
 }
 
 TEST_F(RegisterTest, PalpasOwnFilesAreNoOutputs) {
-  const KeptRegister kept;
-  file_register::add_own(path("input"));
-  file_register::add_own(path("absent"));
+  const auto kept = keep_register();
+  add_own_file(path("input"));
+  add_own_file(path("absent"));
   for (const char* name : {"input", "soft", "hard", "absent"})
     EXPECT_NE(refusal({{"--screenshot", path(name)}}).find("is a file of palpa's own"), std::string::npos) << name;
   const Outputs outputs({{"--json", path("new")}});
-  EXPECT_CONTAINS(test::error_of([&] { file_register::add_own(path("deep/../new")); }, Exit::usage),
+  EXPECT_CONTAINS(test::error_of([&] { add_own_file(path("deep/../new")); }, Exit::usage),
                   "--json: " + path("new") + " is a file of palpa's own");
 }
 
@@ -174,7 +182,7 @@ TEST_F(RegisterTest, TwoOwnersHaveDifferentFilesUnlessItIsTheSameOption) {
 }
 
 TEST_F(RegisterTest, WhatWasReadIsKnownWhereItWasMovedTo) {
-  const KeptRegister kept;
+  const auto kept = keep_register();
   read_file(path("input"), 100);
   fs::rename(path("input"), path("moved"));
   test::write_text(path("input"), "another");
