@@ -27,9 +27,10 @@ class SecondSearch {
   void set_pixel_stride(std::uint32_t stride) { stride_ = stride; }
 
   /// Moves finger `f` of `seen` by `way`, with the skin of `frames` that is nearer to it than to other fingers, and
-  /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts; a finger that holds
-  /// touches until none of its skin is within 0.5 mm of the shell. Its foci are moved by what the way changes: each by
-  /// the difference between its sector's centroid before and after. So a way of zero changes nothing, and the foci keep
+  /// adds it to `out`, if it still touches: if at least min_points of its skin points are contacts, or half of that if
+  /// the finger holds. A finger that holds and whose inward side is known touches until none of its skin is within 0.5
+  /// mm of the shell; with fewer contacts, it moves rigidly. Its foci are moved by what the way changes: each by the
+  /// difference between its sector's centroid before and after. So a way of zero changes nothing, and the foci keep
   /// their smoothing. The axes stay. Returns whether it was added.
   bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
 

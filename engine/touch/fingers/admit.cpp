@@ -39,7 +39,7 @@ struct Claims {
 };
 
 /// The middle of a cluster's insides. Without samples, the place of its first contact.
-Float3 inside_of(const Touch& touch, const Finger& finger, const FingerSkin& skin, float width) {
+Float3 middle_inside(const Touch& touch, const Finger& finger, const FingerSkin& skin, float width) {
   if (skin.samples.empty()) return float3(touch.contacts[finger.contacts.front()].position);
   const Float3 first = inside_of(skin.samples.front(), width);
   Float3 sum{0, 0, 0};
@@ -67,9 +67,9 @@ struct Admission {
     }
   }
 
-  /// Whether it lies where a finger has ended, and does not press.
+  /// Whether it lies where a finger has ended, and does not press. The end is then remembered as long again.
   bool hovers(const Finger& finger, const FingerSkin& skin) {
-    const Float3 inside = inside_of(touch, finger, skin, known.finger_width);
+    const Float3 inside = middle_inside(touch, finger, skin, known.finger_width);
     const float reach = 0.5F * known.finger_width;
     const auto before = std::ranges::find_if(ended, [&](const EndedFinger& other) {
       return other.solid == finger.solid && square_apart(other.inside, inside) <= reach * reach;
@@ -113,9 +113,8 @@ struct Admission {
     if (known.table == nullptr) return;
     for (std::size_t k = 0; k < known.table->islands.size(); ++k) {
       Island island = known.table->islands[k];
-      const std::uint32_t lost_us = known.elapsed_us;
-      if (seen[k] || island.evidence_us <= lost_us || islands.size() == max_fingers) continue;
-      island.evidence_us -= lost_us;
+      if (seen[k] || island.evidence_us <= known.elapsed_us || islands.size() == max_fingers) continue;
+      island.evidence_us -= known.elapsed_us;
       islands.push_back(island);
     }
   }

@@ -316,8 +316,13 @@ void keep_skin(const Touch& touch, Tracks& tracks) {
   tracks.skin.fingers = touch.finger_count;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     std::vector<Float3>& places = tracks.skin.places[f];
+    const std::vector<std::uint32_t>& contacts = touch.fingers[f].contacts;
     places.clear();
-    for (const std::uint32_t i : touch.fingers[f].contacts)
+    if (places.capacity() < contacts.size()) {  // more, so that it does not grow again in each frame with a few more
+      for (Tracks::Skin* skin : {&tracks.skin, &tracks.skin_before})
+        skin->places[f].reserve(std::max<std::size_t>(2 * contacts.size(), 1024));
+    }
+    for (const std::uint32_t i : contacts)
       places.push_back(float3(touch.contacts[i].position));
   }
 }

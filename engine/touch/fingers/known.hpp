@@ -45,7 +45,7 @@ inline constexpr std::uint32_t doubt_apart = 2;  ///< it looks like one with ano
 struct Island {
   Float3 place{};
   std::uint32_t solid = 0;
-  std::uint32_t evidence_us = 0;  ///< for how long it has been there, less half the time that it was missing
+  std::uint32_t evidence_us = 0;  ///< for how long it has been there, less the time that it was missing
 };
 
 /// A finger that has ended.

@@ -1,13 +1,22 @@
 #include "touch/fingers/members.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 namespace palpa::touch {
 namespace {
 
 constexpr float reach_m = 6e-3F;
-/// Contacts of the other frame that are looked at, evenly chosen.
-constexpr std::size_t most_looked_at = 128;
+constexpr std::size_t most_looked_at = 256;
+
+/// One of `places`, the i-th of those that are looked at. They are spread evenly and without a period, since contacts
+/// are in the order of the pictures' rows.
+const Float3& looked_at(std::span<const Float3> places, std::size_t i) {
+  if (places.size() <= most_looked_at) return places[i];
+  const auto turn = static_cast<std::uint32_t>(i) * 0x9e3779b1U;  // of the golden ratio
+  return places[(std::uint64_t{turn} * places.size()) >> 32U];
+}
 
 struct Mean {
   Float3 sum{0, 0, 0};
@@ -26,17 +35,27 @@ struct Means {
 
   /// `way`: to where the places are in the other frame.
   Means(std::span<const Float3> places, const Float3& origin, const Float3& way, std::span<const Float3> others) {
-    const std::size_t step = (others.size() + most_looked_at - 1) / most_looked_at;
+    const std::size_t looked = std::min(others.size(), most_looked_at);
     for (const Float3& place : places) {
       const Float3 there = plus(place, way);
       all.add(minus(place, origin));
-      for (std::size_t i = 0; i < others.size(); i += step) {
-        if (square_apart(others[i], there) > reach_m * reach_m) continue;
+      for (std::size_t i = 0; i < looked; ++i) {
+        if (square_apart(looked_at(others, i), there) > reach_m * reach_m) continue;
         common.add(minus(place, origin));
         break;
       }
     }
   }
+  std::size_t missing() const { return all.count - common.count; }
+};
+
+/// Both frames, if the skin has moved by `way` from one to the other.
+struct Motion {
+  Means before, now;
+
+  Motion(std::span<const Float3> old, std::span<const Float3> found, const Float3& way)
+      : before(old, old.front(), way, found), now(found, old.front(), scaled(way, -1), old) {}
+  std::size_t missing() const { return before.missing() + now.missing(); }
 };
 
 }  // namespace
@@ -44,12 +63,14 @@ struct Means {
 Float3 moved_by_members(std::span<const Float3> before, std::span<const Float3> now, const Float3& expected) {
   const Float3 nothing{0, 0, 0};
   if (before.empty() || now.empty()) return nothing;
-  const Means old(before, before.front(), expected, now);
-  const Means found(now, before.front(), scaled(expected, -1), before);
-  const bool complete = old.common.count == before.size() && found.common.count == now.size();
+  const Motion motion(before, now, expected);
+  const Means &old = motion.before, &found = motion.now;
   const bool other = 2 * old.common.count < before.size() && 2 * found.common.count < now.size();
-  if (complete || other || old.common.count == 0 || found.common.count == 0) return nothing;
-  return minus(minus(found.all.value(), old.all.value()), minus(found.common.value(), old.common.value()));
+  if (motion.missing() == 0 || other || old.common.count == 0 || found.common.count == 0) return nothing;
+  const Float3 shift = minus(found.all.value(), old.all.value());
+  // If the contacts are the same ones after the way of their centroid, the skin has moved by it.
+  if (2 * Motion(before, now, shift).missing() < motion.missing()) return nothing;
+  return minus(shift, minus(found.common.value(), old.common.value()));
 }
 
 }  // namespace palpa::touch

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -41,17 +43,19 @@ bool without_python() {
   return std::system("python3 -c pass >/dev/null 2>&1") != 0;
 }
 
-/// Sends datagrams to a port that was free when it was made. Programs that other threads start meanwhile do not inherit
-/// its sockets: one that kept the port would leave the receiver none.
+/// Sends datagrams to a port that was free when it was made, and that the system gives to nobody who asks for any port:
+/// otherwise another program might have it before the receiver.
 class Sender {
  public:
   Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    constexpr int first = 10000, ports = 20000;  // below the range of such ports
+    static std::atomic<int> tried{0};
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    EXPECT_EQ(bind(other, reinterpret_cast<sockaddr*>(&address_), sizeof(address_)), 0);
-    socklen_t size = sizeof(address_);
-    getsockname(other, reinterpret_cast<sockaddr*>(&address_), &size);
+    do {
+      address_.sin_port = htons(static_cast<std::uint16_t>(first + (37 * getpid() + tried++) % ports));
+    } while (bind(other, reinterpret_cast<sockaddr*>(&address_), sizeof(address_)) != 0 && tried < ports);
     close(other);
   }
   ~Sender() { close(socket_); }
