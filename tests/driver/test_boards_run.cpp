@@ -109,10 +109,22 @@ class Line {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
+  /// Whether the board falls silent within a minute. Ends it.
+  bool ends_silent() {
+    for (int i = 0; i < 6000 && !is_silent(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    end();
+    return is_silent();
+  }
   /// The board, with everything that it has received; call end() first.
   const driver::sonicsurface::EmulatedBoards& boards() const { return boards_; }
 
  private:
+  bool is_silent() {
+    const std::lock_guard held(lock_);
+    return boards_.all_silent() && boards_.all_silent_behind();
+  }
+
   driver::sonicsurface::EmulatedBoards boards_{1, false};
   driver::sonicsurface::Pty pty_;
   std::atomic<bool> stop_{false};
@@ -149,12 +161,10 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
     EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "this dwell time can be played: " << slow.err;
   };
   side_by_side({as_asked, as_the_link_says, slowly});
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::uint64_t swaps = 0;
   for (Line* const each : {&line, &of_the_link_alone, &of_long_dwells}) {
-    each->end();
+    EXPECT_TRUE(each->ends_silent());
     const driver::sonicsurface::EmulatedBoards& boards = each->boards();
-    EXPECT_TRUE(boards.all_silent() && boards.all_silent_behind());
     EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
     EXPECT_GT(boards.swaps(), 0u);
     swaps += boards.swaps();

@@ -37,15 +37,16 @@ class LiveBoard {
   const std::string& path() const { return path_; }
 
   bool becomes(const std::function<bool(const driver::sonicsurface::EmulatedBoards&)>& wanted) {
-    for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(1ms)) {
+    for (int i = 0; i < 60000; ++i, std::this_thread::sleep_for(1ms)) {
       const std::lock_guard held(lock_);
       if (wanted(boards_)) return true;
     }
     return false;
   }
-  /// Whether its pattern sounds, between its pauses.
+  /// Whether a program's pattern sounds, between its pauses. A program first silences both buffers, which takes two
+  /// swaps. That state may be too short to be seen.
   bool sounds() {
-    return becomes([](const auto& boards) { return !boards.all_silent(); });
+    return becomes([](const auto& boards) { return boards.swaps() > 2 && !boards.all_silent(); });
   }
   /// Whether both of its buffers fall silent.
   bool falls_silent() {
@@ -104,7 +105,6 @@ void expect_silence(LiveBoard& board, const std::vector<std::string>& command, i
   LiveOptions options;
   options.command = command.front().c_str();
   LiveRun loop({command.begin() + 1, command.end()}, options);
-  ASSERT_TRUE(board.falls_silent()) << "a loop silences it first";
   ASSERT_TRUE(board.sounds());
   loop.signal(signal);
   Means means = meaning_of(signal);
@@ -176,7 +176,6 @@ TEST(SignalsRun, SignalsThatItsParentIgnoresStayIgnored) {
     LiveOptions options;
     options.program = "/bin/sh";
     LiveRun loop(with({"-c", R"(trap '' XFSZ PIPE HUP; exec "$0" "$@")", palpa_binary()}, sweep(board)), options);
-    ASSERT_TRUE(board.falls_silent());
     ASSERT_TRUE(board.sounds());
     loop.signal(signal);
     EXPECT_FALSE(loop.wait(0.05).ended);
