@@ -3,6 +3,15 @@
 namespace palpa::gpu {
 namespace {
 
+constexpr VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+constexpr VkPipelineStageFlags2 indirect = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
+constexpr VkPipelineStageFlags2 transfer = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkAccessFlags2 shader_read = VK_ACCESS_2_SHADER_READ_BIT;
+constexpr VkAccessFlags2 shader_write = VK_ACCESS_2_SHADER_WRITE_BIT;
+constexpr VkAccessFlags2 transfer_any = VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+
+}  // namespace
+
 void barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 wrote, VkPipelineStageFlags2 to,
              VkAccessFlags2 touches) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -15,15 +24,6 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags
   info.pMemoryBarriers = &memory;
   vkCmdPipelineBarrier2(commands, &info);
 }
-
-constexpr VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-constexpr VkPipelineStageFlags2 indirect = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
-constexpr VkPipelineStageFlags2 transfer = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-constexpr VkAccessFlags2 shader_read = VK_ACCESS_2_SHADER_READ_BIT;
-constexpr VkAccessFlags2 shader_write = VK_ACCESS_2_SHADER_WRITE_BIT;
-constexpr VkAccessFlags2 transfer_any = VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
-
-}  // namespace
 
 void compute_to_compute(VkCommandBuffer commands) {
   barrier(commands, compute, shader_write, compute | indirect,

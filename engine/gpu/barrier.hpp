@@ -10,6 +10,9 @@
 
 namespace palpa::gpu {
 
+/// Between any stages and accesses.
+void barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 wrote, VkPipelineStageFlags2 to,
+             VkAccessFlags2 touches);
 /// A dispatch reads (as storage or indirect arguments) or overwrites data that earlier dispatches wrote.
 void compute_to_compute(VkCommandBuffer commands);
 /// A dispatch uses data that a copy or fill wrote; also covers vertex input and further transfers.

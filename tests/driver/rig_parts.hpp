@@ -20,9 +20,9 @@ class KeptNotes final : public driver::BoardNotes {
   std::vector<std::string> warnings, infos;
 };
 
-/// Whether this becomes true within ten seconds. The lock is held while it is asked.
+/// Whether this becomes true within a minute. The lock is held while it is asked.
 inline bool becomes(std::mutex& lock, const std::function<bool()>& wanted) {
-  for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+  for (int i = 0; i < 60000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
     const std::lock_guard held(lock);
     if (wanted()) return true;
   }

@@ -29,7 +29,7 @@ BEGIN {
   order("observer", "afferents . predicted")
   order("setup", ". experiment tasks")
   order("cli", ". study")
-  order("viewer", "view picture hands render sound live study options desk panels app window run .")
+  order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
   bad = 0
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/app/opening.hpp"
 
+#include <system_error>
 #include <utility>
 
 #include "sensing/recording.hpp"
@@ -13,9 +14,9 @@ void Opening::begin_scene(const setup::LiveOptions& options, bool same) {
 }
 
 void Opening::begin_touch(const ViewerOptions& options, bool same) {
-  opened_ = {.kind = Opened::Kind::touch, .path = options.input.scene, .same = same, .touch = options};
-  show_ = std::make_shared<std::unique_ptr<Show>>();
-  loader_.begin([show = show_, options] { *show = std::make_unique<Show>(options); });
+  opened_ = {.kind = Opened::Kind::touch, .path = options.input.scene, .same = same, .options = options};
+  touch_ = std::make_shared<std::unique_ptr<ShownTouch>>();
+  loader_.begin([touch = touch_, options] { *touch = std::make_unique<ShownTouch>(options); });
 }
 
 void Opening::begin_recording(const std::string& path) {
@@ -28,9 +29,24 @@ std::optional<Opened> Opening::take() {
   if (!fault) return std::nullopt;
   Opened opened = std::exchange(opened_, {});
   opened.fault = std::move(*fault);
-  if (opened.kind == Opened::Kind::touch) opened.show = std::move(*show_);
-  show_.reset();
+  if (opened.kind == Opened::Kind::touch) opened.touch = std::move(*touch_);
+  touch_.reset();
   return opened;
+}
+
+bool SceneWatch::look(const std::string& file, double now_s) {
+  constexpr double every_s = 1;
+  if (now_s < next_s_) return false;
+  next_s_ = now_s + every_s;
+  if (file.empty()) return false;
+  std::error_code fault;
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(file, fault);
+  if (fault) return false;
+  const bool same_file = std::exchange(file_, file) == file;
+  const bool written = std::exchange(time_, time) != time && same_file;
+  const bool settled = same_file && !written && unsettled_;
+  unsettled_ = written;
+  return settled;
 }
 
 }  // namespace palpa::viewer

@@ -1,13 +1,13 @@
-// Opens files in the background while the picture stays: dropped files, scenes that were written again, recordings that
-// were made.
+// Opens files in the background while the picture stays, and notices when a scene was written again.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "viewer/app/show.hpp"
+#include "viewer/app/shown_touch.hpp"
 #include "viewer/live/loader.hpp"
 #include "viewer/options/viewer_options.hpp"
 
@@ -17,15 +17,15 @@ namespace palpa::viewer {
 struct Opened {
   enum class Kind {
     scene,      ///< of a live run: the file was found to be a scene
-    touch,      ///< a scene with a single touch, see `show`
+    touch,      ///< a scene with a single touch, see `touch`
     recording,  ///< the folder was found to be a recording
   };
   Kind kind = Kind::scene;
   std::string path;
-  bool same = false;                     ///< it is the scene that was shown, written again
-  std::string fault{};                   ///< empty if there is none
-  std::unique_ptr<Show> show{};          ///< of a touch
-  std::optional<ViewerOptions> touch{};  ///< the options that `show` was made from
+  bool same = false;    ///< it is the scene that was shown, written again
+  std::string fault{};  ///< empty if there is none
+  std::unique_ptr<ShownTouch> touch{};
+  std::optional<ViewerOptions> options{};  ///< that `touch` was made from
 };
 
 /// Opens one thing at a time. A new one replaces the one under way.
@@ -46,8 +46,25 @@ class Opening {
 
  private:
   Opened opened_;
-  std::shared_ptr<std::unique_ptr<Show>> show_;  ///< the loader's thread leaves its result here
+  std::shared_ptr<std::unique_ptr<ShownTouch>> touch_;  ///< the loader's thread leaves its result here
   Loader loader_;
+};
+
+/// Notices that the file of a scene has been written again.
+class SceneWatch {
+ public:
+  /// Looks at the file, at most once a second. Returns true if the file was written again and has not changed since the
+  /// look before, because editors write in several steps. Returns false for an empty name, and for another file than at
+  /// the last look, whose earlier state is not known.
+  bool look(const std::string& file, double now_s);
+  /// When to look again, on the clock of `now_s`.
+  double next_s() const { return next_s_; }
+
+ private:
+  std::string file_;
+  std::filesystem::file_time_type time_{};  ///< when it was written last
+  bool unsettled_ = false;                  ///< it was written since the look before
+  double next_s_ = 0;
 };
 
 }  // namespace palpa::viewer

@@ -32,11 +32,11 @@ bool is_hand(const std::string& name) {
 
 }  // namespace
 
-void list_own_files(Desk& desk) {
+void list_own_files(PanelData& data) {
   for (const char* name : {"cube", "pyramid", "prism", "semi-sphere"})
-    add(desk.objects, name, std::string(name) + ".glb");
-  add(desk.rigs, "paper: three cameras, a tunnel of arrays, a screen", "rigs/paper.toml");
-  desk.layouts = array::layout_names();
+    add(data.objects, name, std::string(name) + ".glb");
+  add(data.rigs, "paper: three cameras, a tunnel of arrays, a screen", "rigs/paper.toml");
+  data.layouts = array::layout_names();
 }
 
 std::vector<std::string> scenes_beside(const std::string& file) {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "viewer/desk/desk.hpp"
+#include "viewer/panel_data/panel_data.hpp"
 
 namespace palpa::viewer {
 

@@ -8,7 +8,7 @@ namespace {
 
 bool same_marks(const ViewState& a, const ViewState& b) {
   return a.layers == b.layers && a.explode == b.explode && a.slice == b.slice && a.slice_handles == b.slice_handles &&
-         a.chosen == b.chosen && a.picked == b.picked && a.dark == b.dark;
+         a.picked == b.picked && a.dark == b.dark;
 }
 
 }  // namespace

@@ -32,6 +32,10 @@ enum class Key : char {
 constexpr Key key_of(char character) {
   return static_cast<Key>(character);
 }
+/// The same backwards, also for the other keys.
+constexpr char character_of(Key key) {
+  return static_cast<char>(key);
+}
 
 /// One event of a window. Positions are pixels from its top left.
 struct WindowEvent {

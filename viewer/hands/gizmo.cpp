@@ -149,8 +149,6 @@ std::optional<Transform> dragged(const Gizmo& gizmo, Handle handle, const Sight&
 }
 
 std::vector<FlatMark> gizmo_marks(const Gizmo& gizmo, const Sight& sight, std::optional<Handle> hovered) {
-  // The colours of the axes in the picture's corner.
-  const std::array colours{rgb(0xd55e00), rgb(0x009e73), rgb(0x0072b2)};
   const std::array names{"x", "y", "z"};
   std::vector<FlatMark> marks;
   for (const Handle handle : all_handles) {
@@ -158,7 +156,7 @@ std::vector<FlatMark> gizmo_marks(const Gizmo& gizmo, const Sight& sight, std::o
     if (points.empty() || gizmo.size_m <= 0) continue;
     const bool held = hovered == handle;
     const auto index = static_cast<std::size_t>(handle) % 3;
-    const drawing::Colour colour = held ? rgb(0xf0b000) : colours[index];
+    const drawing::Colour colour = held ? rgb(0xf0b000) : axis_colours[index];
     const double width = held ? 3.5 : 2;
     if (kind_of(handle) == Kind::in) {
       marks.push_back({points, with_alpha(colour, held ? 0.8f : 0.35f), width, true});

@@ -1,7 +1,6 @@
 #include "viewer/hands/slice_hand.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -9,6 +9,12 @@
 
 namespace palpa::viewer {
 
+/// The text in an option's field.
+struct OptionText {
+  std::string option;
+  std::optional<std::string> text;  ///< nullopt: the default
+};
+
 /// Holds the values and also the command line that gives them. The line has only the options that were set. Both always
 /// change together. Text fields are set by the option's name; everything else has its own function.
 class LiveEdit {

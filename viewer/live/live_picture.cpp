@@ -1,6 +1,5 @@
 #include "viewer/live/live_picture.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <span>
 #include <utility>

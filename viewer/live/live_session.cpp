@@ -20,8 +20,6 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
-constexpr double skin_reach = 0.12;
 /// Snapshots with which the viewer is still starting (Patience).
 constexpr std::uint64_t first_snapshots = 10;
 
@@ -31,9 +29,8 @@ constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 /// The box around the given box after the pose has moved it.
 Box moved(const Box& box, const Transform& pose) {
   Box out;
-  for (int i = 0; i < 8; ++i)
-    out.add(transform_point(
-        pose, {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z}));
+  for (const Vec3& corner : box_corners(box))
+    out.add(transform_point(pose, corner));
   return out;
 }
 
@@ -207,8 +204,8 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const Box here = i < poses.size() ? moved(boxes_[i], poses[i]) : boxes_[i];
     if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
-    near_.add(here.low - Vec3(skin_reach));
-    near_.add(here.high + Vec3(skin_reach));
+    near_.add(here.low - Vec3(shown_skin_m));
+    near_.add(here.high + Vec3(shown_skin_m));
   }
   if (near_.empty()) near_.add(Vec3(0));
   sensing::plan_crops(cameras, rays_, near_, crops_);
@@ -255,10 +252,9 @@ void LiveSession::count(const session::FrameReport& report) {
   for (const gpu::PassTime& pass : report.passes) {
     auto at = std::ranges::find(n.passes, pass.name, &PassTimes::name);
     if (at == n.passes.end()) {
-      n.passes.push_back({pass.name, pass.ms, pass.ms});
+      n.passes.push_back({pass.name, pass.ms});
       continue;
     }
-    at->last_ms = pass.ms;
     at->mean_ms += weight * (pass.ms - at->mean_ms);
   }
 }

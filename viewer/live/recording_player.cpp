@@ -1,8 +1,8 @@
 #include "viewer/live/recording_player.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 

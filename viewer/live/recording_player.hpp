@@ -1,10 +1,8 @@
 // A recording that the user controls: play, stop, step, and go to a frame, at any speed.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <optional>
 

@@ -14,15 +14,8 @@ RunControl::RunControl(LiveSession::Kinds kinds, std::atomic<bool>& stop, std::f
 }
 
 bool RunControl::under_way() const {
-  switch (state_) {
-    case RunState::loading:
-    case RunState::running:
-    case RunState::restarting:
-    case RunState::switching_off:
-      return true;
-    default:
-      return false;
-  }
+  return state_ == RunState::loading || state_ == RunState::running || state_ == RunState::restarting ||
+         state_ == RunState::switching_off;
 }
 
 void RunControl::change(setup::LiveOptions options) {
@@ -38,10 +31,7 @@ void RunControl::change(setup::LiveOptions options) {
     case RunState::failed:
       state_ = RunState::ready;
       break;
-    case RunState::restarting:
-    case RunState::ready:
-    case RunState::switching_off:
-    case RunState::switched_off:
+    default:
       break;
   }
 }
@@ -71,12 +61,9 @@ bool RunControl::switch_off() {
     case RunState::ready:
       state_ = RunState::switched_off;
       return true;
-    case RunState::none:
-    case RunState::switching_off:
-    case RunState::switched_off:
-      break;
+    default:
+      return false;
   }
-  return false;
 }
 
 std::optional<std::string> RunControl::advance() {

@@ -26,10 +26,10 @@ struct TimeBins {
   std::uint32_t total() const;
 };
 
-/// The time of one pass: in the last frame, and on average over about the last fifty.
+/// The time of one pass, on average over about the last fifty frames.
 struct PassTimes {
   std::string name;
-  double last_ms = 0, mean_ms = 0;
+  double mean_ms = 0;
 };
 
 /// What a run has measured so far.

@@ -134,14 +134,9 @@ Settings to_remember(const Settings& before, const Settings& began, const Settin
   const auto take = [](auto& value, const auto& at_first, const auto& at_last) {
     if (at_last != at_first) value = at_last;
   };
-  take(out.dark, began.dark, now.dark);
-  take(out.panels, began.panels, now.panels);
-  take(out.fine, began.fine, now.fine);
-  take(out.skin_colour, began.skin_colour, now.skin_colour);
-  take(out.slots_per_s, began.slots_per_s, now.slots_per_s);
-  take(out.headings, began.headings, now.headings);
-  take(out.window, began.window, now.window);
-  take(out.recent, began.recent, now.recent);
+  const auto take_all = [&](auto... members) { (take(out.*members, began.*members, now.*members), ...); };
+  take_all(&Settings::dark, &Settings::panels, &Settings::fine, &Settings::skin_colour, &Settings::slots_per_s,
+           &Settings::headings, &Settings::window, &Settings::recent);
   for (const Word<Layer>& entry : layer_words) {
     take(out.layers[entry.value].visible, began.layers[entry.value].visible, now.layers[entry.value].visible);
     take(out.layers[entry.value].opacity, began.layers[entry.value].opacity, now.layers[entry.value].opacity);

@@ -3,7 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <initializer_list>
+#include <iterator>
+#include <string_view>
 
 #include "viewer/live/held_finger.hpp"
 #include "viewer/live/live_line.hpp"
@@ -11,14 +12,15 @@
 namespace palpa::viewer {
 namespace {
 
-/// What the view itself says.
-constexpr const char* of_view[] = {
-    "--show",      "--hide",       "--opacity",     "--explode",       "--slice",       "--slice-at",
-    "--dark",      "--slice-size", "--fine",        "--view",          "--eye",         "--target",
-    "--frame",     "--ortho",      "--heat",        "--slot",          "--size",        "--frames",
-    "--panels",    "--video",      "--pixel-ratio", "--headless",      "--screenshot",  "--interact",
-    "--reference", "--no-panels",  "--threshold",   "--json",          "--participant", "--monitor",
-    "--screen",    "--stereo",     "--eyes-apart",  "--barrier-pitch", "--barrier-gap", "--barrier-phase"};
+/// Whether the view itself says it.
+bool is_of_view(const setup::OptionInfo& option) {
+  constexpr std::string_view headings[] = {"Picture", "View", "What the participant sees", "Mouse and keys, panels",
+                                           "Without a window"};
+  constexpr std::string_view kept[] = {"--skin", "--title", "--inset"};
+  if (std::ranges::find(kept, option.name) != std::end(kept)) return false;
+  return std::ranges::find(headings, option.heading) != std::end(headings) || option.name == "--slot" ||
+         option.name == "--json";
+}
 
 std::string point_text(const Vec3& p) {
   return fmt::format("{},{},{}", p.x, p.y, p.z);
@@ -74,8 +76,9 @@ std::string picture_command(const ViewerOptions& options, const setup::Given& ru
     if (const auto source = given.find("--source"); source != given.end() && !source->second.empty())
       source->second.front() = HeldFinger::without_hand(source->second.front());
   }
-  for (const char* name : of_view)
-    given.erase(name);
+  for (const setup::OptionInfo& option : viewer_table()) {
+    if (is_of_view(option)) given.erase(option.name);
+  }
   give_layers(given, seen.state.layers);
   give_viewpoint(given, options, seen.state.viewpoint);
   give_slice(given, seen);

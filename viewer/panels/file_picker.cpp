@@ -12,37 +12,37 @@
 namespace palpa::viewer {
 namespace {
 
-void choose(Desk& desk) {
-  const FilePicker picker = *std::exchange(desk.picker, std::nullopt);
+void choose(PanelData& data) {
+  const FilePicker picker = *std::exchange(data.picker, std::nullopt);
   const std::string file = chosen_file(picker);
   if (picker.option.empty()) {
-    desk.asked.open = file;
+    data.asked.open = file;
   } else if (picker.option == save_as) {
-    desk.placed.file = file;
+    data.moved_file = file;
   } else {
-    desk.asked.options.push_back({picker.option, picker.prefix + file});
+    data.asked.options.push_back({picker.option, picker.prefix + file});
   }
 }
 
 /// Buttons that go to folders where people look for files, and a list of the files that were opened before. Returns
 /// whether one of these files was chosen.
-bool draw_folders(Desk& desk, FilePicker& picker) {
-  for (const NamedFolder& place : usual_folders(desk.objects.empty() ? "" : folder_above(desk.objects.front().path))) {
-    if (ImGui::Button(place.name.c_str())) picker.folder = place.folder;
-    tip(place.folder);
+bool draw_folders(PanelData& data, FilePicker& picker) {
+  for (const NamedFolder& place :
+       starting_folders(data.objects.empty() ? "" : folder_above(data.objects.front().path))) {
+    if (button(data, place.name, place.folder)) picker.folder = place.folder;
     ImGui::SameLine();
   }
   bool chosen = false;
-  if (picker.option.empty() && !desk.recent.empty()) {
+  if (picker.option.empty() && !data.content.recent.empty()) {
     ImGui::SetNextItemWidth(-1);
     drop_down("##recent", "opened before", [&] {
-      for (const std::string& file : desk.recent) {
+      for (const std::string& file : data.content.recent) {
         if (!ImGui::Selectable(file.c_str())) continue;
-        desk.asked.open = file;
+        data.asked.open = file;
         chosen = true;
       }
     });
-    desk.places.named["opened before"] = last_area();
+    data.places.named["opened before"] = last_area();
   } else {
     ImGui::NewLine();
   }
@@ -50,7 +50,7 @@ bool draw_folders(Desk& desk, FilePicker& picker) {
 }
 
 /// Returns whether an entry was double-clicked that is to be chosen.
-bool draw_entries(Desk& desk, FilePicker& picker, float height) {
+bool draw_entries(PanelData& data, FilePicker& picker, float height) {
   bool chosen = false;
   ImGui::BeginChild("files", {0, height}, true);
   if (!picker.fault.empty()) ImGui::TextWrapped("%s", picker.fault.c_str());
@@ -62,7 +62,7 @@ bool draw_entries(Desk& desk, FilePicker& picker, float height) {
                                               : entry.name;
     const bool pressed =
         ImGui::Selectable(shown.c_str(), picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick);
-    desk.places.named["file " + entry.name] = last_area();
+    data.places.named["file " + entry.name] = last_area();
     if (!pressed) continue;
     const bool twice = ImGui::IsMouseDoubleClicked(0);
     // A file that is to be written may be put into the folder of a recording.
@@ -84,10 +84,10 @@ bool draw_entries(Desk& desk, FilePicker& picker, float height) {
 
 }  // namespace
 
-void draw_file_picker(Desk& desk) {
-  FilePicker& picker = *desk.picker;
+void draw_file_picker(PanelData& data) {
+  FilePicker& picker = *data.picker;
   list_files(picker);
-  const Area free = free_area(desk);
+  const Area free = free_area(data);
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   const auto top = static_cast<float>(free.top);
   const ImVec2 size{std::min(em(30), whole.x - em(1)), std::min(em(22), whole.y - top - em(1))};
@@ -96,30 +96,27 @@ void draw_file_picker(Desk& desk) {
   bool open = true;
   const std::string title = "Choose " + picker.title + "###picker";
   ImGui::Begin(title.c_str(), &open, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
-  const bool opened = draw_folders(desk, picker);
+  const bool opened = draw_folders(data, picker);
   ImGui::TextWrapped("%s", picker.folder.c_str());
   const float below = 2 * ImGui::GetFrameHeightWithSpacing();
-  bool chosen = draw_entries(desk, picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
+  bool chosen = draw_entries(data, picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
   ImGui::SetNextItemWidth(-1);
   const char* const hint = picker.is_new ? "a new name" : "a name";
   if (ImGui::InputTextWithHint("##name", hint, &picker.name, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = true;
-  desk.places.named["name"] = last_area();
-  if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
-  ImGui::BeginDisabled(picker.name.empty() && !picker.folders);
-  if (ImGui::Button("Choose", {em(6), 0})) chosen = true;
-  desk.places.named["choose"] = last_area();
-  ImGui::EndDisabled();
+  data.places.named["name"] = last_area();
+  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
+  const bool complete = !picker.name.empty() || picker.folders;
+  chosen = button(data, "Choose", "", complete, "choose", {em(6), 0}) || chosen;
   ImGui::SameLine();
-  if (ImGui::Button("Cancel", {em(6), 0})) open = false;
-  tip("Nothing changes. Key: Escape");
+  if (button(data, "Cancel", "Nothing changes. Key: Escape", true, "cancel", {em(6), 0})) open = false;
   ImGui::End();
   if (chosen && is_folder_to_enter(picker)) {
     picker.folder = chosen_file(picker);
     picker.name.clear();
   } else if (chosen && (picker.folders || !picker.name.empty())) {
-    choose(desk);
+    choose(data);
   } else if (!open || opened) {
-    desk.picker.reset();
+    data.picker.reset();
   }
 }
 

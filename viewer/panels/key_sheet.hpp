@@ -4,19 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "viewer/desk/desk.hpp"
 #include "viewer/hands/controls.hpp"
+#include "viewer/panel_data/panel_data.hpp"
 
 namespace palpa::viewer {
 
 /// Why the key has no effect now; empty if it has one, or is no key of the viewer.
-std::string idle_reason(const Desk& desk, Key key);
+std::string idle_reason(const PanelData& data, Key key);
 
 /// A line of the sheet.
 struct KeyLine {
   std::string keys, meaning;
 };
 /// The lines that apply now.
-std::vector<KeyLine> key_lines(const Desk& desk);
+std::vector<KeyLine> key_lines(const PanelData& data);
 
 }  // namespace palpa::viewer

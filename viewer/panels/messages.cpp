@@ -22,9 +22,9 @@ float width_in(const Area& free) {
 
 }  // namespace
 
-void draw_log_panel(const Desk& desk) {
+void draw_log_panel(const PanelData& data) {
   ImGui::BeginChild("lines", {0, em(7)}, true);
-  for (const log::Line& line : desk.log) {
+  for (const log::Line& line : data.messages.log()) {
     ImGui::PushStyleColor(ImGuiCol_Text, line.level <= log::Level::warning ? colour_of(line.level)
                                                                            : ImGui::GetStyleColorVec4(ImGuiCol_Text));
     ImGui::TextWrapped("%s", line.text.c_str());
@@ -34,13 +34,12 @@ void draw_log_panel(const Desk& desk) {
   ImGui::EndChild();
 }
 
-void draw_toasts(Desk& desk, double now_s) {
-  std::erase_if(desk.toasts, [&](const Toast& toast) { return now_s >= toast.until_s; });
-  const Area free = free_area(desk);
+void draw_toasts(const PanelData& data) {
+  const Area free = free_area(data);
   // The newest is the lowest. Legend, axes, scale and what is being loaded stay in sight.
   float y = static_cast<float>(free.bottom) - em(6.5f);
   int number = 0;
-  for (auto toast = desk.toasts.rbegin(); toast != desk.toasts.rend(); ++toast) {
+  for (auto toast = data.messages.toasts().rbegin(); toast != data.messages.toasts().rend(); ++toast) {
     ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, y}, ImGuiCond_Always, {0.5f, 1});
     ImGui::SetNextWindowSize({width_in(free), 0});
     ImGui::PushStyleColor(ImGuiCol_Border, colour_of(toast->level));
@@ -57,19 +56,19 @@ void draw_toasts(Desk& desk, double now_s) {
   }
 }
 
-void draw_opening(Desk& desk) {
-  const Area free = free_area(desk);
+void draw_opening(PanelData& data) {
+  const Area free = free_area(data);
   ImGui::SetNextWindowPos({static_cast<float>(free.right) / 2, static_cast<float>(free.bottom) - em(1)},
                           ImGuiCond_Always, {0.5f, 1});
   ImGui::SetNextWindowSize({width_in(free), 0});
   ImGui::Begin("opening", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::TextWrapped("%s", desk.doing.empty() ? "opening a file" : desk.doing.c_str());
-  if (desk.done) {
-    ImGui::ProgressBar(static_cast<float>(*desk.done), {-em(5), 0});
+  ImGui::TextWrapped("%s", data.content.doing.empty() ? "opening a file" : data.content.doing.c_str());
+  if (data.content.done) {
+    ImGui::ProgressBar(static_cast<float>(*data.content.done), {-em(5), 0});
     ImGui::SameLine();
   }
-  if (ImGui::Button("Cancel", {-1, 0})) desk.asked.cancel = true;
-  tip("Cancels; what is shown and what runs stay as they are. Key: Escape");
+  if (button(data, "Cancel", "Cancels; what is shown and what runs stay as they are. Key: Escape", true, {}, {-1, 0}))
+    data.asked.cancel = true;
   ImGui::End();
 }
 

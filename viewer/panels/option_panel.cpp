@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "viewer/desk/option_words.hpp"
-#include "viewer/desk/word_meanings.hpp"
 #include "viewer/live/live_line.hpp"
+#include "viewer/panel_data/option_words.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 
@@ -28,27 +27,27 @@ std::string sentence(std::string text) {
 
 /// One option while its row is drawn.
 struct Row {
-  Desk& desk;
+  PanelData& data;
   const setup::OptionInfo& info;
   const OptionWords words;
   const std::optional<std::string> value;  ///< nullopt: the default
   float width = 0;                         ///< of its field
 
-  std::string usual() const { return shown_default(info); }
+  std::string default_text() const { return shown_default(info); }
   /// What the option is, what it is set to, and what it would be by default.
   std::string explained() const {
     std::string text = sentence(words.about);
     if (const std::string meaning = meaning_of(info.name, now()); !meaning.empty())
       text += fmt::format("\n{}: {}", now(), meaning);
-    return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : usual(), info.name);
+    return text + fmt::format("\nDefault: {}. In a command line: {}", info.flag ? "off" : default_text(), info.name);
   }
-  std::string now() const { return value.value_or(usual()); }
-  void set(const std::optional<std::string>& text) const { desk.asked.options.push_back({info.name, text}); }
+  std::string now() const { return value.value_or(default_text()); }
+  void set(const std::optional<std::string>& text) const { data.asked.options.push_back({info.name, text}); }
   /// A text that is the default is not stored as the user's.
   void type(const std::string& text) const {
     const std::string typed = with_unit(text, words);
     if (typed == now() || text == now()) return;
-    set(text.empty() || typed == usual() ? std::nullopt : std::optional(typed));
+    set(text.empty() || typed == default_text() ? std::nullopt : std::optional(typed));
   }
   void choose_file(const std::string& title, std::vector<std::string> endings, const std::string& prefix = {}) const {
     FilePicker picker{.title = title, .option = info.name, .prefix = prefix, .endings = std::move(endings)};
@@ -57,7 +56,7 @@ struct Row {
     picker.folders = words.kind == FieldKind::folder || (words.kind == FieldKind::source && picker.endings.empty());
     picker.is_new =
         words.kind == FieldKind::new_file || words.kind == FieldKind::new_folder || words.kind == FieldKind::link;
-    desk.picker = picker;
+    data.picker = picker;
   }
 };
 
@@ -70,12 +69,12 @@ void draw_words(const Row& row) {
   const bool among = std::ranges::find(row.info.words, row.info.initial) != row.info.words.end();
   ImGui::SetNextItemWidth(row.width);
   drop_down("##value", row.now(), [&] {
-    if (!among && ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+    if (!among && ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
     for (const std::string& word : row.info.words) {
-      const bool usual = word == row.info.initial;
-      const bool chosen = ImGui::Selectable((usual ? word + "  (default)" : word).c_str(), word == row.now());
+      const bool is_default = word == row.info.initial;
+      const bool chosen = ImGui::Selectable((is_default ? word + "  (default)" : word).c_str(), word == row.now());
       if (const std::string meaning = meaning_of(row.info.name, word); !meaning.empty()) tip(sentence(meaning));
-      if (chosen) row.set(usual ? std::nullopt : std::optional(word));
+      if (chosen) row.set(is_default ? std::nullopt : std::optional(word));
     }
   });
 }
@@ -84,28 +83,28 @@ void draw_text(const Row& row, float width) {
   std::string text = row.now();
   ImGui::SetNextItemWidth(width);
   ImGui::InputText("##value", &text, ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemVisible()) row.desk.places.texts.push_back(last_area());
-  row.desk.places.named[row.info.name] = last_area();
+  if (ImGui::IsItemVisible()) row.data.places.texts.push_back(last_area());
+  row.data.places.named[row.info.name] = last_area();
   // Typed text is not used until it is finished.
   if (ImGui::IsItemDeactivatedAfterEdit()) row.type(text);
 }
 
 void draw_choices(const Row& row) {
-  const Desk& desk = row.desk;
-  if (ImGui::Selectable((row.usual() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+  const PanelData& data = row.data;
+  if (ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
   switch (row.words.kind) {
     case FieldKind::object:
-      for (const NamedFile& object : desk.objects)
+      for (const NamedFile& object : data.objects)
         offer(row, object.name, object.path);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a glTF model", {".glb", ".gltf"});
       break;
     case FieldKind::rig:
-      for (const NamedFile& rig : desk.rigs)
+      for (const NamedFile& rig : data.rigs)
         offer(row, rig.name, rig.path);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a rig", {".toml"});
       break;
     case FieldKind::layout:
-      for (const std::string& layout : desk.layouts)
+      for (const std::string& layout : data.layouts)
         offer(row, layout, layout);
       if (ImGui::Selectable("choose a file ...")) row.choose_file("a layout", {".toml"});
       break;
@@ -134,22 +133,21 @@ void draw_choices(const Row& row) {
 void draw_field(const Row& row) {
   const FieldKind kind = row.words.kind;
   if (kind == FieldKind::plain) return draw_text(row, row.width);
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  draw_text(row, std::max(row.width - button - gap, 1.0f));
+  const float side = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  draw_text(row, std::max(row.width - side - gap, 1.0f));
   tip(row.explained());
   ImGui::SameLine(0, gap);
   const bool picks = kind == FieldKind::folder || kind == FieldKind::new_file || kind == FieldKind::new_folder;
   if (picks) {
-    if (ImGui::Button("...", {button, 0}))
+    if (button(row.data, "...", "Chooses a file or folder", true, row.info.name + " file", {side, 0}))
       row.choose_file(kind == FieldKind::new_file ? "a file to be written" : "a folder", {});
-    tip("Chooses a file or folder");
     return;
   }
   if (ImGui::BeginCombo("##list", "", ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft)) {
     draw_choices(row);
     ImGui::EndCombo();
   }
-  row.desk.places.named[row.info.name + " list"] = last_area();
+  row.data.places.named[row.info.name + " list"] = last_area();
 }
 
 void draw_label(const Row& row) {
@@ -165,16 +163,16 @@ void draw_label(const Row& row) {
   tip(row.explained());
 }
 
-void draw_option(Desk& desk, const setup::OptionInfo& info) {
-  Row row{desk, info, words_of(info), desk.edit.text(info.name)};
+void draw_option(PanelData& data, const setup::OptionInfo& info) {
+  Row row{data, info, words_of(info), data.content.edit.text(info.name)};
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
   draw_label(row);
   ImGui::TableNextColumn();
   // Only a changed option has a button that resets it. Its field is shorter.
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float side = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   const float whole = ImGui::GetContentRegionAvail().x, right = ImGui::GetCursorPosX() + whole;
-  row.width = std::max(row.value ? whole - button - gap : whole, 1.0f);
+  row.width = std::max(row.value ? whole - side - gap : whole, 1.0f);
   if (info.flag) {
     bool on = row.value.has_value();
     if (ImGui::Checkbox("##value", &on)) row.set(on ? std::optional(std::string()) : std::nullopt);
@@ -183,42 +181,42 @@ void draw_option(Desk& desk, const setup::OptionInfo& info) {
   } else {
     draw_field(row);
   }
-  desk.places.named.try_emplace(info.name, last_area());
+  data.places.named.try_emplace(info.name, last_area());
   tip(row.explained());
   if (row.value) {
     ImGui::SameLine();
-    ImGui::SetCursorPosX(right - button);
-    if (ImGui::Button("\u00d7", {button, 0})) row.set(std::nullopt);
-    desk.places.named[info.name + " reset"] = last_area();
-    tip(info.flag ? std::string("Back to the default: off") : "Back to the default: " + row.usual());
+    ImGui::SetCursorPosX(right - side);
+    if (button(data, "\u00d7", "Back to the default: " + (info.flag ? "off" : row.default_text()), true,
+               info.name + " reset", {side, 0}))
+      row.set(std::nullopt);
   }
   ImGui::PopID();
 }
 
 /// Two columns: names, and values with their resets.
-void draw_options(Desk& desk, std::span<const setup::OptionInfo> options) {
+void draw_options(PanelData& data, std::span<const setup::OptionInfo> options) {
   ImGui::Unindent();  // names need the room
   const bool open = ImGui::BeginTable("options", 2);
   if (!open) return ImGui::Indent();
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.1f);
   for (const setup::OptionInfo& info : options)
-    draw_option(desk, info);
+    draw_option(data, info);
   ImGui::EndTable();
   ImGui::Indent();
 }
 
 /// How many of them the user has set, for the heading.
-std::string heading_of(const Desk& desk, std::span<const setup::OptionInfo> options) {
+std::string heading_of(const PanelData& data, std::span<const setup::OptionInfo> options) {
   const auto set =
-      std::ranges::count_if(options, [&](const auto& info) { return desk.edit.text(info.name).has_value(); });
+      std::ranges::count_if(options, [&](const auto& info) { return data.content.edit.text(info.name).has_value(); });
   return set == 0 ? options.front().heading : fmt::format("{} ({} changed)", options.front().heading, set);
 }
 
 }  // namespace
 
-void draw_options_panel(Desk& desk) {
-  if (!desk.live && !desk.empty) {
+void draw_options_panel(PanelData& data) {
+  if (!data.content.live && !data.content.empty) {
     ImGui::TextWrapped("Options of the touch take effect at once, the others when Start begins a run.");
   }
   const std::vector<setup::OptionInfo>& table = live_table();
@@ -226,17 +224,17 @@ void draw_options_panel(Desk& desk) {
     const auto last =
         std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
     const std::span<const setup::OptionInfo> options(first, last);
-    if (subheading(desk, first->heading.c_str(), "", heading_of(desk, options))) {
-      draw_options(desk, options);
+    if (subheading(data, first->heading.c_str(), "", heading_of(data, options))) {
+      draw_options(data, options);
       ImGui::TreePop();
     }
     first = last;
   }
-  const bool open = subheading(desk, "Only in the copied command",
+  const bool open = subheading(data, "Only in the copied command",
                                "How long palpa run runs and what it prints in a terminal: the viewer runs until it is "
                                "closed, and has panels");
   if (!open) return;
-  draw_options(desk, copied_table());
+  draw_options(data, copied_table());
   ImGui::TreePop();
 }
 

@@ -1,7 +1,7 @@
 // The panels, drawn with Dear ImGui between Ui::begin() and Ui::end().
 #pragma once
 
-#include "viewer/desk/desk.hpp"
+#include "viewer/panel_data/panel_data.hpp"
 
 namespace palpa::viewer {
 
@@ -10,29 +10,29 @@ namespace palpa::viewer {
 double strip_height(double line_height);
 double panels_width(double width, double line_height);
 
-/// Draws everything that is open according to the desk. `now_s` is the application's clock.
-void draw_panels(Desk& desk, double now_s);
+/// Draws everything that is open according to `data`.
+void draw_panels(PanelData& data);
 
-void draw_state_strip(Desk& desk);
+void draw_state_strip(PanelData& data);
 
 // Each of these functions draws the content of one heading.
-void draw_view_panel(Desk& desk);
-void draw_time_panel(Desk& desk);
-void draw_place_panel(Desk& desk);
-void draw_participant_panel(Desk& desk);
-void draw_statistics_panel(Desk& desk);
-void draw_sound_panel(Desk& desk);
-void draw_spectrum_panel(const Desk& desk);
-void draw_options_panel(Desk& desk);
-void draw_log_panel(const Desk& desk);
+void draw_view_panel(PanelData& data);
+void draw_time_panel(PanelData& data);
+void draw_place_panel(PanelData& data);
+void draw_participant_panel(PanelData& data);
+void draw_statistics_panel(PanelData& data);
+void draw_sound_panel(PanelData& data);
+void draw_spectrum_panel(const PanelData& data);
+void draw_options_panel(PanelData& data);
+void draw_log_panel(const PanelData& data);
 
 // These are drawn over the picture.
 /// `free`: the part of the window in which labels must stay.
 void draw_marks(const std::vector<FlatMark>& marks, const Area& free);
-void draw_toasts(Desk& desk, double now_s);
-void draw_opening(Desk& desk);
-void draw_welcome(Desk& desk);
-void draw_key_sheet(Desk& desk);
-void draw_file_picker(Desk& desk);
+void draw_toasts(const PanelData& data);
+void draw_opening(PanelData& data);
+void draw_welcome(PanelData& data);
+void draw_key_sheet(PanelData& data);
+void draw_file_picker(PanelData& data);
 
 }  // namespace palpa::viewer

@@ -1,7 +1,6 @@
 // What the participant sees, and where.
 #include <imgui.h>
 
-#include <algorithm>
 #include <string>
 
 #include "viewer/panels/panels.hpp"
@@ -23,7 +22,7 @@ bool drag(const char* label, double& value, float unit, float speed, float low, 
   return true;
 }
 
-void draw_barrier(Participant& setting) {
+void draw_barrier(PanelData& data, Participant& setting) {
   // For a full HD screen. The picture itself is computed with the window's own pixels.
   Barrier barrier = barrier_of(setting, 1920, 1080);
   if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
@@ -35,46 +34,39 @@ void draw_barrier(Participant& setting) {
   }
   drag("phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
   tip("Position of the slits, as a part of the pitch");
-  if (ImGui::Button("reset the barrier")) {
+  if (button(data, "reset the barrier", "Pitch and gap at which each eye sees every other pixel")) {
     setting.barrier_pitch_m.reset();
     setting.barrier_gap_m.reset();
     setting.barrier_phase = 0;
   }
-  tip("Pitch and gap at which each eye sees every other pixel");
 }
 
 }  // namespace
 
-void draw_participant_panel(Desk& desk) {
-  Desk::ParticipantWindowState& view = desk.participant;
-  if (ImGui::Button(view.open ? "close" : "open")) desk.asked.participant = !view.open;
-  tip("A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P, in both "
-      "windows");
+void draw_participant_panel(PanelData& data) {
+  PanelData::ParticipantWindowState& view = data.participant;
+  if (button(
+          data, view.open ? "close" : "open",
+          "A second window that fills a monitor: objects and marker tile alone, where they are felt. Key: P, in both "
+          "windows",
+          true, "participant's window"))
+    data.asked.participant = !view.open;
   if (view.monitors.size() == 1) {
     ImGui::TextWrapped("There is one monitor: it will cover this window. P or Escape closes it.");
   }
-  ImGui::Checkbox("object hidden", &view.hidden);
-  tip("The participant sees the marker tile alone. Key: V");
+  check_box(data, "object hidden", view.hidden, "The participant sees the marker tile alone. Key: V");
   ImGui::BeginDisabled(view.open);
   ImGui::SetNextItemWidth(-1);
   const std::string now = view.monitor < view.monitors.size() ? view.monitors[view.monitor] : "no monitor";
   drop_down("##monitor", now, [&] {
-    for (std::size_t i = 0; i < view.monitors.size(); ++i) {
-      ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(view.monitors[i].c_str(), i == view.monitor)) view.monitor = i;
-      ImGui::PopID();
-    }
+    if (const auto chosen = select_of(view.monitors, view.monitor)) view.monitor = *chosen;
   });
   ImGui::EndDisabled();
   tip("Which monitor it fills");
   if (!view.setting) return;
   Participant& setting = *view.setting;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
-  drop_down("stereo", std::string(word_of(stereo_words, setting.stereo)), [&] {
-    for (const Word<Stereo>& entry : stereo_words) {
-      if (ImGui::Selectable(entry.word, entry.value == setting.stereo)) setting.stereo = entry.value;
-    }
-  });
+  drop_down(data, "stereo", stereo_words, setting.stereo, "stereo");
   tip("How the two eyes' pictures become one");
   drag("eyes apart", setting.eyes_apart_m, mm, 0.1f, 1, 100, "%.1f mm");
   tip("From eye to eye");
@@ -86,7 +78,7 @@ void draw_participant_panel(Desk& desk) {
     tip("Between the participant's eyes, in the world");
   }
   if (changed && in_front(moved.screen)) setting = moved;
-  if (setting.stereo == Stereo::columns || setting.stereo == Stereo::rows) draw_barrier(setting);
+  if (setting.stereo == Stereo::columns || setting.stereo == Stereo::rows) draw_barrier(data, setting);
 }
 
 }  // namespace palpa::viewer

@@ -3,7 +3,6 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <string>
 
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
@@ -53,62 +52,53 @@ void draw_marks(const std::vector<FlatMark>& marks, const Area& free) {
   }
 }
 
-void draw_place_panel(Desk& desk) {
-  Desk::Placed& placed = desk.placed;
-  for (const Depth& depth : desk.depths) {
+void draw_place_panel(PanelData& data) {
+  Placing& placing = *data.placing;
+  for (const Depth& depth : data.depths) {
     ImGui::Text("%s  %.2f mm deep", depth.solid.c_str(), depth.depth_m * 1e3);
     tip("Depth below the solid's surface of a finger's deepest skin point that a camera sees");
   }
-  if (desk.depths.empty()) ImGui::TextUnformatted("nothing touches");
-  if (placed.tip) {
-    ImGui::Text("tip  %.1f  %.1f  %.1f mm", placed.tip->x * 1e3, placed.tip->y * 1e3, placed.tip->z * 1e3);
+  if (data.depths.empty()) ImGui::TextUnformatted("nothing touches");
+  if (placing.holds_finger()) {
+    const Vec3 tip_mm = Vec3(placing.finger()[3]) * 1e3;
+    ImGui::Text("tip  %.1f  %.1f  %.1f mm", tip_mm.x, tip_mm.y, tip_mm.z);
     tip("Where the held finger's tip is in the world");
-    ImGui::Checkbox("follows the pointer", &placed.follows);
-    tip("The finger goes where the pointer goes, the wheel takes it deeper into the picture, a right drag turns it. "
-        "Key: M");
+    bool follows = placing.follows();
+    check_box(data, "follows the pointer", follows,
+              "The finger goes where the pointer goes, the wheel takes it deeper into the picture, a right drag turns "
+              "it. Key: M");
+    placing.follow(follows);
   }
   const char* none = "none";
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.6f);
-  drop_down("handles", placed.chosen ? placed.things[*placed.chosen] : none, [&] {
-    if (ImGui::Selectable(none, !placed.chosen)) placed.chosen.reset();
-    for (std::size_t i = 0; i < placed.things.size(); ++i) {
-      ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(placed.things[i].c_str(), placed.chosen == i)) placed.chosen = i;
-      ImGui::PopID();
-    }
+  drop_down("handles", placing.chosen() ? placing.names()[*placing.chosen()] : none, [&] {
+    if (ImGui::Selectable(none, !placing.chosen())) placing.choose(std::nullopt);
+    if (const auto chosen = select_of(placing.names(), placing.chosen())) placing.choose(chosen);
   });
-  desk.places.named["handles"] = last_area();
+  data.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
-  ImGui::BeginDisabled(!placed.can_undo);
-  if (ImGui::Button("undo")) placed.undo = true;
-  desk.places.named["undo"] = last_area();
-  ImGui::EndDisabled();
-  tip("Undoes the last move. Key: Ctrl Z");
+  if (button(data, "undo", "Undoes the last move. Key: Ctrl Z", placing.can_undo())) placing.undo();
   ImGui::SameLine();
-  ImGui::BeginDisabled(!placed.moved);
-  if (ImGui::Button("as in the file")) placed.restore = true;
-  ImGui::EndDisabled();
-  tip("Puts all solids back where their file has them");
-  ImGui::BeginDisabled(!placed.moved);
-  if (ImGui::Button("save as")) placed.save = !placed.file.empty();
-  desk.places.named["save as"] = last_area();
-  ImGui::EndDisabled();
-  tip("Writes the solids as they are now and runs with that file, so the command line includes the moves");
+  if (button(data, "as in the file", "Puts all solids back where their file has them", placing.moved()))
+    placing.restore();
+  if (button(data, "save as",
+             "Writes the solids as they are now and runs with that file, so the command line includes the moves",
+             placing.moved()))
+    data.asked.save_scene = !data.moved_file.empty();
   ImGui::SameLine();
-  const float button = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - button - gap, 1.0f));
-  ImGui::InputText("##file", &placed.file);
-  if (ImGui::IsItemVisible()) desk.places.texts.push_back(last_area());
+  const float wide = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - wide - gap, 1.0f));
+  ImGui::InputText("##file", &data.moved_file);
+  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
   tip("A .glb file; an existing one is replaced");
   ImGui::SameLine(0, gap);
-  if (ImGui::Button("...", {button, 0}))
-    desk.picker = FilePicker{.title = "a name for the moved objects",
+  if (button(data, "...", "Chooses a folder and a name", true, "name of moved objects", {wide, 0}))
+    data.picker = FilePicker{.title = "a name for the moved objects",
                              .option = save_as,
                              .endings = {".glb"},
                              .is_new = true,
                              .folder = ".",
-                             .name = placed.file};
-  tip("Chooses a folder and a name");
+                             .name = data.moved_file};
 }
 
 }  // namespace palpa::viewer

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "acoustics/felt/skin.hpp"
 #include "viewer/panels/panels.hpp"
@@ -113,16 +112,16 @@ void say_what_is_felt(const acoustics::Spectrum& spectrum, std::size_t finger) {
 
 }  // namespace
 
-void draw_spectrum_panel(const Desk& desk) {
-  if (desk.spectra.empty()) {
+void draw_spectrum_panel(const PanelData& data) {
+  if (data.spectra.empty()) {
     ImGui::TextDisabled("no finger touches");
     return;
   }
-  const Theme& theme = desk.state.dark ? dark_theme() : light_theme();
-  const std::size_t fingers = std::min(desk.spectra.size(), most_fingers);
+  const Theme& theme = theme_of(data.state.dark);
+  const std::size_t fingers = std::min(data.spectra.size(), most_fingers);
   double most = 0;
   for (std::size_t f = 0; f < fingers; ++f) {
-    for (const acoustics::Line& line : desk.spectra[f].lines)
+    for (const acoustics::Line& line : data.spectra[f].lines)
       most = std::max(most, line.around);
   }
   const float width = ImGui::GetContentRegionAvail().x, above = em(1.15f) * static_cast<float>(bands.size()) + em(0.2f);
@@ -131,54 +130,44 @@ void draw_spectrum_panel(const Desk& desk) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw_ground(draw, plot, theme);
   for (std::size_t f = 0; f < fingers; ++f)
-    draw_lines(draw, plot, desk.spectra[f], f, fingers, theme);
+    draw_lines(draw, plot, data.spectra[f], f, fingers, theme);
   ImGui::Dummy({width, above + em(8.4f)});
   tip("How strongly the pressure around the foci changes at each frequency, in percent of its mean; in full colour: "
       "the part that is felt");
   for (std::size_t f = 0; f < fingers; ++f)
-    say_what_is_felt(desk.spectra[f], f);
+    say_what_is_felt(data.spectra[f], f);
 }
 
-void draw_sound_panel(Desk& desk) {
+void draw_sound_panel(PanelData& data) {
   const auto layer = [&](const char* name, Layer which, const char* about) {
-    ImGui::Checkbox(name, &desk.state.layers[which].visible);
-    tip(about);
-    if (is_stale(*desk.picture, which) && desk.state.layers.shows(which)) {
+    check_box(data, name, data.state.layers[which].visible, about);
+    if (is_stale(*data.picture, which) && data.state.layers.shows(which)) {
       ImGui::SameLine();
       ImGui::TextDisabled("stale");
       tip("Out of date: the next one is being computed");
     }
   };
   layer("on the finger", Layer::heat, "What the finger feels, on the mesh of --skin");
-  if (desk.state.layers.shows(Layer::heat)) {
+  if (data.state.layers.shows(Layer::heat)) {
     ImGui::SetNextItemWidth(em(7));
-    drop_down("##heat", std::string(word_of(skin_colour_words, desk.state.skin_colour)), [&] {
-      for (const Word<SkinColour>& entry : skin_colour_words) {
-        const bool now = entry.value == desk.state.skin_colour;
-        if (ImGui::Selectable(entry.word, now)) desk.state.skin_colour = entry.value;
-        desk.places.named[std::string("heat ") + entry.word] = last_area();
-      }
-    });
-    desk.places.named["heat of"] = last_area();
+    drop_down(data, "##heat", skin_colour_words, data.state.skin_colour, "heat");
+    data.places.named["heat of"] = last_area();
     tip("The mean radiation pressure, or the rates of a class of afferents: slowly adapting (SA1), rapidly adapting "
         "(RA), Pacinian (PC)");
   }
   layer("field in a plane", Layer::slice,
         "Sound pressure of the slot that is shown. Drag the middle along the arrow, the ends to turn it");
-  if (!desk.state.layers.shows(Layer::slice)) return;
+  if (!data.state.layers.shows(Layer::slice)) return;
   for (const Word<setup::Plane>& entry : setup::plane_words) {
-    if (ImGui::Button(entry.word)) desk.asked.plane = entry.value;
-    desk.places.named[std::string("plane ") + entry.word] = last_area();
-    tip("Its axes in the world, through the middle of the touch");
+    if (button(data, entry.word, "Its axes in the world, through the middle of the touch", true,
+               std::string("plane ") + entry.word))
+      data.asked.plane = entry.value;
     ImGui::SameLine();
   }
-  auto size_mm = static_cast<float>(desk.state.slice.size_m.x * 1e3);
+  Vec2& size_m = data.state.slice.size_m;
+  double side_m = size_m.x;
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##size", &size_mm, 5, 300, "side %.0f mm",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
-    const Vec2 before = desk.state.slice.size_m;
-    desk.state.slice.size_m = before * (std::clamp(size_mm, 5.0f, 300.0f) * 1e-3 / before.x);
-  }
+  if (slider("##size", side_m, 1e3, 5, 300, "side %.0f mm", ImGuiSliderFlags_Logarithmic)) size_m *= side_m / size_m.x;
   tip("How large it is");
 }
 

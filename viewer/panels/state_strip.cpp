@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "viewer/desk/array_status.hpp"
+#include "viewer/panel_data/array_status.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 
@@ -59,37 +59,38 @@ std::string cut_to(const std::string& text, float width) {
 }
 
 /// While the array is off, it looks like a button that is held down.
-void draw_all_off(Desk& desk, bool off, const ImVec2& size) {
+void draw_all_off(PanelData& data, bool off, const ImVec2& size) {
   ImGui::PushStyleColor(ImGuiCol_Button, off ? ImVec4{0.36f, 0.07f, 0.06f, 1} : ImVec4{0.80f, 0.10f, 0.09f, 1});
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, off ? ImVec4{0.36f, 0.07f, 0.06f, 1} : ImVec4{0.92f, 0.16f, 0.13f, 1});
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4{0.30f, 0.05f, 0.05f, 1});
   ImGui::PushStyleColor(ImGuiCol_Border, off ? ImVec4{0, 0, 0, 0.9f} : ImVec4{1, 1, 1, 0.9f});
   ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, std::max(em(off ? 0.16f : 0.08f), 1.0f));
-  if (ImGui::Button("ALL OFF", size)) desk.asked.all_off = true;
-  desk.places.all_off = last_area();
+  if (ImGui::Button("ALL OFF", size)) data.asked.all_off = true;
+  data.places.all_off = last_area();
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(4);
   tip("Silence from the next slot on, and the end of the run. It stays off until you choose Start. Key: O");
 }
 
-void draw_start(Desk& desk, const ImVec2& size) {
-  ImGui::BeginDisabled(!desk.can_start);
+void draw_start(PanelData& data, const ImVec2& size) {
+  ImGui::BeginDisabled(!data.content.can_start);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4{1, 1, 1, 0.20f});
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4{1, 1, 1, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4{1, 1, 1, 0.5f});
-  if (ImGui::Button("Start", size)) desk.asked.start = true;
-  desk.places.start = last_area();
+  if (ImGui::Button("Start", size)) data.asked.start = true;
+  data.places.start = last_area();
   ImGui::PopStyleColor(3);
   ImGui::EndDisabled();
-  tip(desk.live ? "Begins a run with the options under Run"
-                : "Begins a live run of this object, with a fingertip that the pointer holds, or with the source under "
-                  "Run");
+  tip(data.content.live
+          ? "Begins a run with the options under Run"
+          : "Begins a live run of this object, with a fingertip that the pointer holds, or with the source under "
+            "Run");
 }
 
 /// Only by dragging: nothing is typed, so keys stay keys. The array follows at once; the option is set when the slider
 /// is released.
-void draw_ceiling(Desk& desk, float width) {
-  auto shown = static_cast<float>(desk.ceiling.value_or(desk.edit.options().safety.ceiling) * 100);
+void draw_ceiling(PanelData& data, float width) {
+  auto shown = static_cast<float>(data.ceiling.value_or(data.content.edit.options().safety.ceiling) * 100);
   ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0, 0, 0, 0.25f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ImVec4{0, 0, 0, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_FrameBgActive, ImVec4{0, 0, 0, 0.45f});
@@ -98,11 +99,11 @@ void draw_ceiling(Desk& desk, float width) {
   ImGui::SetNextItemWidth(width);
   const ImGuiSliderFlags flags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
   if (ImGui::SliderFloat("##ceiling", &shown, 0, 100, "ceiling %.0f %%", flags))
-    desk.ceiling = std::clamp(std::round(static_cast<double>(shown)) / 100, 0.0, 1.0);
-  desk.places.ceiling = last_area();
-  if (!ImGui::IsItemActive() && desk.ceiling) {
-    const double ceiling = *std::exchange(desk.ceiling, std::nullopt);
-    desk.asked.options.push_back(
+    data.ceiling = std::clamp(std::round(static_cast<double>(shown)) / 100, 0.0, 1.0);
+  data.places.ceiling = last_area();
+  if (!ImGui::IsItemActive() && data.ceiling) {
+    const double ceiling = *std::exchange(data.ceiling, std::nullopt);
+    data.asked.options.push_back(
         {"--ceiling", ceiling < 1 ? std::optional(fmt::format("{:g}", ceiling)) : std::nullopt});
   }
   ImGui::PopStyleColor(5);
@@ -116,10 +117,10 @@ double strip_height(double line_height) {
   return std::round(2.2 * line_height);
 }
 
-void draw_state_strip(Desk& desk) {
+void draw_state_strip(PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   const auto height = static_cast<float>(strip_height(em(1)));
-  const ArrayStatus now = array_status(desk);
+  const ArrayStatus now = array_status(data.content);
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({whole.x, height});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, colour_of(now.state));
@@ -156,11 +157,11 @@ void draw_state_strip(Desk& desk) {
                                           : "No drives leave: " + now.more);
   }
   ImGui::SetCursorPos({right, (height - ImGui::GetFrameHeight()) / 2});
-  draw_ceiling(desk, ceiling_width);
+  draw_ceiling(data, ceiling_width);
   ImGui::SetCursorPos({right + ceiling_width + gap, (height - button) / 2});
-  draw_all_off(desk, now.state == ArrayState::off, {off_width, button});
+  draw_all_off(data, now.state == ArrayState::off, {off_width, button});
   ImGui::SetCursorPos({right + ceiling_width + off_width + 2 * gap, (height - button) / 2});
-  draw_start(desk, {start_width, button});
+  draw_start(data, {start_width, button});
   ImGui::End();
   ImGui::PopStyleColor(2);
 }

@@ -31,8 +31,8 @@ void draw_time_axis(float width) {
 
 }  // namespace
 
-void draw_statistics_panel(Desk& desk) {
-  const LiveNumbers& n = desk.numbers;
+void draw_statistics_panel(PanelData& data) {
+  const LiveNumbers& n = data.content.run.numbers;
   const auto share = static_cast<float>(n.last_s / TimeBins::budget_s);
   const std::string text = fmt::format("{:.1f} of {:.1f} ms", n.last_s * 1e3, TimeBins::budget_s * 1e3);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
@@ -52,7 +52,7 @@ void draw_statistics_panel(Desk& desk) {
   draw_time_axis(ImGui::GetContentRegionAvail().x);
   tip("How long frames took: each bar is a tenth of the budget of 11.1 ms, and the last bar all that took longer than "
       "three budgets");
-  if (subheading(desk, "passes", "The computations of a frame on the device")) {
+  if (subheading(data, "passes", "The computations of a frame on the device")) {
     if (ImGui::BeginTable("passes", 2, ImGuiTableFlags_SizingStretchSame)) {
       for (const PassTimes& pass : n.passes) {
         ImGui::TableNextColumn();
@@ -65,10 +65,10 @@ void draw_statistics_panel(Desk& desk) {
     }
     ImGui::TreePop();
   }
-  ImGui::Text("%s, %llu silent", counted(desk.drives, "drive").c_str(),
-              static_cast<unsigned long long>(desk.silent_drives));
+  ImGui::Text("%s, %llu silent", counted(data.content.run.drives, "drive").c_str(),
+              static_cast<unsigned long long>(data.content.run.silent_drives));
   tip("What has left for the link, a drive for each slot");
-  ImGui::Text("picture %.1f ms", desk.picture_ms);
+  ImGui::Text("picture %.1f ms", data.picture_ms);
   tip("Time to draw the picture, which gives way to the loop");
 }
 

@@ -16,90 +16,72 @@ struct Moves {
   bool play = false;
   int step = 0;
 };
-Moves draw_moves(Desk& desk, const char* what, bool playing, const std::string& play_key, const std::string& step_keys,
-                 const char* step) {
+Moves draw_moves(PanelData& data, const char* what, bool playing, const std::string& play_key,
+                 const std::string& step_keys, const char* step) {
   Moves moves;
   ImGui::PushID(what);
-  const float width = em(4);
-  if (ImGui::Button(playing ? "pause" : "play", {width, 0})) moves.play = true;
-  desk.places.named[std::string(what) + " play"] = last_area();
-  tip(std::string(playing ? "Pauses" : "Plays") + " the " + what + play_key);
+  const std::string name = what;
+  moves.play = button(data, playing ? "pause" : "play", (playing ? "Pauses the " : "Plays the ") + name + play_key,
+                      true, name + " play", {em(4), 0});
   ImGui::SameLine();
-  if (ImGui::Button("< step")) moves.step = -1;
-  tip(std::string("One ") + step + " back" + step_keys);
+  if (button(data, "< step", std::string("One ") + step + " back" + step_keys, true, name + " back")) moves.step = -1;
   ImGui::SameLine();
-  if (ImGui::Button("step >")) moves.step = 1;
-  desk.places.named[std::string(what) + " step"] = last_area();
-  tip(std::string("One ") + step + " on" + step_keys);
+  if (button(data, "step >", std::string("One ") + step + " on" + step_keys, true, name + " step")) moves.step = 1;
   ImGui::PopID();
   return moves;
 }
 
-void draw_slots(Desk& desk) {
-  SlotTime& time = desk.state.time;
+void draw_slots(PanelData& data) {
+  SlotTime& time = data.state.time;
   ImGui::Text("Slots, in the picture only");
   tip("The schedule, slowed down until you can see it. The array keeps its own time");
   ImGui::SameLine();
   ImGui::Text("  slot %llu", static_cast<unsigned long long>(time.slot));
-  const Moves moves =
-      draw_moves(desk, "slots", time.playing, desk.playback ? "" : ". Key: Space", ". Keys: , and .", "slot");
+  const Moves moves = draw_moves(data, "slots", time.playing, data.content.run.playback ? "" : ". Key: Space",
+                                 ". Keys: , and .", "slot");
   if (moves.play) time.playing = !time.playing;
-  desk.asked.slots += moves.step;
-  auto rate = static_cast<float>(time.slots_per_s);
+  data.asked.slots += moves.step;
   ImGui::SetNextItemWidth(em(9));
-  if (ImGui::SliderFloat("speed##slots", &rate, 0.5f, 667, "%.1f slots/s",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput))
-    time.slots_per_s = std::clamp(rate, 0.5f, 667.0f);
+  slider("speed##slots", time.slots_per_s, 1, 0.5f, 667, "%.1f slots/s", ImGuiSliderFlags_Logarithmic);
   tip("How fast slots are shown; with a dwell of 1.5 ms, 667 slots/s is the array's own speed. Keys: - and +");
 }
 
-void draw_recording(Desk& desk) {
-  Playback play = *desk.playback;
-  bool changed = false;
+void draw_recording(PanelData& data) {
+  Playback play = *data.content.run.playback;
   ImGui::Text("Recording, which the run plays");
   tip("The frames that the run gets. While the recording is paused, the array falls silent after the hold");
-  const Moves moves = draw_moves(desk, "recording", play.playing, ". Key: Space", ". Keys: left and right", "frame");
-  if (moves.play) {
-    play.playing = !play.playing;
-    changed = true;
-  }
-  desk.asked.step += moves.step;
+  const Moves moves = draw_moves(data, "recording", play.playing, ". Key: Space", ". Keys: left and right", "frame");
+  if (moves.play) play.playing = !play.playing;
+  data.asked.step += moves.step;
   ImGui::SameLine();
-  changed = ImGui::Checkbox("loop", &play.loop) || changed;
-  desk.places.named["loop"] = last_area();
-  tip("Plays from the beginning again at the end");
-  if (!desk.before.empty()) {
+  bool changed = check_box(data, "loop", play.loop, "Plays from the beginning again at the end") || moves.play;
+  if (!data.content.before.empty()) {
     ImGui::SameLine();
-    if (ImGui::Button("close")) desk.asked.options.push_back({"--source", desk.before});
-    desk.places.named["close recording"] = last_area();
-    tip("Closes the recording: frames come from " + desk.before + " again");
+    if (button(data, "close", "Closes the recording: frames come from " + data.content.before + " again", true,
+               "close recording"))
+      data.asked.options.push_back({"--source", data.content.before});
   }
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, std::max(static_cast<int>(play.frames) - 1, 1), place.c_str(),
                        ImGuiSliderFlags_NoInput))
-    desk.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
+    data.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
   tip("Where the recording is");
-  auto speed = static_cast<float>(play.speed);
   ImGui::SetNextItemWidth(em(9));
-  if (ImGui::SliderFloat("speed##recording", &speed, 0.05f, 4, "%.2f x",
-                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
-    play.speed = std::clamp(speed, 0.05f, 4.0f);
-    changed = true;
-  }
+  changed = slider("speed##recording", play.speed, 1, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic) || changed;
   tip("How fast the recording plays; 1 x is as it was recorded");
-  if (changed) desk.asked.play = play;
+  if (changed) data.asked.play = play;
 }
 
 }  // namespace
 
-void draw_time_panel(Desk& desk) {
-  if (desk.playback) {
-    draw_recording(desk);
+void draw_time_panel(PanelData& data) {
+  if (data.content.run.playback) {
+    draw_recording(data);
     ImGui::Separator();
   }
-  draw_slots(desk);
+  draw_slots(data);
 }
 
 }  // namespace palpa::viewer

@@ -10,8 +10,8 @@
 
 namespace palpa::viewer {
 
-void draw_welcome(Desk& desk) {
-  const Area free = free_area(desk);
+void draw_welcome(PanelData& data) {
+  const Area free = free_area(data);
   const auto right = static_cast<float>(free.right), top = static_cast<float>(free.top);
   const auto bottom = static_cast<float>(free.bottom);
   ImGui::SetNextWindowPos({right / 2, (top + bottom) / 2}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -21,25 +21,26 @@ void draw_welcome(Desk& desk) {
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoBringToFrontOnFocus);
-  if (!desk.objects.empty()) ImGui::TextWrapped("Touch an object:");
+  if (!data.objects.empty()) ImGui::TextWrapped("Touch an object:");
   const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-  for (std::size_t i = 0; i < desk.objects.size(); ++i) {
+  for (std::size_t i = 0; i < data.objects.size(); ++i) {
     if (i % 2 == 1) ImGui::SameLine();
-    if (ImGui::Button(desk.objects[i].name.c_str(), {half, em(2.2f)})) desk.asked.open = desk.objects[i].path;
-    desk.places.named[desk.objects[i].name] = last_area();
-    tip(desk.objects[i].path + ": the pointer holds a fingertip that touches it");
+    const NamedFile& object = data.objects[i];
+    if (button(data, object.name, object.path + ": the pointer holds a fingertip that touches it", true, {},
+               {half, em(2.2f)}))
+      data.asked.open = object.path;
   }
   ImGui::Spacing();
-  if (ImGui::Button("Open a file", {-1, em(2.2f)})) desk.picker = picker_to_open(desk.recent);
-  desk.places.named["open a file"] = last_area();
+  if (button(data, "Open a file", "", true, "open a file", {-1, em(2.2f)}))
+    data.picker = picker_to_open(data.content.recent);
   ImGui::TextWrapped("or drop a glTF model, a PLY or a recording here.");
-  if (!desk.recent.empty()) {
+  if (!data.content.recent.empty()) {
     ImGui::Spacing();
     ImGui::TextWrapped("Opened before:");
-    for (const std::string& file : desk.recent) {
+    for (const std::string& file : data.content.recent) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
-      if (ImGui::Selectable(name.c_str())) desk.asked.open = file;
+      if (ImGui::Selectable(name.c_str())) data.asked.open = file;
       tip(file);
       ImGui::PopID();
     }

@@ -1,20 +1,18 @@
 #include "viewer/panels/widgets.hpp"
 
-#include <algorithm>
-
 #include "viewer/panels/panels.hpp"
 
 namespace palpa::viewer {
 namespace {
 
 /// Keeps what the user folds and unfolds. `draw` draws the heading and returns whether it is open.
-bool folding(Desk& desk, const char* name, bool open, const std::function<bool()>& draw) {
-  const auto known = desk.headings.find(name);
-  const bool was = known == desk.headings.end() ? open : known->second;
+bool folding(PanelData& data, const char* name, bool open, const std::function<bool()>& draw) {
+  const auto known = data.headings.find(name);
+  const bool was = known == data.headings.end() ? open : known->second;
   ImGui::SetNextItemOpen(was);
   const bool is = draw();
-  desk.places.named[name] = last_area();
-  if (is != was) desk.headings[name] = is;
+  data.places.named[name] = last_area();
+  if (is != was) data.headings[name] = is;
   return is;
 }
 
@@ -32,7 +30,7 @@ Area last_area() {
 }
 
 void tip(const std::string& text) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   const ImVec2 whole = ImGui::GetIO().DisplaySize, low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   // The user who has just clicked it knows what it is, and wants to see what it does.
   const ImVec2 clicked = ImGui::GetIO().MouseClickedPos[0];
@@ -61,17 +59,45 @@ void tip(const std::string& text) {
   ImGui::EndTooltip();
 }
 
-bool heading(Desk& desk, const char* name, bool open, const char* about) {
-  const bool shown = folding(desk, name, open, [&] { return ImGui::CollapsingHeader(name); });
+bool heading(PanelData& data, const char* name, bool open, const char* about) {
+  const bool shown = folding(data, name, open, [&] { return ImGui::CollapsingHeader(name); });
   tip(about);
   return shown;
 }
 
-bool subheading(Desk& desk, const char* name, const char* about, const std::string& shown) {
+bool subheading(PanelData& data, const char* name, const char* about, const std::string& shown) {
   const std::string label = (shown.empty() ? std::string(name) : shown) + "###" + name;
-  const bool open = folding(desk, name, false, [&] { return ImGui::TreeNode(label.c_str()); });
-  if (about[0] != '\0') tip(about);
+  const bool open = folding(data, name, false, [&] { return ImGui::TreeNode(label.c_str()); });
+  tip(about);
   return open;
+}
+
+bool button(PanelData& data, const std::string& label, const std::string& about, bool enabled, const std::string& name,
+            const ImVec2& size) {
+  ImGui::BeginDisabled(!enabled);
+  const bool pressed = ImGui::Button(label.c_str(), size);
+  data.places.named[name.empty() ? label : name] = last_area();
+  ImGui::EndDisabled();
+  tip(about);
+  return pressed;
+}
+
+bool check_box(PanelData& data, const std::string& label, bool& value, const std::string& about,
+               const std::string& name) {
+  const bool changed = ImGui::Checkbox(label.c_str(), &value);
+  data.places.named[name.empty() ? label : name] = last_area();
+  tip(about);
+  return changed;
+}
+
+std::optional<std::size_t> select_of(const std::vector<std::string>& names, std::optional<std::size_t> now) {
+  std::optional<std::size_t> chosen;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::Selectable(names[i].c_str(), now == i)) chosen = i;
+    ImGui::PopID();
+  }
+  return chosen;
 }
 
 void drop_down(const char* label, const std::string& now, const std::function<void()>& choices) {
@@ -80,9 +106,9 @@ void drop_down(const char* label, const std::string& now, const std::function<vo
   ImGui::EndCombo();
 }
 
-Area free_area(const Desk& desk) {
+Area free_area(const PanelData& data) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
-  const double right = whole.x - (desk.panels ? panels_width(whole.x, em(1)) : 0.0);
+  const double right = whole.x - (data.panels ? panels_width(whole.x, em(1)) : 0.0);
   return {0, strip_height(em(1)), right, whole.y};
 }
 

@@ -5,52 +5,33 @@
 #include <cmath>
 
 namespace palpa::viewer {
-const Theme& light_theme() {
-  static const Theme theme{
-      .background = rgb(0xffffff),
-      .ink = rgb(0x1f2933),
-      .faint_ink = rgb(0x66727f),
-      .grid = rgb(0x8a97a5, 0.28f),
-      .grid_major = rgb(0x8a97a5, 0.62f),
-      .solid = rgb(0x9db8d2, 0.30f),
-      .solid_rim = rgb(0x9db8d2, 0.55f),
-      .edge = rgb(0x2b3c4d),
-      .skin = rgb(0xd8a48a, 0.10f),
-      .skin_rim = rgb(0xd8a48a, 0.55f),
-      .skin_point = rgb(0xa08b80),
-      .dropped_point = rgb(0xc9cdd2),
-      .loose_contact = rgb(0x3a3a3a),
-      .board = rgb(0xaab4be, 0.10f),
-      .board_edge = rgb(0x66727f, 0.55f),
-      .idle_transducer = rgb(0xc3cad1),
-      .frustum = rgb(0x66727f, 0.75f),
-      .tile = rgb(0xe69f00),
-  };
-  return theme;
-}
 
-const Theme& dark_theme() {
-  static const Theme theme{
-      .background = rgb(0x1c2127),
-      .ink = rgb(0xe8edf2),
-      .faint_ink = rgb(0x9aa7b4),
-      .grid = rgb(0x8a97a5, 0.18f),
-      .grid_major = rgb(0x8a97a5, 0.42f),
-      .solid = rgb(0x8fb2d6, 0.24f),
-      .solid_rim = rgb(0xa9c8e8, 0.50f),
-      .edge = rgb(0xc9d8e8),
-      .skin = rgb(0xe0ae95, 0.10f),
-      .skin_rim = rgb(0xe0ae95, 0.50f),
-      .skin_point = rgb(0xb09a8e),
-      .dropped_point = rgb(0x545b63),
-      .loose_contact = rgb(0xd0d0d0),
-      .board = rgb(0x6c7884, 0.14f),
-      .board_edge = rgb(0x9aa7b4, 0.5f),
-      .idle_transducer = rgb(0x3c444d),
-      .frustum = rgb(0x9aa7b4, 0.75f),
-      .tile = rgb(0xf0b429),
+const Theme& theme_of(bool dark) {
+  const auto make = [](bool night) {
+    const auto pick = [&](const Colour& on_white, const Colour& on_black) { return night ? on_black : on_white; };
+    return Theme{
+        .background = pick(rgb(0xffffff), rgb(0x1c2127)),
+        .ink = pick(rgb(0x1f2933), rgb(0xe8edf2)),
+        .faint_ink = pick(rgb(0x66727f), rgb(0x9aa7b4)),
+        .grid = pick(rgb(0x8a97a5, 0.28f), rgb(0x8a97a5, 0.18f)),
+        .grid_major = pick(rgb(0x8a97a5, 0.62f), rgb(0x8a97a5, 0.42f)),
+        .solid = pick(rgb(0x9db8d2, 0.30f), rgb(0x8fb2d6, 0.24f)),
+        .solid_rim = pick(rgb(0x9db8d2, 0.55f), rgb(0xa9c8e8, 0.50f)),
+        .edge = pick(rgb(0x2b3c4d), rgb(0xc9d8e8)),
+        .skin = pick(rgb(0xd8a48a, 0.10f), rgb(0xe0ae95, 0.10f)),
+        .skin_rim = pick(rgb(0xd8a48a, 0.55f), rgb(0xe0ae95, 0.50f)),
+        .skin_point = pick(rgb(0xa08b80), rgb(0xb09a8e)),
+        .dropped_point = pick(rgb(0xc9cdd2), rgb(0x545b63)),
+        .loose_contact = pick(rgb(0x3a3a3a), rgb(0xd0d0d0)),
+        .board = pick(rgb(0xaab4be, 0.10f), rgb(0x6c7884, 0.14f)),
+        .board_edge = pick(rgb(0x66727f, 0.55f), rgb(0x9aa7b4, 0.5f)),
+        .idle_transducer = pick(rgb(0xc3cad1), rgb(0x3c444d)),
+        .frustum = pick(rgb(0x66727f, 0.75f), rgb(0x9aa7b4, 0.75f)),
+        .tile = pick(rgb(0xe69f00), rgb(0xf0b429)),
+    };
   };
-  return theme;
+  static const Theme themes[] = {make(false), make(true)};
+  return themes[dark ? 1 : 0];
 }
 
 std::uint32_t to_pixel(const Colour& colour) {

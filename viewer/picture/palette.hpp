@@ -19,8 +19,10 @@ struct Theme {
   Colour skin, skin_rim, skin_point, dropped_point, loose_contact;
   Colour board, board_edge, idle_transducer, frustum, tile;
 };
-const Theme& light_theme();
-const Theme& dark_theme();
+const Theme& theme_of(bool dark);
+
+/// The axes x, y and z of the world.
+inline const Colour axis_colours[] = {rgb(0xd55e00), rgb(0x009e73), rgb(0x0072b2)};
 
 /// Red in the lowest byte, then green, blue and alpha.
 std::uint32_t to_pixel(const Colour& colour);

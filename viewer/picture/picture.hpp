@@ -140,6 +140,9 @@ struct Picture : PictureNotes {
   std::vector<ImageMark> images;
 };
 
+/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
+inline constexpr double shown_skin_m = 0.12;
+
 // These fill a picture from the engine's values. Each replaces only its own part.
 
 /// Also puts a tile of 10 mm on the highest solid, in the middle of its top.

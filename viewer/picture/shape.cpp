@@ -9,13 +9,10 @@
 
 #include "geometry/mesh/topology.hpp"
 #include "viewer/picture/view_vertex.hpp"
+#include "viewer/view/frustum.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-shader::vec4 pack(const Vec3& v, double w = 0) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
-}
 
 struct Side {
   std::uint32_t low, high;  // the edge's vertices
@@ -114,12 +111,12 @@ EdgeNet net_of(const geometry::Mesh& mesh, const std::vector<glm::uvec3>& faces,
   std::vector<std::uint32_t> place(mesh.positions.size(), 0);
   for (const Edge& e : edges) {
     if (e.sharp) {
-      net.creases.push_back({pack(mesh.positions[e.low]), pack(mesh.positions[e.high])});
+      net.creases.push_back({vec4_of(mesh.positions[e.low], 0), vec4_of(mesh.positions[e.high], 0)});
       continue;
     }
     for (const std::uint32_t v : {e.low, e.high}) {
       if (place[v] != 0) continue;
-      net.ends.push_back(pack(mesh.positions[v]));
+      net.ends.push_back(vec4_of(mesh.positions[v], 0));
       place[v] = static_cast<std::uint32_t>(net.ends.size());
     }
     net.folds.push_back({place[e.low] - 1, place[e.high] - 1, e.left, e.right});
@@ -127,7 +124,7 @@ EdgeNet net_of(const geometry::Mesh& mesh, const std::vector<glm::uvec3>& faces,
   if (net.folds.empty()) return net;
   net.planes.reserve(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
-    net.planes.push_back(pack(normals[f], glm::dot(normals[f], mesh.positions[faces[f].x])));
+    net.planes.push_back(vec4_of(normals[f], glm::dot(normals[f], mesh.positions[faces[f].x])));
   return net;
 }
 

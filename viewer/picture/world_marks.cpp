@@ -98,7 +98,7 @@ void add_seen(const FingerMarks& finger, const Theme& theme, Pen& pen) {
 }  // namespace
 
 void build_marks(const Picture& picture, const ViewState& state, const Box& floor, WorldMarks& marks) {
-  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(state.dark);
   marks.lines.clear();
   marks.boards.clear();
   marks.sections.clear();

@@ -122,7 +122,7 @@ void DrawnPicture::update_skin(const Picture& picture, const ViewState& state) {
 void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) {
   state_ = state;
   static_cast<PictureNotes&>(picture_) = picture;
-  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(state.dark);
   add_discs(picture, theme);
   build_marks(picture, state, floor(), new_marks_);
   new_vertices_ = new_marks_.boards;

@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -94,8 +93,8 @@ void draw_slice_handles(Ink& ink, const SliceState& slice, const shader::ViewPus
   }
 }
 
-void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::optional<std::uint32_t> chosen,
-                 const shader::ViewPush& projection, const Theme& theme) {
+void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const shader::ViewPush& projection,
+                 const Theme& theme) {
   const Colour colour = finger_colour(index);
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < finger.foci.size(); ++i) {
@@ -133,7 +132,6 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, std::
     ink.disc(p.at, radius + (running ? 1.6 : 0.9), theme.background);
     ink.disc(p.at, radius + (running ? 0.8 : 0.1), colour);
     if (!running) ink.disc(p.at, radius - std::min(1.6, 0.4 * radius), rgb(0xffffff));
-    if (chosen == p.index) ink.ring(p.at, radius + 4, 1.6, theme.ink);
     if (numbered && focus.own && !finger.together) {
       const std::string number = fmt::format("{}", focus.number);
       const double size = number.size() > 1 ? radius * 0.80 : radius * 0.95;
@@ -270,25 +268,18 @@ void draw_drive_wheel(Ink& ink, const Picture& picture, const Vec2& legend, doub
 }
 
 void draw_axes(Ink& ink, const Viewpoint& viewpoint, double height) {
-  struct Axis {
-    Vec3 direction;
-    const char* name;
-    Colour colour;
-  };
-  const std::array<Axis, 3> axes{Axis{{1, 0, 0}, "x", rgb(0xd55e00)}, Axis{{0, 1, 0}, "y", rgb(0x009e73)},
-                                 Axis{{0, 0, 1}, "z", rgb(0x0072b2)}};
+  constexpr std::array names{"x", "y", "z"};
   const Basis b = basis(viewpoint);
   const Vec2 origin(ink.px(52), height - ink.px(52));
-  std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
-    return glm::dot(axes[i].direction, b.forward) > glm::dot(axes[j].direction, b.forward);
-  });
-  for (const std::size_t i : order) {
-    const Vec2 d(glm::dot(axes[i].direction, b.right), -glm::dot(axes[i].direction, b.up));
+  std::array<int, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](int i, int j) { return b.forward[i] > b.forward[j]; });
+  for (const int i : order) {
+    const Vec2 d(b.right[i], -b.up[i]);
     if (glm::length(d) < 0.08) continue;  // end-on: a letter on the origin would only blot it
-    ink.line(origin, origin + ink.px(28) * d, 2, axes[i].colour);
+    const Colour& colour = axis_colours[i];
+    ink.line(origin, origin + ink.px(28) * d, 2, colour);
     const Vec2 at = origin + ink.px(28) * d + ink.px(9) * d / glm::length(d);
-    ink.label(axes[i].name, at + Vec2(0, ink.px(3)), text_size, axes[i].colour, Align::centre, 1.2);
+    ink.label(names[static_cast<std::size_t>(i)], at + Vec2(0, ink.px(3)), text_size, colour, Align::centre, 1.2);
   }
 }
 
@@ -324,7 +315,7 @@ double scale_bar_length(double longest_m) {
 void build_overlay(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint,
                    const OverlayOptions& options, std::vector<shader::ViewStroke>& strokes) {
   const Layers& layers = state.layers;
-  const Theme& theme = state.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(state.dark);
   Ink ink(options.ratio, theme.background, strokes);
   const shader::ViewPush view = projection(viewpoint, options.width, options.height);
   /// Draws the strokes of a layer with its opacity.
@@ -338,11 +329,8 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
   in_layer(Layer::cameras, [&] { draw_camera_names(ink, picture, view, theme); });
   in_layer(Layer::sections, [&] { draw_axis_names(ink, picture, view, theme); });
   in_layer(Layer::foci, [&] {
-    for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
-      const bool chosen = state.chosen && state.chosen->finger == f;
-      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f),
-                  chosen ? std::optional(state.chosen->focus) : std::nullopt, view, theme);
-    }
+    for (std::size_t f = 0; f < picture.fingers.size(); ++f)
+      draw_finger(ink, picture.fingers[f], static_cast<std::uint32_t>(f), view, theme);
   });
   if (state.slice_handles && !options.inset)
     in_layer(Layer::slice, [&] { draw_slice_handles(ink, state.slice, view, theme); });

@@ -2,7 +2,6 @@
 // in pixels, because it depends on the viewpoint.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "shaders/viewer/view_scene.h"

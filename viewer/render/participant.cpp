@@ -50,7 +50,6 @@ ViewState for_participant(const ViewState& state) {
     LayerState& layer = out.layers[entry.value];
     layer.visible = entry.value == Layer::tile || (kept && layer.visible);
   }
-  out.chosen.reset();
   out.picked.reset();
   return out;
 }

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
-#include "gpu/check.hpp"
+#include "gpu/barrier.hpp"
 #include "shaders/viewer/view_scene.h"
 #include "viewer/picture/detail.hpp"
 #include "viewer/picture/field_marks.hpp"
@@ -64,14 +64,9 @@ shader::vec4 pack(const Colour& c) {
 
 /// Uploads overwrite data that the draws of earlier frames have fetched.
 void after_last_draws(VkCommandBuffer commands) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
-                        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
-  memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands, &info);
+  constexpr VkPipelineStageFlags2 draws = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+                                          VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+  gpu::barrier(commands, draws, 0, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, 0);
 }
 
 constexpr std::uint32_t corners_of(std::uint32_t quads) {
@@ -92,23 +87,20 @@ void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vect
 /// The largest size in pixels at which a metre appears within `box`.
 double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
   double nearest = 1e30;
-  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-    const Vec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                 corner & 4 ? box.high.z : box.low.z);
-    const shader::vec4& w = push.clip_w;
-    nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
+  const shader::vec4& w = push.clip_w;
+  for (const Vec3& p : box_corners(box)) {
+    if (!box.empty()) nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
   }
   return static_cast<double>(push.window.z) / std::max(nearest, 1e-9);
 }
 
 /// Crowded skin points hide each other. Drawing every n-th of them leaves enough for every pixel.
-std::uint32_t crowding(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
+std::uint32_t point_step(const shader::ViewPush& push, const Box& box, std::uint32_t count) {
   constexpr double enough = 4;  // for each pixel
   if (box.empty()) return 1;
   double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Projected p = project(push, {corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                       corner & 4 ? box.high.z : box.low.z});
+  for (const Vec3& corner : box_corners(box)) {
+    const Projected p = project(push, corner);
     if (!p.visible) return 1;
     left = std::min(left, p.x);
     right = std::max(right, p.x);
@@ -245,7 +237,7 @@ VkCommandBuffer Renderer::record(VkCommandBuffer commands, DrawnPicture& drawn, 
                                  Canvas& canvas, const Target& target, double ratio, const Sheet* sheet,
                                  const NextStep& next) const {
   const VkExtent2D extent = canvas.extent();
-  const Theme& theme = drawn.state_.dark ? dark_theme() : light_theme();
+  const Theme& theme = theme_of(drawn.state_.dark);
   after_last_draws(commands);
   drawn.record_upload(commands);
   const std::vector<Items> overlays = upload_overlay(commands, drawn, views, canvas, ratio);
@@ -312,7 +304,7 @@ void Renderer::draw_points(const Shot& shot, const DrawnPicture& drawn) const {
   };
   draw(drawn.transducers_, 0.0f, Layer::transducers, 1);
   const std::uint32_t points = drawn.points_.count;
-  std::uint32_t each = crowding(shot.push, drawn.points_box_, points);
+  std::uint32_t each = point_step(shot.push, drawn.points_box_, points);
   if (shot.fineness == Fineness::quick) each = std::max(each, (points + most_quick_points - 1) / most_quick_points);
   draw(drawn.points_, 0.0f, Layer::points, each);
   draw(drawn.contacts_, 0.6f, Layer::contacts, 1);

@@ -58,7 +58,6 @@ class Renderer {
   /// Throws Error (Exit::no_device) for a driver that is known to crash when it draws.
   Renderer(const gpu::Device& device, VkFormat colour);
 
-  VkFormat colour_format() const { return colour_; }
   /// A canvas for pictures of that fineness. The first canvas of each fineness makes its pipelines. Throws failure()
   /// for an extent of zero or beyond the device's limit.
   Canvas make_canvas(VkExtent2D extent, Fineness fineness = Fineness::fine);

@@ -44,23 +44,29 @@ std::string page_of(const CLI::App& app, int argc, const char* const* argv) {
 
 }  // namespace
 
-std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
-  CLI::App app("", "palpa-viewer");
+bool parse_line(CLI::App& app, const setup::CommonOptions& common, int argc, const char* const* argv,
+                const std::function<std::string()>& help) {
   app.set_help_flag("-h,--help", "show this help and exit");
   app.set_version_flag("--version", version(), "show the version and exit");
-  ViewerOptions options;
-  add_options(app, options);
-  setup::add_common(app, options.common);
   try {
     setup::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
-    write_file("-", page_of(app, argc, argv));
-    return std::nullopt;
+    write_file("-", help());
+    return false;
   } catch (const CLI::CallForVersion&) {
     write_file("-", about_program("palpa-viewer"));
-    return std::nullopt;
+    return false;
   }
-  setup::apply_logging(options.common);
+  setup::apply_logging(common);
+  return true;
+}
+
+std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
+  CLI::App app("", "palpa-viewer");
+  ViewerOptions options;
+  add_options(app, options);
+  setup::add_common(app, options.common);
+  if (!parse_line(app, options.common, argc, argv, [&] { return page_of(app, argc, argv); })) return std::nullopt;
   allow_outside_references(options.common.allow_outside);
   options.given = setup::given_on(app);
   check(options);

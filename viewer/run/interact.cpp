@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"

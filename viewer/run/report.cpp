@@ -68,7 +68,8 @@ void report_window(const ViewerOptions& options, const Outputs& outputs, const P
   if (options.frames && setup::shows_summary(options.common, outputs)) write_file("-", told(drawn) + "\n");
 }
 
-void report_run(const ViewerOptions& options, const Outputs& outputs, const std::optional<session::LoopStats>& stats) {
+void report_run(const ViewerOptions& options, const Outputs& outputs, const LiveSession* session) {
+  const std::optional<session::LoopStats> stats = session ? session->stats() : std::nullopt;
   if (stats && setup::shows_summary(options.common, outputs)) write_file("-", setup::summary(*stats));
 }
 

@@ -1,12 +1,10 @@
 // The reports at the end: on the pictures, and on a run that was shown.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
 #include "base/outputs.hpp"
 #include "drawing/png.hpp"
 #include "session/watch/stats.hpp"
+#include "viewer/live/live_session.hpp"
 #include "viewer/options/viewer_options.hpp"
 
 namespace palpa::viewer {
@@ -24,7 +22,7 @@ void report_picture(const ViewerOptions& options, const Outputs& outputs, const 
 /// Reports on the pictures of a window, if a number of them was asked for.
 void report_window(const ViewerOptions& options, const Outputs& outputs, const PicturesDrawn& drawn);
 
-/// Reports on a run as `palpa run` does; nothing if there was no run.
-void report_run(const ViewerOptions& options, const Outputs& outputs, const std::optional<session::LoopStats>& stats);
+/// Reports on a run as `palpa run` does; nothing if there was no run, or if it failed.
+void report_run(const ViewerOptions& options, const Outputs& outputs, const LiveSession* session);
 
 }  // namespace palpa::viewer

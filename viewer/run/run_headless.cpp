@@ -7,6 +7,7 @@
 #include "setup/body.hpp"
 #include "setup/experiment/skin_rates.hpp"
 #include "setup/touch_run.hpp"
+#include "viewer/app/shown_touch.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/film.hpp"
 #include "viewer/run/report.hpp"
@@ -26,7 +27,7 @@ void run_headless(const ViewerOptions& options) {
     if (const std::string line = stretched(participant->screen, size.width, size.height); !line.empty())
       log::warning(line);
   }
-  Show show(options);
+  ShownTouch show(options);
   setup::ComputeOptions drawing = options.common;
   drawing.backend = setup::Backend::gpu;  // it draws there, whatever computes the touch
   const setup::UsedDevice used(drawing);

@@ -69,7 +69,7 @@ class Easel {
 /// Draws a live run's frames as they come, until the end of the run if there are fewer than `frames`.
 void draw_frames(App& app, Easel& easel, std::uint32_t frames, const std::function<double()>& now) {
   while (easel.drew().ms.count() < frames && !app.quitting()) {
-    const LiveState state = app.desk().live_state;
+    const LiveState state = app.data().content.run.state;
     app.advance(now(), easel.size());
     if (app.showed_frame()) {
       easel.draw(app, now());
@@ -170,7 +170,7 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   }
   stopper.end(app);
   report_picture(options, outputs, easel.pixels(), easel.drew());
-  report_run(options, outputs, app.stats());
+  report_run(options, outputs, app.session());
 }
 
 }  // namespace palpa::viewer

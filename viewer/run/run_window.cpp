@@ -33,10 +33,10 @@ using Clock = std::chrono::steady_clock;
 
 /// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores.
 double shortest_s(const App& app) {
-  return app.desk().live ? 1.0 / 30 : 0.0;
+  return app.data().content.live ? 1.0 / 30 : 0.0;
 }
 
-/// Opens, closes and updates the participant's window as the desk says.
+/// Opens, closes and updates the participant's window as the panels' data say.
 void look_after(std::optional<ParticipantWindow>& participant, App& app, const gpu::Device& device) {
   if (participant) {
     std::vector<WindowEvent> events;
@@ -46,13 +46,13 @@ void look_after(std::optional<ParticipantWindow>& participant, App& app, const g
     if (participant->closing()) app.try_participant(false);
   }
   try {
-    const Desk::ParticipantWindowState& view = app.desk().participant;
+    const PanelData::ParticipantWindowState& view = app.data().participant;
     if (view.open && !participant) participant.emplace(device, view.monitor);
     if (!view.open) participant.reset();
-    if (participant) app.participant_fills(participant->show(app));
+    if (participant) app.participant().fills(participant->show(app));
   } catch (const Error& error) {
     if (device.lost()) throw;
-    app.participant_window_failed(error.what());
+    app.participant().failed(error.what());
     participant.reset();
   }
 }
@@ -134,7 +134,8 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   PicturesDrawn pictures;
   std::string title;
   double last_drawn_s = -1;
-  PictureSteps pieces([&](double work_s, double most_s) { return app.let_run(work_s, most_s); });
+  PictureSteps pieces(
+      [&](double work_s, double most_s) { return app.session() ? app.session()->let_run(work_s, most_s) : 0.0; });
   const SilentEnd silent_end(stopper.flag());
 
   // Draws only when something has changed, so an idle window costs nothing.
@@ -169,7 +170,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
     // The run may compute on the processor that draws the pictures, so they take turns.
     std::function<void()> pause;
-    if (app.desk().live && presenter.on_processor()) {
+    if (app.data().content.live && presenter.on_processor()) {
       pieces.begin();
       pause = [&] { pieces.pause(); };
       pause();
@@ -178,7 +179,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
     app.update(drawn);
     if (pause) pause();
     const App::Frame frame = app.render(pixels, ratio, started_s);
-    const FinePictures wanted = app.desk().state.fine;
+    const FinePictures wanted = app.data().state.fine;
     const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
     // Later pictures in motion are quick ones. They must not wait for a driver that compiles.
     if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
@@ -203,7 +204,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   if (const auto place = window.place(); place && !sized) app.window_is_at(*place);
   stopper.end(app);
   report_window(options, outputs, pictures);
-  report_run(options, outputs, app.stats());
+  report_run(options, outputs, app.session());
 }
 
 }  // namespace palpa::viewer

@@ -50,10 +50,13 @@ void Stopper::end(App& app) {
   const bool loading = app.loading();
   const bool cut = loading && scripted_ && !setup::Interrupt::signalled();
   const bool over = app.finish(patience_s);
+  const auto rethrow = [&] {
+    if (app.session()) app.session()->rethrow();
+  };
   if (over && cut) throw failure(too_early);
   // After a signal, there is one second for everything, but releasing a window's device may take longer.
   const bool at_once = over && windowed_ && setup::Interrupt::signalled();
-  if (over && !at_once) return app.rethrow();
+  if (over && !at_once) return rethrow();
   // The watch for signals may have decided first; then it has printed its line.
   const auto fails = [](Exit code, const char* line) {
     if (setup::decide_ending(code)) log::error(line);
@@ -64,7 +67,7 @@ void Stopper::end(App& app) {
     fails(Exit::failed, "ended without finishing: a link, device or file did not answer; the array is silent");
   } else if (at_once) {
     try {
-      app.rethrow();
+      rethrow();
     } catch (const Error& error) {
       fails(error.code(), error.what());
     }

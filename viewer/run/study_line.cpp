@@ -6,10 +6,9 @@
 #include <string_view>
 
 #include "base/output_file.hpp"
-#include "base/version.hpp"
 #include "setup/help.hpp"
-#include "setup/parse.hpp"
 #include "setup/values.hpp"
+#include "viewer/run/command.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -44,24 +43,17 @@ bool asks_for_study(int argc, const char* const* argv) {
 
 std::optional<setup::StudyRunOptions> read_study_line(int argc, const char* const* argv) {
   CLI::App app("", "palpa-viewer");
-  app.set_help_flag("-h,--help", "show this help and exit");
-  app.set_version_flag("--version", version(), "show the version and exit");
   setup::StudyRunOptions options;
   const setup::Group group(app, "Study");
   group.text("--study", options.plan, "PLAN", "TOML file of the study");
   setup::add_study_run_options(app, options);
   setup::add_common(app, options.common);
+  const auto help = [&] { return setup::help_page(app, study_help(), setup::help_length(argc, argv)); };
   if (has_word(argc, argv, "--help") || has_word(argc, argv, "-h")) {
-    write_file("-", setup::help_page(app, study_help(), setup::help_length(argc, argv)));
+    write_file("-", help());
     return std::nullopt;
   }
-  try {
-    setup::parse(app, argc, argv);
-  } catch (const CLI::CallForVersion&) {
-    write_file("-", about_program("palpa-viewer"));
-    return std::nullopt;
-  }
-  setup::apply_logging(options.common);
+  if (!parse_line(app, options.common, argc, argv, help)) return std::nullopt;
   setup::check(options);
   setup::check(options.common);
   return options;

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <future>
-#include <memory>
 #include <optional>
 #include <string>
 

@@ -15,17 +15,19 @@ void Sounds::heed(const std::string& fault) {
 Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s) {
   Change change;
   busy_ = false;
+  const auto heed_of = [&](const auto& sound) {
+    busy_ = busy_ || sound.busy();
+    heed(sound.fault());
+  };
   if (state.layers.shows(Layer::heat) && now.layout && !finger_.empty()) {
     if (!heat_) heat_.emplace(finger_, now.air);
     change |= heat_->look(now, picture, state.skin_colour);
-    busy_ = busy_ || heat_->busy();
-    heed(heat_->fault());
+    heed_of(*heat_);
   }
   if (state.layers.shows(Layer::slice) && now.layout) {
     if (!slice_) slice_.emplace(device_);
     change |= slice_->look(now, state.slice, picture, now_s);
-    busy_ = busy_ || slice_->busy();
-    heed(slice_->fault());
+    heed_of(*slice_);
   }
   if (spectrum) {
     if (!felt_) felt_.emplace();
@@ -33,8 +35,7 @@ Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, 
       spectra_ = felt_->spectra();
       change.marks = true;
     }
-    busy_ = busy_ || felt_->busy();
-    heed(felt_->fault());
+    heed_of(*felt_);
   }
   return change;
 }

@@ -223,17 +223,20 @@ void Conductor::follow_touch() {
   const bool touching = sitting_->screen() == Screen::touching;
   if (touching == touching_) return;
   touching_ = touching;
-  const std::optional<study::Consent>& consent = sitting_->agenda().consent();
-  const bool keeps_depth = consent && consent->depth_frames;
   if (touching) {
     ++touches_;
     presentation_->gate().forget();
     presentation_->forget_overload();
-    if (keeps_depth) presentation_->record(next_file("_depth"));
+    if (keeps_depth()) presentation_->record(next_file("_depth"));
     return;
   }
   presentation_->close();
-  if (keeps_depth) presentation_->record("");
+  if (keeps_depth()) presentation_->record("");
+}
+
+bool Conductor::keeps_depth() const {
+  const std::optional<study::Consent>& consent = sitting_->agenda().consent();
+  return consent && consent->depth_frames;
 }
 
 /// What the touch under way has lost so far.
@@ -320,8 +323,7 @@ void Conductor::advance() {
     if (now >= *sitting_->next_ns()) {
       if (const std::string lack = end_touch(); !lack.empty()) sitting_->fault(lack, now);
       touching_ = false;
-      const std::optional<study::Consent>& consent = sitting_->agenda().consent();
-      if (consent && consent->depth_frames) presentation_->record("");
+      if (keeps_depth()) presentation_->record("");
     }
   }
   sitting_->advance(now);

@@ -65,6 +65,7 @@ class Conductor {
   void wait_for_arrivals() const;
   study::TouchLosses losses() const;
   void follow_touch();
+  bool keeps_depth() const;
   std::string next_file(const std::string& end) const;
   bool silences(study::Act act) const;
   bool answers_early(const std::optional<std::size_t>& button);

@@ -1,7 +1,6 @@
 #include "viewer/study/gate.hpp"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 namespace palpa::viewer {

@@ -176,11 +176,8 @@ void Presentation::start() {
   session_method_ = method_;
   gate_.restart();
   placed_.reset();
-  since_.reset();
-  since_s_.reset();
+  forget_seen();
   newest_ = 0;
-  lowest_.reset();
-  seen_at_.reset();
   overload_ = forgotten_ = {};
   session_ = std::make_unique<LiveSession>(options_of_method(*plan_, *method_, *run_, scene_file_.string()), kinds_,
                                            *stop_, wake_);
@@ -192,6 +189,10 @@ void Presentation::place() {
   session_->place(only(*shape_, scene->solid_names));
   placed_ = shape_;
   may_be_old_ = true;
+  forget_seen();
+}
+
+void Presentation::forget_seen() {
   since_.reset();
   since_s_.reset();
   lowest_.reset();

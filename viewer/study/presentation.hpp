@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "setup/live_run.hpp"
 #include "setup/study_options.hpp"
@@ -104,6 +103,7 @@ class Presentation {
  private:
   void start();
   void place();
+  void forget_seen();
 
   const study::StudyPlan* plan_;
   const setup::StudyRunOptions* run_;

@@ -1,7 +1,6 @@
 #include "viewer/study/screens.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -84,6 +83,11 @@ std::uint32_t whole(double value, std::uint32_t most) {
   return static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(most)));
 }
 
+/// The part of it within a window of that size.
+ButtonPlace rectangle(double left, double top, double wide, double high, std::uint32_t width, std::uint32_t height) {
+  return {whole(left, width - 1), whole(top, height - 1), whole(left + wide, width - 1), whole(top + high, height - 1)};
+}
+
 class ScreenPage {
  public:
   explicit ScreenPage(drawing::Canvas& canvas) : canvas_(canvas), pen_(1, screen_paper, strokes_) {}
@@ -134,8 +138,7 @@ std::vector<ButtonPlace> button_places(const ParticipantView& view, std::uint32_
     const std::size_t row = i / columns, column = i % columns;
     const double left = (width - all) / 2 + static_cast<double>(column) * (wide + gap);
     const double top = height / 2.0 + static_cast<double>(row) * (high + gap);
-    places.push_back(
-        {whole(left, width - 1), whole(top, height - 1), whole(left + wide, width - 1), whole(top + high, height - 1)});
+    places.push_back(rectangle(left, top, wide, high, width, height));
   }
   return places;
 }
@@ -145,8 +148,7 @@ std::vector<ButtonPlace> button_places(const ExperimenterView& view, std::uint32
   std::vector<ButtonPlace> places;
   for (std::size_t i = 0; i < view.buttons.size(); ++i) {
     const double left = 3 * unit + static_cast<double>(i) * (wide + gap), top = height - 3 * unit - high;
-    places.push_back(
-        {whole(left, width - 1), whole(top, height - 1), whole(left + wide, width - 1), whole(top + high, height - 1)});
+    places.push_back(rectangle(left, top, wide, high, width, height));
   }
   return places;
 }

@@ -31,7 +31,6 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
       for (const Vec3& position : mesh.mesh.positions)
         own.box.add(position);
       all.meshes.push_back(std::move(mesh));
-      all.shape_of_mesh.push_back(static_cast<std::uint32_t>(shape));
     }
     group += groups;
   }

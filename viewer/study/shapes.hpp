@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,9 +22,8 @@ struct StudyShape {
 };
 
 struct StudyShapes {
-  std::vector<StudyShape> shapes;            ///< as in the plan
-  std::vector<geometry::SceneMesh> meshes;   ///< of all shapes; each is named after its shape
-  std::vector<std::uint32_t> shape_of_mesh;  ///< of each mesh
+  std::vector<StudyShape> shapes;           ///< as in the plan
+  std::vector<geometry::SceneMesh> meshes;  ///< of all shapes; each is named after its shape
 };
 
 /// Reads the models. Throws as geometry::load_gltf does.

@@ -45,7 +45,13 @@ struct ExperimenterView {
 };
 
 /// The key of a button: 1 to 9, then a, b, c; and the button of a key, nullopt for a key of none.
-std::string button_key(std::size_t button);
-std::optional<std::size_t> button_of_key(char key);
+inline std::string button_key(std::size_t button) {
+  return std::string(1, static_cast<char>(button < 9 ? '1' + button : 'a' + (button - 9)));
+}
+inline std::optional<std::size_t> button_of_key(char key) {
+  if (key >= '1' && key <= '9') return static_cast<std::size_t>(key - '1');
+  if (key >= 'a' && key <= 'z') return static_cast<std::size_t>(key - 'a') + 9;
+  return std::nullopt;
+}
 
 }  // namespace palpa::viewer

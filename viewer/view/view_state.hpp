@@ -79,12 +79,6 @@ struct SliceState {
   bool operator==(const SliceState&) const = default;
 };
 
-/// A focus of a finger: indices into Picture::fingers and its FingerMarks::foci.
-struct FocusChoice {
-  std::uint32_t finger = 0, focus = 0;
-  bool operator==(const FocusChoice&) const = default;
-};
-
 /// Which slot of the schedule is shown, and how time advances.
 struct SlotTime {
   std::uint64_t slot = 0;  ///< its focus is the running one, and its drive colours the transducers
@@ -101,8 +95,7 @@ struct ViewState {
   SliceState slice;
   bool slice_handles = false;  ///< drawn, because there is a hand to take them
   SlotTime time;
-  std::optional<FocusChoice> chosen;  ///< a focus to highlight; nullopt: only the running one
-  std::optional<Vec3> picked;         ///< a point that the user asked about, world
+  std::optional<Vec3> picked;  ///< a point that the user asked about, world
   bool dark = false;
   FinePictures fine = FinePictures::automatic;
 };

@@ -1,7 +1,6 @@
 #include "viewer/view/viewpoint.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -12,11 +11,14 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double least_distance = 1e-3, most_distance = 100.0;
 
-shader::vec4 row(const Vec3& v, double w) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
-}
-
 }  // namespace
+
+std::array<Vec3, 8> box_corners(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z};
+  return corners;
+}
 
 void look(Viewpoint& viewpoint, StandardView view) {
   viewpoint.frustum.reset();
@@ -82,10 +84,9 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
   const double tan_x = tan_y * aspect * free;
   double distance = box.empty() ? 0.05 / tan_x : 0;
-  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-    const Vec3 p = Vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                        corner & 4 ? box.high.z : box.low.z) -
-                   viewpoint.target;
+  for (const Vec3& corner : box_corners(box)) {
+    if (box.empty()) break;
+    const Vec3 p = corner - viewpoint.target;
     const double nearer = viewpoint.orthographic ? 0 : -glm::dot(p, b.forward);
     distance = std::max({distance, margin * std::abs(glm::dot(p, b.right)) / tan_x + nearer,
                          margin * std::abs(glm::dot(p, b.up)) / tan_y + nearer});
@@ -123,23 +124,23 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
   const double tan_y = std::tan(viewpoint.fov / 2);
   shader::ViewPush push{};
   const auto axis = [&](const Vec3& direction, double scale) {
-    return row(direction * scale, -glm::dot(direction, b.eye) * scale);
+    return vec4_of(direction * scale, -glm::dot(direction, b.eye) * scale);
   };
   if (viewpoint.orthographic) {
     const double half = viewpoint.distance * tan_y;
     const double range = 16 * viewpoint.distance;  // from behind the eye to well behind the target
     push.clip_x = axis(b.right, 1 / (half * aspect));
     push.clip_y = axis(b.up, -1 / half);
-    push.clip_z = row(-b.forward / range, (glm::dot(b.forward, viewpoint.target)) / range + 0.5);
+    push.clip_z = vec4_of(-b.forward / range, (glm::dot(b.forward, viewpoint.target)) / range + 0.5);
     push.clip_w = {0, 0, 0, 1};
-    push.eye = row(-b.forward, 0);
+    push.eye = vec4_of(-b.forward, 0);
     push.window.z = static_cast<float>(height / (2 * half));
   } else {
     push.clip_x = axis(b.right, 1 / (tan_y * aspect));
     push.clip_y = axis(b.up, -1 / tan_y);
     push.clip_z = {0, 0, 0, static_cast<float>(viewpoint.distance / 100)};
     push.clip_w = axis(b.forward, 1);
-    push.eye = row(b.eye, 1);
+    push.eye = vec4_of(b.eye, 1);
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
   const auto shift = static_cast<float>(viewpoint.covered_left - viewpoint.covered_right);

@@ -1,8 +1,8 @@
 // The viewer's eye: an orbit around a target. Values and arithmetic only; window and pictures share it.
 #pragma once
 
+#include <array>
 #include <optional>
-#include <string_view>
 
 #include "base/math.hpp"
 #include "base/words.hpp"
@@ -34,6 +34,9 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
                                                     {"top", StandardView::top},
                                                     {"iso", StandardView::iso},
                                                     {"camera", StandardView::camera}};
+
+/// The corners of a box.
+std::array<Vec3, 8> box_corners(const Box& box);
 
 /// Turns the viewpoint to a standard view other than `camera`. Target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);

@@ -21,14 +21,14 @@ void ParticipantWindow::take(std::vector<WindowEvent>& events) {
 }
 
 Size ParticipantWindow::show(const App& app) {
-  const Desk::ParticipantWindowState& view = app.desk().participant;
+  const PanelData::ParticipantWindowState& view = app.data().participant;
   const VkExtent2D whole = window_.size();
   const Size filled{whole.width, whole.height};
   if (whole.width < 2 || whole.height < 2 || !view.setting) return filled;
   const Shown now{app.surfaces_version(), *view.setting,          view.hidden,
-                  app.desk().state.dark,  view.says_how_to_leave, filled};
+                  app.data().state.dark,  view.says_how_to_leave, filled};
   if (shown_ == now) return filled;
-  ViewState state = for_participant(app.desk().state);
+  ViewState state = for_participant(app.data().state);
   if (view.hidden) state.layers.hide({Layer::solids, Layer::edges});
   drawn_.update(app.picture(), state);  // nothing is in flight, because the eyes' pictures are waited for
   const EyeSize size = eye_size(now.participant.stereo, whole.width, whole.height);

@@ -85,41 +85,21 @@ bool start_glfw() {
   return glfwInit() == GLFW_TRUE;
 }
 
-Key key_named(int key) {
-  switch (key) {
-    case GLFW_KEY_TAB:
-      return Key::tab;
-    case GLFW_KEY_LEFT:
-      return Key::left;
-    case GLFW_KEY_RIGHT:
-      return Key::right;
-    case GLFW_KEY_UP:
-      return Key::up;
-    case GLFW_KEY_DOWN:
-      return Key::down;
-    case GLFW_KEY_PAGE_UP:
-      return Key::page_up;
-    case GLFW_KEY_PAGE_DOWN:
-      return Key::page_down;
-    case GLFW_KEY_HOME:
-      return Key::home;
-    case GLFW_KEY_END:
-      return Key::end;
-    case GLFW_KEY_DELETE:
-      return Key::del;
-    case GLFW_KEY_BACKSPACE:
-      return Key::backspace;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return Key::enter;
-    case GLFW_KEY_ESCAPE:
-      return Key::escape;
-    case GLFW_KEY_F12:
-      return Key::f12;
-    default:
-      return Key::other;
-  }
-}
+constexpr std::pair<int, Key> named_keys[] = {{GLFW_KEY_TAB, Key::tab},
+                                              {GLFW_KEY_LEFT, Key::left},
+                                              {GLFW_KEY_RIGHT, Key::right},
+                                              {GLFW_KEY_UP, Key::up},
+                                              {GLFW_KEY_DOWN, Key::down},
+                                              {GLFW_KEY_PAGE_UP, Key::page_up},
+                                              {GLFW_KEY_PAGE_DOWN, Key::page_down},
+                                              {GLFW_KEY_HOME, Key::home},
+                                              {GLFW_KEY_END, Key::end},
+                                              {GLFW_KEY_DELETE, Key::del},
+                                              {GLFW_KEY_BACKSPACE, Key::backspace},
+                                              {GLFW_KEY_ENTER, Key::enter},
+                                              {GLFW_KEY_KP_ENTER, Key::enter},
+                                              {GLFW_KEY_ESCAPE, Key::escape},
+                                              {GLFW_KEY_F12, Key::f12}};
 
 /// Letters according to the keyboard's layout, digits also from the number pad.
 Key key_pressed(int key, int code) {
@@ -127,7 +107,9 @@ Key key_pressed(int key, int code) {
   if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return key_of(static_cast<char>(key));
   if (key == GLFW_KEY_KP_ADD) return key_of('+');
   if (key == GLFW_KEY_KP_SUBTRACT) return key_of('-');
-  if (const Key named = key_named(key); named != Key::other) return named;
+  for (const auto& [theirs, ours] : named_keys) {
+    if (key == theirs) return ours;
+  }
   const char* name = glfwGetKeyName(key, code);
   if (name != nullptr && name[0] > 0 && name[1] == '\0') return key_of(name[0]);
   return key >= ' ' && key < 127 ? key_of(static_cast<char>(key >= 'A' && key <= 'Z' ? key + 'a' - 'A' : key))

@@ -39,9 +39,10 @@ class SonicSurfaceLine {
   bool falls_silent() {
     return becomes(lock, [this] { return silent(); });
   }
-  /// Whether its pattern sounds, between the pauses of a modulation.
+  /// Whether a program's pattern sounds, between the pauses of a modulation. A program first silences both buffers,
+  /// which takes two swaps. That state may be too short to be seen.
   bool sounds() {
-    return becomes(lock, [this] { return !machine.all_silent(); });
+    return becomes(lock, [this] { return machine.swaps() > 2 && !machine.all_silent(); });
   }
   /// Takes no more bytes.
   void end() {

@@ -45,13 +45,13 @@ class LiveApp : public testing::Test {
   }
   void make(const ViewerOptions& options) {
     app_.reset();
-    Surroundings around;
-    around.kinds.links.push_back(test::heard_link(heard_));
-    around.stop = &stop_;
-    around.panels = panels_;
-    around.copy = [this](const std::string& text) { copied_ = text; };
-    around.goes_live = [this] { ++went_live_; };
-    app_ = std::make_unique<App>(options, size_, std::move(around));
+    AppHost host;
+    host.kinds.links.push_back(test::heard_link(heard_));
+    host.stop = &stop_;
+    host.panels = panels_;
+    host.copy = [this](const std::string& text) { copied_ = text; };
+    host.goes_live = [this] { ++went_live_; };
+    app_ = std::make_unique<App>(options, size_, std::move(host));
   }
 
   /// Runs the loop, with steps of a tenth of a second of the application's clock.
@@ -70,12 +70,12 @@ class LiveApp : public testing::Test {
       app_->advance(now_s_ += 0.1, size_);
   }
   bool comes_to(LiveState state) {
-    return goes_round_until([&] { return app_->desk().live_state == state; });
+    return goes_round_until([&] { return app_->data().content.run.state == state; });
   }
   /// For seconds of its clock; otherwise it would have started at once.
   bool stays_off() {
     go_round(50);
-    return app_->desk().live_state == LiveState::ended && stop_;
+    return app_->data().content.run.state == LiveState::ended && stop_;
   }
   void key(char character, bool down = true, bool ctrl = false) {
     WindowEvent event;
@@ -89,12 +89,12 @@ class LiveApp : public testing::Test {
   void copy_run() { key('c', true, true); }
   /// Whether one of the lines that are shown has this text in it.
   bool says(const std::string& text) const {
-    return std::ranges::any_of(app_->desk().toasts,
+    return std::ranges::any_of(app_->data().messages.toasts(),
                                [&](const Toast& toast) { return toast.text.find(text) != std::string::npos; });
   }
   void all_off() { key('o'); }
   void point_at(const Vec3& world) {
-    const Projected at = project(projection(app_->desk().state.viewpoint, size_.width, size_.height), world);
+    const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
     WindowEvent event;
     event.kind = WindowEvent::Kind::move;
     event.x = at.x, event.y = at.y;
@@ -131,7 +131,7 @@ class LiveApp : public testing::Test {
     return goes_round_until([&] { return options().scene == other_; });
   }
   static void write_again(const fs::path& file) { fs::last_write_time(file, fs::last_write_time(file) + 1s); }
-  const setup::LiveOptions& options() const { return app_->desk().edit.options(); }
+  const setup::LiveOptions& options() const { return app_->data().content.edit.options(); }
 
   const bool panels_;
   const Size size_;
@@ -158,7 +158,7 @@ class LiveAppWithPanels : public LiveApp {
   /// Where the widget is, after a picture has shown it.
   std::optional<Area> place_of_widget(const std::string& name) {
     draw();
-    const auto& named = app_->desk().places.named;
+    const auto& named = app_->data().places.named;
     const auto found = named.find(name);
     return found == named.end() ? std::nullopt : std::optional(found->second);
   }
@@ -187,7 +187,7 @@ class LiveAppWithPanels : public LiveApp {
     key(static_cast<char>(Key::enter), false);
     draw();
   }
-  Area all_off_button() { return app_->desk().places.all_off.value_or(Area()); }
+  Area all_off_button() { return app_->data().places.all_off.value_or(Area()); }
 };
 
 }  // namespace palpa::viewer

@@ -63,9 +63,10 @@ TEST_F(LiveApp, ASceneThatIsWrittenAgainStartsNoRunThatIsOver) {
   go_round(11);
   write_again(scene_);
   go_round(50);
-  EXPECT_EQ(app_->desk().live_state, LiveState::failed);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::failed);
   EXPECT_EQ(heard_->opened, runs) << "nobody chose Start";
-  EXPECT_TRUE(app_->desk().log.back().text.ends_with("cube.glb: was written again; Start begins a run with it"));
+  EXPECT_TRUE(
+      app_->data().messages.log().back().text.ends_with("cube.glb: was written again; Start begins a run with it"));
 }
 
 TEST_F(LiveApp, ASceneThatIsRepairedBeginsTheRunThatFailedOnIt) {
@@ -89,7 +90,7 @@ TEST_F(LiveApp, AnotherSceneIsNotOneThatWasWrittenAgain) {
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(50);
-  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
 }
 
 TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
@@ -101,14 +102,14 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
   fs::create_symlink(scene_, folder_ / "soft.glb");
   for (const std::string& file : {scene_.string(), (folder_ / "soft.glb").string(),
                                   (folder_ / ".." / folder_.filename() / scene_.filename()).string()}) {
-    app_->save_scene(file, now_s_);
+    app_->save_scene(file);
     EXPECT_EQ(test::read_text(scene_), before) << file;
   }
   // It may overwrite its own files, even while it reads them. An hour lies in between, because times are in
   // milliseconds.
   auto last = fs::file_time_type::min();
   for (int i = 0; i < 2; ++i) {
-    app_->save_scene(folder_ / "mine.glb", now_s_);
+    app_->save_scene(folder_ / "mine.glb");
     ASSERT_TRUE(fs::exists(folder_ / "mine.glb")) << i;
     const fs::file_time_type written = fs::last_write_time(folder_ / "mine.glb");
     EXPECT_TRUE(written > last) << i;
@@ -194,11 +195,11 @@ TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
   app_->handle(event, size_);
   event.repeat = true;
   app_->handle(event, size_);
-  EXPECT_TRUE(app_->desk().help);
+  EXPECT_TRUE(app_->data().help);
   event.key = key_of('-');
-  const double before = app_->desk().state.time.slots_per_s;
+  const double before = app_->data().state.time.slots_per_s;
   app_->handle(event, size_);
-  EXPECT_LT(app_->desk().state.time.slots_per_s, before) << "slower and slower";
+  EXPECT_LT(app_->data().state.time.slots_per_s, before) << "slower and slower";
 }
 
 TEST_F(LiveApp, CopiesTheCommandOfTheRunThatThereIs) {
@@ -218,9 +219,9 @@ TEST_F(LiveApp, ABrokenSceneEndsNothing) {
   ASSERT_TRUE(comes_to(LiveState::running));
   std::ofstream(folder_ / "broken.glb") << "no glTF";
   drop(folder_ / "broken.glb");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
-  EXPECT_CONTAINS(app_->desk().toasts.back().text, "broken.glb");
-  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().messages.toasts().empty(); }));
+  EXPECT_CONTAINS(app_->data().messages.toasts().back().text, "broken.glb");
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
   EXPECT_EQ(options().scene, scene_);
 }
 
@@ -229,10 +230,10 @@ TEST_F(LiveApp, ABrokenRecordingEndsNothing) {
   fs::create_directory(folder_ / "broken");
   std::ofstream(folder_ / "broken" / "recording.toml") << "[recording]\n";
   drop(folder_ / "broken");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().toasts.empty(); }));
-  EXPECT_CONTAINS(app_->desk().toasts.back().text, "recording.toml");
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().messages.toasts().empty(); }));
+  EXPECT_CONTAINS(app_->data().messages.toasts().back().text, "recording.toml");
   go_round(5);
-  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
   EXPECT_EQ(options().source, "synthetic");
 }
 
@@ -240,14 +241,14 @@ TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
   ASSERT_TRUE(comes_to(LiveState::running));
   drop(other_);
   app_->advance(now_s_ += 1e-3, size_);
-  if (!app_->desk().opening) GTEST_SKIP() << "skipped: it was there at once";
+  if (!app_->data().content.opening) GTEST_SKIP() << "skipped: it was there at once";
   key(static_cast<char>(Key::escape));
   go_round(50);
   std::this_thread::sleep_for(100ms);
   go_round(50);
   EXPECT_FALSE(app_->quitting()) << "Escape was for what loads";
   EXPECT_EQ(options().scene, scene_);
-  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
 }
 
 TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
@@ -265,20 +266,20 @@ TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
 
 TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
   begin("synthetic", "slice");
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().state.slice_handles; }));
   const auto middle = [&] {
-    const ViewState& state = app_->desk().state;
+    const ViewState& state = app_->data().state;
     return project(projection(state.viewpoint, size_.width, size_.height), place_of(SliceHandle::middle, state.slice));
   };
   const Projected at = middle();
   button(WindowEvent::Kind::press, at.x, at.y);
   write_again(scene_);
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().state.slice_handles; }));
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().state.slice_handles; }));
   button(WindowEvent::Kind::release, at.x, at.y);
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.slice_handles; }));
-  const SliceState before = app_->desk().state.slice;
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().state.slice_handles; }));
+  const SliceState before = app_->data().state.slice;
   button(WindowEvent::Kind::move, at.x + 40, at.y + 30);
-  EXPECT_EQ(app_->desk().state.slice, before);
+  EXPECT_EQ(app_->data().state.slice, before);
 }
 
 /// Pressures are shown on the mesh of the run that plays, not on the mesh of the previous run.
@@ -296,8 +297,8 @@ TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   };
   begin("synthetic:" + open, "heat");
   ASSERT_TRUE(goes_round_until([&] { return note().find("failed") != std::string::npos; })) << note();
-  ASSERT_FALSE(app_->desk().toasts.empty());
-  EXPECT_CONTAINS(app_->desk().toasts.back().text, "open.ply");
+  ASSERT_FALSE(app_->data().messages.toasts().empty());
+  EXPECT_CONTAINS(app_->data().messages.toasts().back().text, "open.ply");
   drop(recording());
   ASSERT_TRUE(goes_round_until([&] { return note().find("being computed") != std::string::npos; })) << note();
 }
@@ -314,13 +315,13 @@ TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
   options.given = {
       {"--spectrum", {}},         {"--spot", {"4mm"}},    {"--scene", {scene_}},  {"--points", {options.input.points}},
       {"--penetration", {"3mm"}}, {"--backend", {"cpu"}}, {"--layout", {"autd3"}}};
-  Surroundings around;
+  AppHost host;
   int went_live = 0;
-  around.stop = &stop_;
-  around.panels = false;
-  around.goes_live = [&] { ++went_live; };
-  app_ = std::make_unique<App>(options, size_, std::move(around));
-  EXPECT_FALSE(app_->desk().live);
+  host.stop = &stop_;
+  host.panels = false;
+  host.goes_live = [&] { ++went_live; };
+  app_ = std::make_unique<App>(options, size_, std::move(host));
+  EXPECT_FALSE(app_->data().content.live);
   drop(folder_ / "nowhere.txt");
   go_round();
   EXPECT_EQ(went_live, 0);
@@ -328,11 +329,11 @@ TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
   drop(take);
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_EQ(went_live, 1);
-  EXPECT_TRUE(app_->desk().live);
+  EXPECT_TRUE(app_->data().content.live);
   EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
   EXPECT_TRUE(app_->picture().driven);
-  EXPECT_EQ(app_->desk().edit.command(), "palpa run --scene " + scene_.string() +
-                                             " --source recording:" + take.string() + " --layout autd3 --backend cpu");
+  EXPECT_EQ(app_->data().content.edit.command(), "palpa run --scene " + scene_.string() + " --source recording:" +
+                                                     take.string() + " --layout autd3 --backend cpu");
   EXPECT_TRUE(app_->finish(10));
 }
 
@@ -354,14 +355,14 @@ TEST(AppSettings, OfALineAreNotRemembered) {
   ViewerOptions options;
   options.layout = "autd3";
   options.shown = "sections";
-  Surroundings around;
-  around.stop = &stop;
-  around.settings = file;
-  around.panels = false;
-  App app(options, {300, 200}, std::move(around));
-  EXPECT_TRUE(app.desk().state.layers.shows(Layer::sections));
-  EXPECT_FALSE(app.desk().state.layers.shows(Layer::grid)) << "of this the line said nothing";
-  EXPECT_EQ(app.desk().state.skin_colour, SkinColour::sa1);
+  AppHost host;
+  host.stop = &stop;
+  host.settings = file;
+  host.panels = false;
+  App app(options, {300, 200}, std::move(host));
+  EXPECT_TRUE(app.data().state.layers.shows(Layer::sections));
+  EXPECT_FALSE(app.data().state.layers.shows(Layer::grid)) << "of this the line said nothing";
+  EXPECT_EQ(app.data().state.skin_colour, SkinColour::sa1);
   EXPECT_TRUE(app.finish(1));
   EXPECT_EQ(load_settings(file), before);
 }

@@ -20,29 +20,29 @@ class Escape : public LiveAppWithPanels {
 TEST_F(Escape, ClosesAListAndLeavesTheRunAlone) {
   ASSERT_TRUE(comes_to(LiveState::running));
   click("copy");
-  ASSERT_TRUE(app_->desk().places.list);
+  ASSERT_TRUE(app_->data().places.list);
   escape();
-  EXPECT_FALSE(app_->desk().places.list);
+  EXPECT_FALSE(app_->data().places.list);
   EXPECT_FALSE(app_->quitting());
-  EXPECT_EQ(app_->desk().live_state, LiveState::running);
+  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
 }
 
 TEST_F(Escape, ClosesTheInnermostFirst) {
   ASSERT_TRUE(comes_to(LiveState::running));
   key('g');
   draw();
-  ASSERT_TRUE(app_->desk().placed.chosen);
+  ASSERT_TRUE(app_->data().placing->chosen());
   key('h');
   click("open");
-  ASSERT_TRUE(app_->desk().picker);
+  ASSERT_TRUE(app_->data().picker);
   escape();
-  EXPECT_FALSE(app_->desk().picker);
-  EXPECT_TRUE(app_->desk().help);
+  EXPECT_FALSE(app_->data().picker);
+  EXPECT_TRUE(app_->data().help);
   escape();
-  EXPECT_FALSE(app_->desk().help);
-  EXPECT_TRUE(app_->desk().placed.chosen);
+  EXPECT_FALSE(app_->data().help);
+  EXPECT_TRUE(app_->data().placing->chosen());
   escape();
-  EXPECT_FALSE(app_->desk().placed.chosen);
+  EXPECT_FALSE(app_->data().placing->chosen());
   escape();
   EXPECT_FALSE(app_->quitting()) << "a run never ends by Escape";
   EXPECT_TRUE(says("Q quits"));
@@ -51,7 +51,7 @@ TEST_F(Escape, ClosesTheInnermostFirst) {
 TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();
-  const Area slider = app_->desk().places.ceiling.value_or(Area());
+  const Area slider = app_->data().places.ceiling.value_or(Area());
   const double middle = (slider.left + slider.right) / 2, y = (slider.top + slider.bottom) / 2;
   button(WindowEvent::Kind::move, slider.right - 4, y);
   draw();
@@ -59,7 +59,7 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   draw();
   button(WindowEvent::Kind::move, middle, y);
   draw();
-  ASSERT_TRUE(app_->desk().ceiling);
+  ASSERT_TRUE(app_->data().ceiling);
   escape();
   button(WindowEvent::Kind::release, middle, y);
   draw();
@@ -68,13 +68,13 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
 }
 
 TEST_F(Escape, QuittingWhileTheArraySoundsTakesTwoPresses) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   key('q');
   EXPECT_FALSE(app_->quitting());
   EXPECT_TRUE(says("press Q again"));
   now_s_ += 2.5;
   go_round();
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   key('q');
   EXPECT_FALSE(app_->quitting()) << "too late to be the second press";
   key('q');

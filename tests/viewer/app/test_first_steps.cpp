@@ -43,13 +43,13 @@ class FirstSteps : public LiveAppWithPanels {
             static_cast<std::uint32_t>(size_.height - strip_height(text_height))};
   }
   bool opened() {
-    return goes_round_until([&] { return !app_->desk().opening; });
+    return goes_round_until([&] { return !app_->data().content.opening; });
   }
 };
 
 TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   begin_empty();
-  ASSERT_TRUE(app_->desk().empty);
+  ASSERT_TRUE(app_->data().content.empty);
   for (const char* object : {"cube", "pyramid", "prism", "semi-sphere"})
     EXPECT_TRUE(place_of_widget(object)) << object;
   click("cube");
@@ -57,32 +57,32 @@ TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   EXPECT_EQ(went_live_, 1);
   EXPECT_EQ(options().source, "mouse");
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
-  EXPECT_FALSE(app_->desk().empty);
+  EXPECT_FALSE(app_->data().content.empty);
   EXPECT_TRUE(says("holds a fingertip"));
-  EXPECT_LT(app_->desk().state.viewpoint.distance, 0.45) << "the cube is seen from near, although the array is large";
+  EXPECT_LT(app_->data().state.viewpoint.distance, 0.45) << "the cube is seen from near, although the array is large";
   key('f');
-  EXPECT_GT(app_->desk().state.viewpoint.distance, 0.5) << "F shows everything";
+  EXPECT_GT(app_->data().state.viewpoint.distance, 0.5) << "F shows everything";
   EXPECT_EQ(app_->title(), "cube.glb, live (mouse)");
-  EXPECT_EQ(app_->desk().recent.size(), 1u);
+  EXPECT_EQ(app_->data().content.recent.size(), 1u);
 }
 
 TEST_F(FirstSteps, AFileIsOpenedByItsName) {
   begin_empty();
   click("open a file");
-  ASSERT_TRUE(app_->desk().picker);
+  ASSERT_TRUE(app_->data().picker);
   click("name");
   type(folder_.string());
-  ASSERT_TRUE(app_->desk().picker) << "it is a folder";
-  EXPECT_EQ(app_->desk().picker->folder, folder_.string());
+  ASSERT_TRUE(app_->data().picker) << "it is a folder";
+  EXPECT_EQ(app_->data().picker->folder, folder_.string());
   EXPECT_TRUE(place_of_widget("file cube.glb"));
   click("name");
   type("cube.glb");
-  EXPECT_FALSE(app_->desk().picker);
+  EXPECT_FALSE(app_->data().picker);
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_EQ(fs::path(options().scene).filename(), "cube.glb");
   click("open");
   click("opened before");
-  ASSERT_TRUE(app_->desk().places.list);
+  ASSERT_TRUE(app_->data().places.list);
 }
 
 /// The first move onto a panel comes before the panels know of the pointer.
@@ -94,11 +94,11 @@ TEST_F(FirstSteps, AFingerStaysWhileThePointerIsOverAPanel) {
   button(WindowEvent::Kind::move, 300, 700);
   button(WindowEvent::Kind::move, 310, 700);
   draw();
-  ASSERT_TRUE(app_->desk().placed.tip);
-  const Vec3 before = *app_->desk().placed.tip;
+  ASSERT_TRUE(app_->data().placing->holds_finger());
+  const Transform before = app_->data().placing->finger();
   button(WindowEvent::Kind::move, 900, 300);
   draw();
-  EXPECT_EQ(*app_->desk().placed.tip, before);
+  EXPECT_EQ(app_->data().placing->finger(), before);
 }
 
 TEST_F(FirstSteps, APlyIsWhatTouches) {
@@ -116,18 +116,18 @@ TEST_F(FirstSteps, ARecordingWaitsForItsObject) {
   begin_empty();
   drop(recording());
   ASSERT_TRUE(goes_round_until([&] { return says("the object that you open next"); }));
-  EXPECT_TRUE(app_->desk().empty);
+  EXPECT_TRUE(app_->data().content.empty);
   EXPECT_EQ(went_live_, 0);
   click("cube");
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_EQ(options().source, "recording:" + recording().string());
-  EXPECT_TRUE(goes_round_until([&] { return app_->desk().playback.has_value(); }));
+  EXPECT_TRUE(goes_round_until([&] { return app_->data().content.run.playback.has_value(); }));
 }
 
 TEST_F(FirstSteps, AnotherObjectIsFramed) {
   begin("synthetic");
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
-  const double before = app_->desk().state.viewpoint.distance;
+  const double before = app_->data().state.viewpoint.distance;
   for (int i = 0; i < 10; ++i) {
     WindowEvent event;
     event.kind = WindowEvent::Kind::scroll;
@@ -136,10 +136,10 @@ TEST_F(FirstSteps, AnotherObjectIsFramed) {
     app_->handle(event, size_);
   }
   draw();
-  ASSERT_LT(app_->desk().state.viewpoint.distance, 0.5 * before);
+  ASSERT_LT(app_->data().state.viewpoint.distance, 0.5 * before);
   key(Key::page_down);
   ASSERT_TRUE(opens_other());
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().state.viewpoint.distance > 0.8 * before; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().state.viewpoint.distance > 0.8 * before; }));
 }
 
 TEST_F(FirstSteps, FingersAndHandsAreNoObjects) {
@@ -196,7 +196,7 @@ TEST_F(FirstSteps, AChosenPlaneOfTheFieldStays) {
   draw();
   click("Sound");
   const auto chosen = [&](const std::string& plane) {
-    const Transform& T = app_->desk().state.slice.T_world_slice;
+    const Transform& T = app_->data().state.slice.T_world_slice;
     const auto letters = [&](std::size_t axis) { return T[static_cast<int>(axis)][plane[axis] - 'x'] == 1; };
     key('c');
     draw(1);
@@ -206,7 +206,7 @@ TEST_F(FirstSteps, AChosenPlaneOfTheFieldStays) {
   EXPECT_TRUE(chosen("xz")) << copied_;
   click("plane yz");
   EXPECT_TRUE(chosen("yz")) << copied_;
-  const Transform placed = app_->desk().state.slice.T_world_slice;
+  const Transform placed = app_->data().state.slice.T_world_slice;
   EXPECT_GT(std::abs(placed[3].y - 0.01), 1e-3) << "through the middle of the touch";
   click("Run");
   click("Touch");
@@ -222,7 +222,7 @@ TEST_F(FirstSteps, AChosenPlaneOfTheFieldStays) {
   drop(other_);
   ASSERT_TRUE(opened());
   EXPECT_TRUE(chosen("yz")) << "after an object: " << copied_;
-  EXPECT_EQ(app_->desk().state.slice.T_world_slice, placed);
+  EXPECT_EQ(app_->data().state.slice.T_world_slice, placed);
   click("--foci");
   type("0");
   EXPECT_TRUE(chosen("yz")) << "after a refusal: " << copied_;
@@ -247,18 +247,18 @@ TEST_F(FirstSteps, TheParticipantsWindowTakesPAndQ) {
   app_->tell_monitors({"one 1920x1080"});
   app_->try_participant(true);
   draw();
-  EXPECT_TRUE(app_->desk().participant.says_how_to_leave) << "there is one monitor";
+  EXPECT_TRUE(app_->data().participant.says_how_to_leave) << "there is one monitor";
   now_s_ += 20;
   draw();
-  EXPECT_FALSE(app_->desk().participant.says_how_to_leave);
+  EXPECT_FALSE(app_->data().participant.says_how_to_leave);
   WindowEvent event;
   event.kind = WindowEvent::Kind::key;
   event.key = key_of('p');
   app_->handle_participant(event);
   draw();
-  EXPECT_FALSE(app_->desk().participant.open);
+  EXPECT_FALSE(app_->data().participant.open);
   app_->try_participant(true);
-  app_->participant_fills({1000, 1000});
+  app_->participant().fills({1000, 1000});
   EXPECT_TRUE(says("stretched"));
   event.key = key_of('q');
   app_->handle_participant(event);
@@ -274,12 +274,12 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   click("cube");
   ASSERT_TRUE(comes_to(LiveState::running));
   ASSERT_TRUE(goes_round_until([&] { return app_->showed_frame(); }));
-  EXPECT_FALSE(app_->desk().placed.can_undo);
+  EXPECT_FALSE(app_->data().placing->can_undo());
   const auto touch = [&] {
     return goes_round_until([&] {
       const Vec3 at(0, -0.002, 0);
       const Projected p =
-          project(projection(app_->desk().state.viewpoint, beside_panels().width, beside_panels().height), at);
+          project(projection(app_->data().state.viewpoint, beside_panels().width, beside_panels().height), at);
       button(WindowEvent::Kind::move, p.x, p.y + 37);
       draw(1);
       return heard_->last_sounds.load();
@@ -290,7 +290,7 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   click("Run");
   click("Touch");
   click("--method");
-  ASSERT_TRUE(app_->desk().places.list);
+  ASSERT_TRUE(app_->data().places.list);
   const Area field = *place_of_widget("--method");
   click_at(field.left + 20, field.bottom + 3 * (field.bottom - field.top) / 2 + 4);
   EXPECT_NE(options().touch.method.method, touch::Method::cross_section) << "2: change the method";
@@ -305,31 +305,32 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   auto clicked = std::chrono::steady_clock::time_point::min();
   ASSERT_TRUE(goes_round_until([&] {
     const auto now = std::chrono::steady_clock::now();
-    if (app_->desk().recording.empty() && (clicked == clicked.min() || now - clicked > std::chrono::seconds(10))) {
+    if (app_->data().content.run.recording.empty() &&
+        (clicked == clicked.min() || now - clicked > std::chrono::seconds(10))) {
       click("record");
       clicked = now;
     }
-    recording = app_->desk().recording;
-    return !recording.empty() && app_->desk().recorded > 5;
+    recording = app_->data().content.run.recording;
+    return !recording.empty() && app_->data().content.run.recorded > 5;
   })) << "3: record";
   click("record");
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().recording.empty(); }));
-  EXPECT_TRUE(app_->desk().recent.front().ends_with(recording.string()));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.recording.empty(); }));
+  EXPECT_TRUE(app_->data().content.recent.front().ends_with(recording.string()));
   click("play made");
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().playback.has_value(); }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.playback.has_value(); }));
   click("recording play");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().playback->playing; })) << "pause";
-  const std::uint64_t frame = app_->desk().playback->frame;
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().content.run.playback->playing; })) << "pause";
+  const std::uint64_t frame = app_->data().content.run.playback->frame;
   click("recording step");
-  EXPECT_TRUE(goes_round_until([&] { return app_->desk().playback->frame != frame; })) << "step";
+  EXPECT_TRUE(goes_round_until([&] { return app_->data().content.run.playback->frame != frame; })) << "step";
   EXPECT_FALSE(place_of_widget("play made")) << "it is being played";
 
   key('g');
   draw();
-  ASSERT_TRUE(app_->desk().placed.chosen) << "4: move the object";
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().marks.empty(); }));
+  ASSERT_TRUE(app_->data().placing->chosen()) << "4: move the object";
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().marks.empty(); }));
   const Size size = beside_panels();
-  const Sight sight{app_->desk().state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), 1};
+  const Sight sight{app_->data().state.viewpoint, static_cast<double>(size.width), static_cast<double>(size.height), 1};
   // The middle of the cube. The picture's extent may also have the finger of the frame.
   const Gizmo gizmo = gizmo_at(Vec3(0, -0.02, 0), sight);
   const Projected tip =
@@ -341,14 +342,14 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   draw();
   button(WindowEvent::Kind::release, tip.x, tip.y + 20);
   draw();
-  EXPECT_TRUE(app_->desk().placed.can_undo);
-  ASSERT_TRUE(app_->desk().placed.moved);
+  EXPECT_TRUE(app_->data().placing->can_undo());
+  ASSERT_TRUE(app_->data().placing->moved());
   click("save as");
   EXPECT_TRUE(goes_round_until([&] { return options().scene == "moved.glb"; })) << "and save it";
-  EXPECT_TRUE(app_->desk().recent.front().ends_with("/moved.glb"));
+  EXPECT_TRUE(app_->data().content.recent.front().ends_with("/moved.glb"));
   ASSERT_TRUE(comes_to(LiveState::running));
   click("close recording");
-  ASSERT_TRUE(goes_round_until([&] { return !app_->desk().playback; }));
+  ASSERT_TRUE(goes_round_until([&] { return !app_->data().content.run.playback; }));
   EXPECT_EQ(options().source, "mouse");
   ASSERT_TRUE(comes_to(LiveState::running));
 
@@ -358,7 +359,7 @@ TEST_F(FirstSteps, FiveTasksWithNothingButTheWindow) {
   ASSERT_TRUE(comes_to(LiveState::ended)) << "5: silence it";
   EXPECT_FALSE(heard_->last_sounds);
   draw();
-  click(app_->desk().places.start.value_or(Area()));
+  click(app_->data().places.start.value_or(Area()));
   EXPECT_TRUE(comes_to(LiveState::running)) << "and start again";
   app_.reset();
   fs::current_path(before);

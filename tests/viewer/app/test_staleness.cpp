@@ -8,7 +8,7 @@
 
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "viewer/app/scene_watch.hpp"
+#include "viewer/app/opening.hpp"
 
 namespace palpa::viewer {
 namespace {

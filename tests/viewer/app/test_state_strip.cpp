@@ -6,40 +6,40 @@
 #include <string>
 
 #include "live_app.hpp"
-#include "viewer/desk/array_status.hpp"
+#include "viewer/panel_data/array_status.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
 
 namespace palpa::viewer {
 namespace {
 
-Desk running_with(const std::string& link) {
-  Desk desk;
-  desk.live = true;
-  desk.live_state = LiveState::running;
-  desk.edit = LiveEdit({{"--link", {link}}});
-  return desk;
+Content running_with(const std::string& link) {
+  Content content;
+  content.live = true;
+  content.run.state = LiveState::running;
+  content.edit = LiveEdit({{"--link", {link}}});
+  return content;
 }
 
 TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
-  Desk desk = running_with("foci:udp:127.0.0.1:9000");
-  EXPECT_EQ(array_status(desk).word, "SILENT");
-  desk.sounding = true;
-  EXPECT_EQ(array_status(desk).word, "SOUNDING");
-  EXPECT_EQ(array_status(desk).more, "on foci:udp:127.0.0.1:9000");
-  desk.stuck = true;
-  EXPECT_EQ(array_status(desk).word, "SILENT") << "the array was unplugged";
-  EXPECT_EQ(array_status(desk).more, "foci:udp:127.0.0.1:9000 takes no drives");
-  desk.live_state = LiveState::ended;
-  EXPECT_EQ(array_status(desk).word, "OFF") << "whatever sounded last";
-  desk.live_state = LiveState::failed;
-  desk.fault = "heard: broken";
-  EXPECT_EQ(array_status(desk).more, "the run has failed: heard: broken");
-  desk = running_with("null");
-  EXPECT_EQ(array_status(desk).more, "no array");
-  desk.sounding = true;
-  EXPECT_EQ(array_status(desk).more, "no array");
-  EXPECT_EQ(array_status(Desk()).word, "OFF") << "one touch";
+  Content content = running_with("foci:udp:127.0.0.1:9000");
+  EXPECT_EQ(array_status(content).word, "SILENT");
+  content.run.sounding = true;
+  EXPECT_EQ(array_status(content).word, "SOUNDING");
+  EXPECT_EQ(array_status(content).more, "on foci:udp:127.0.0.1:9000");
+  content.run.stuck = true;
+  EXPECT_EQ(array_status(content).word, "SILENT") << "the array was unplugged";
+  EXPECT_EQ(array_status(content).more, "foci:udp:127.0.0.1:9000 takes no drives");
+  content.run.state = LiveState::ended;
+  EXPECT_EQ(array_status(content).word, "OFF") << "whatever sounded last";
+  content.run.state = LiveState::failed;
+  content.run.fault = "heard: broken";
+  EXPECT_EQ(array_status(content).more, "the run has failed: heard: broken");
+  content = running_with("null");
+  EXPECT_EQ(array_status(content).more, "no array");
+  content.run.sounding = true;
+  EXPECT_EQ(array_status(content).more, "no array");
+  EXPECT_EQ(array_status(Content()).word, "OFF") << "one touch";
 }
 
 class StateStrip : public LiveAppWithPanels {
@@ -79,7 +79,7 @@ class StateStrip : public LiveAppWithPanels {
 };
 
 TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->desk().sounding; }));
+  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
   draw();
   expect_uncovered("at first");
   for (const std::string name : {"Run", "Time", "View", "open", "copy"}) {
@@ -89,7 +89,7 @@ TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
     draw();
     expect_uncovered("over " + name);
   }
-  for (const auto& area : {app_->desk().places.start, app_->desk().places.all_off, app_->desk().places.ceiling}) {
+  for (const auto& area : {app_->data().places.start, app_->data().places.all_off, app_->data().places.ceiling}) {
     ASSERT_TRUE(area);
     button(WindowEvent::Kind::move, area->left + 3, area->top + 3);
     draw();
@@ -120,7 +120,7 @@ TEST_F(StateStrip, StaysWithoutPanels) {
   make(options);
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_FALSE(place_of_widget("Run"));
-  EXPECT_TRUE(app_->desk().places.all_off);
+  EXPECT_TRUE(app_->data().places.all_off);
   expect_uncovered("without panels from the start");
   key(Key::tab);
   EXPECT_TRUE(place_of_widget("Run"));
@@ -130,7 +130,7 @@ TEST_F(StateStrip, TheCeilingIsThatOfTheRun) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();
   EXPECT_EQ(options().safety.ceiling, 1);
-  const Area slider = app_->desk().places.ceiling.value_or(Area());
+  const Area slider = app_->data().places.ceiling.value_or(Area());
   const double middle = (slider.left + slider.right) / 2, y = (slider.top + slider.bottom) / 2;
   button(WindowEvent::Kind::move, slider.right - 4, y);
   draw();

@@ -13,8 +13,8 @@ namespace {
 
 std::vector<shader::ViewStroke> chart(const Picture& picture, double width = 1280, double height = 800) {
   std::vector<shader::ViewStroke> strokes;
-  Ink ink(1, light_theme().background, strokes);
-  draw_chart(ink, picture, width, height, light_theme());
+  Ink ink(1, theme_of(false).background, strokes);
+  draw_chart(ink, picture, width, height, theme_of(false));
   return strokes;
 }
 

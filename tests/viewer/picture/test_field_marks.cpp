@@ -117,11 +117,11 @@ TEST_F(ViewerField, ASliceIsTheFieldWhereItIs) {
   picture.skin_points.emplace_back(-0.02f, -0.01f, -0.01f);
   ViewState state = test::bare_view();
   const Pixels without = draw(picture, state);
-  EXPECT_GT(distance(at(without, {-0.02, -0.01, -0.01}), light_theme().background), 10);
+  EXPECT_GT(distance(at(without, {-0.02, -0.01, -0.01}), theme_of(false).background), 10);
   state.layers[Layer::slice].visible = true;
   const Pixels with = draw(picture, state);
   EXPECT_LE(distance(at(with, points[loudest]), drawing::map_colour(peak / most)), 12);
-  EXPECT_GT(distance(at(with, {-0.02, -0.01, -0.01}), light_theme().skin_point), 40);
+  EXPECT_GT(distance(at(with, {-0.02, -0.01, -0.01}), theme_of(false).skin_point), 40);
 }
 
 TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {

@@ -112,7 +112,7 @@ TEST_F(ViewerLayers, PartsAreTakenApartFromTheirSolidsMiddle) {
   EXPECT_EQ(ways[1], Vec3(0.02, 0, 0));
   EXPECT_EQ(ways[2], Vec3(0));
   ViewState state = test::bare_view();
-  const Colour paper = light_theme().background;
+  const Colour paper = theme_of(false).background;
   const Pixels together = draw(picture, state);
   EXPECT_GT(distance(at(together, {0.006, 0.004, 0.01}), paper), 20);
   EXPECT_LE(distance(at(together, {0.03, 0.004, 0.01}), paper), 1);
@@ -131,7 +131,7 @@ TEST_F(ViewerLayers, ASectionIsAnEllipseInItsFingersColour) {
   picture.fingers[1].section =
       SectionMark{{0, 0, 0}, {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}, {0.02f, 0.01f}};
   ViewState state = test::bare_view();
-  const Colour paper = light_theme().background;
+  const Colour paper = theme_of(false).background;
   EXPECT_LE(distance(at(draw(picture, state), {0.012, 0.004, 0}), paper), 1) << "hidden at first";
   state.layers[Layer::sections].visible = true;
   const Pixels pixels = draw(picture, state);
@@ -159,7 +159,7 @@ TEST_F(ViewerLayers, AnImageHasItsPixelsWhereItsCornersAre) {
   EXPECT_LE(distance(at(pixels, {-0.014, 0.014, 0}), red), 2);
   EXPECT_LE(distance(at(pixels, {0.014, 0.014, 0}), green), 2);
   EXPECT_LE(distance(at(pixels, {-0.014, -0.014, 0}), blue), 2);
-  EXPECT_LE(distance(at(pixels, {0.014, -0.014, 0}), mix(light_theme().background, grey, 0.5f)), 3);
+  EXPECT_LE(distance(at(pixels, {0.014, -0.014, 0}), mix(theme_of(false).background, grey, 0.5f)), 3);
   EXPECT_LE(distance(at(pixels, {0, 0.014, 0}), mix(red, green, 0.5f)), 8) << "halfway between two pixels";
 }
 

@@ -53,10 +53,10 @@ std::size_t count_not(const Pixels& pixels, const Colour& colour) {
 
 TEST_F(Renderer, AnEmptySceneIsBackground) {
   Picture picture;
-  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), light_theme().background), 0u);
+  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint()), theme_of(false).background), 0u);
   ViewState dark = test::bare_view();
   dark.dark = true;
-  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint(), width, height, dark), dark_theme().background), 0u);
+  EXPECT_EQ(count_not(draw(picture, test::front_viewpoint(), width, height, dark), theme_of(true).background), 0u);
 }
 
 TEST_F(Renderer, PieceByPieceThePictureIsTheSame) {
@@ -79,7 +79,7 @@ TEST_F(Renderer, ACubeIsWhereItShouldBeAndTranslucent) {
   const Viewpoint viewpoint = test::front_viewpoint();
   const Pixels pixels = draw(test::cube_picture(), viewpoint);
   // The back face, then the front face, each the solid's colour under the light of mesh.frag, over the background.
-  const Theme& theme = light_theme();
+  const Theme& theme = theme_of(false);
   const float light = 0.62f + 0.26f + 0.16f * 0.5f;
   const Colour lit{theme.solid.r * light, theme.solid.g * light, theme.solid.b * light, 1};
   const Colour expected = mix(mix(theme.background, lit, theme.solid.a), lit, theme.solid.a);
@@ -147,8 +147,8 @@ TEST_F(Renderer, ContactsHaveTheirFingersColour) {
   for (std::uint32_t f = 0; f < 4; ++f) {
     EXPECT_LE(distance(at(pixels, viewpoint, Vec3(picture.contacts[f].position)), finger_colour(f)), 12) << f;
   }
-  EXPECT_LE(distance(at(pixels, viewpoint, {0, -0.01, 0}), light_theme().loose_contact), 12);
-  EXPECT_LE(distance(at(pixels, viewpoint, {0.01, -0.01, 0}), light_theme().skin_point), 30);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0, -0.01, 0}), theme_of(false).loose_contact), 12);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.01, -0.01, 0}), theme_of(false).skin_point), 30);
 }
 
 TEST_F(Renderer, AContactInsideASolidShowsThroughItAndOneBehindItToo) {
@@ -204,10 +204,10 @@ TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
   const Pixels pixels = draw(picture, viewpoint);
   EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0, 0}), drive_colour(1.0f, 0.5f)), 2);
   EXPECT_LE(distance(at(pixels, viewpoint, {0, 0, 0}), drive_colour(0.3f, -2.0f)), 2);
-  EXPECT_LE(distance(at(pixels, viewpoint, {0.02, 0, 0}), light_theme().background), 1);
+  EXPECT_LE(distance(at(pixels, viewpoint, {0.02, 0, 0}), theme_of(false).background), 1);
   // As large as the transducer: 4.2 mm.
   EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0.0036, 0}), drive_colour(1.0f, 0.5f)), 2);
-  EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0.0052, 0}), light_theme().background), 1);
+  EXPECT_LE(distance(at(pixels, viewpoint, {-0.02, 0.0052, 0}), theme_of(false).background), 1);
 }
 
 TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
@@ -218,7 +218,7 @@ TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
   const int change = std::abs(at(with, viewpoint, {0, 0.001, 0.03})[2] - at(without, viewpoint, {0, 0.001, 0.03})[2]);
   EXPECT_GT(change, 3);
   EXPECT_LT(change, 60);
-  EXPECT_GT(distance(at(with, viewpoint, {0, 0.027, 0.03}), light_theme().background), 5);  // above the cube
+  EXPECT_GT(distance(at(with, viewpoint, {0, 0.027, 0.03}), theme_of(false).background), 5);  // above the cube
 }
 
 TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
@@ -228,7 +228,7 @@ TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {
   const Pixels first = draw(picture, viewpoint, width, height, {}),
                second = draw(picture, viewpoint, width, height, {});
   EXPECT_EQ(first.rgba, second.rgba);
-  EXPECT_GT(count_not(first, light_theme().background), 3000u);
+  EXPECT_GT(count_not(first, theme_of(false).background), 3000u);
 
   DrawnPicture drawn(test::test_device());
   Offscreen offscreen(test::test_device(), width, height);
@@ -305,7 +305,7 @@ TEST_F(Renderer, AQuickPictureHasOfVeryManyPointsEachSoManyth) {
     drawn.update(picture, test::bare_view());
     Offscreen offscreen(test::test_device(), 1280, 1280, 1, fineness);
     offscreen.draw(drawn, viewpoint);
-    return static_cast<double>(count_not(offscreen.pixels(), light_theme().background));
+    return static_cast<double>(count_not(offscreen.pixels(), theme_of(false).background));
   };
   EXPECT_NEAR(drawn_of(120, Fineness::quick) / drawn_of(120, Fineness::fine), 1, 0.1);
   EXPECT_LT(drawn_of(240, Fineness::quick), 0.7 * drawn_of(240, Fineness::fine)) << "57,600, of which each second";
@@ -317,7 +317,7 @@ TEST_F(Renderer, TheLegendCountsSkinThatIsTooFarAwayToBeDrawn) {
   const Pixels without = draw(picture, viewpoint, width, height, {});
   picture.skin_count = 61'396;
   const Pixels with = draw(picture, viewpoint, width, height, {});
-  EXPECT_GT(count_not(with, light_theme().background), count_not(without, light_theme().background) + 100);
+  EXPECT_GT(count_not(with, theme_of(false).background), count_not(without, theme_of(false).background) + 100);
 }
 
 TEST_F(Renderer, ASettledSceneAllocatesNothing) {
@@ -376,7 +376,7 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
   // The close-up shows the cube's middle all over: no background inside its border.
   for (std::uint32_t v = 4; v + 4 < area.extent.height; v += 7) {
     for (std::uint32_t u = 4; u + 4 < area.extent.width; u += 7) {
-      ASSERT_GT(distance(both.at(x + u, y + v), light_theme().background), 20) << u << " " << v;
+      ASSERT_GT(distance(both.at(x + u, y + v), theme_of(false).background), 20) << u << " " << v;
     }
   }
 }
@@ -428,7 +428,7 @@ TEST_F(Renderer, HugeAndBrokenCoordinatesDoNotHang) {
   picture.fingers.resize(1);
   picture.fingers[0].foci = {{{inf, 0, 0}, 1, true}, {{nan, 0, 0}, 2, true}, {{0, 0, 0}, 3, true}};
   const Pixels pixels = draw(picture, test::front_viewpoint(), width, height, {});
-  EXPECT_LT(distance(at(pixels, test::front_viewpoint(), {0.0185, 0.0185, 0.02}), light_theme().solid), 120);
+  EXPECT_LT(distance(at(pixels, test::front_viewpoint(), {0.0185, 0.0185, 0.02}), theme_of(false).solid), 120);
   picture.solids.clear();  // now the floor lies under the points
   EXPECT_EQ(draw(picture, test::front_viewpoint(), width, height, {}).width, width);
 }

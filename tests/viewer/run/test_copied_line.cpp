@@ -53,12 +53,12 @@ void expect_same_picture(const std::vector<std::string>& line) {
   const ViewerOptions options = options_of(given);
   std::atomic<bool> stop{false};
   std::string text;
-  Surroundings around;
-  around.stop = &stop;
-  around.panels = false;
-  around.copy = [&](const std::string& copy) { text = copy; };
+  AppHost host;
+  host.stop = &stop;
+  host.panels = false;
+  host.copy = [&](const std::string& copy) { text = copy; };
   const Size size{320, 200};
-  App app(options, size, std::move(around));
+  App app(options, size, std::move(host));
   const auto event = [&](WindowEvent::Kind kind, double x, double y, Key key = Key::other) {
     WindowEvent e;
     e.kind = kind;

@@ -1,7 +1,7 @@
 // Two windows on one monitor.
 #include <gtest/gtest.h>
 
-#include "viewer/options/side_by_side.hpp"
+#include "viewer/options/monitors.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "setup/option_table.hpp"
 
@@ -38,5 +36,9 @@ std::string label_of(const OptionWords& words);
 std::string shown_default(const setup::OptionInfo& info);
 /// The typed text as the option's value: a bare number gets the unit of the label.
 std::string with_unit(const std::string& text, const OptionWords& words);
+
+/// What a word means that an option can be set to, as one part of a sentence: "one focus in the middle of the contacts,
+/// modulated". Empty for a word that needs no explanation.
+std::string meaning_of(const std::string& option, const std::string& word);
 
 }  // namespace palpa::viewer

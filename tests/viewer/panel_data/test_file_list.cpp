@@ -6,7 +6,7 @@
 
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
-#include "viewer/desk/file_list.hpp"
+#include "viewer/panel_data/file_list.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -61,7 +61,7 @@ TEST(FileList, ARecordingIsNoFolderToEnter) {
 }
 
 TEST(FileList, UsualFoldersExistAndAreDifferent) {
-  const std::vector<NamedFolder> folders = usual_folders(std::filesystem::current_path().string());
+  const std::vector<NamedFolder> folders = starting_folders(std::filesystem::current_path().string());
   ASSERT_FALSE(folders.empty());
   EXPECT_EQ(folders.front().folder, std::filesystem::current_path().string());
   for (const NamedFolder& place : folders) {

@@ -1,11 +1,18 @@
-// Where two windows are on one monitor, so that neither covers the other.
+// Which monitor --monitor names, and where two windows are on one.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "viewer/options/settings.hpp"
 
 namespace palpa::viewer {
+
+/// The index of the monitor `wanted`: its number from 1, its name with or without its size, or "" for the last. `names`
+/// are "NAME WxH". 0 without monitors. Throws bad_usage, which lists the monitors, for another name.
+std::size_t chosen_monitor(const std::vector<std::string>& names, const std::string& wanted);
 
 struct TwoPlaces {
   WindowPlace left, right;

@@ -1,4 +1,4 @@
-#include "viewer/desk/file_list.hpp"
+#include "viewer/panel_data/file_list.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -52,7 +52,7 @@ bool is_recording(const std::string& folder) {
   return fs::is_regular_file(fs::path(folder) / "recording.toml", ignored);
 }
 
-std::vector<NamedFolder> usual_folders(const std::string& own) {
+std::vector<NamedFolder> starting_folders(const std::string& own) {
   const char* const home = std::getenv("HOME");
   std::vector<NamedFolder> folders;
   for (const NamedFolder& entry :

@@ -41,7 +41,7 @@ bool is_recording(const std::string& folder);
 struct NamedFolder {
   std::string name, folder;
 };
-std::vector<NamedFolder> usual_folders(const std::string& own);
+std::vector<NamedFolder> starting_folders(const std::string& own);
 /// The folder above.
 std::string folder_above(const std::string& folder);
 /// Whether the name is that of a folder, but a file is to be chosen.

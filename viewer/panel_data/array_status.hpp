@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "viewer/desk/desk.hpp"
+#include "viewer/panel_data/content.hpp"
 
 namespace palpa::viewer {
 
@@ -18,6 +18,6 @@ struct ArrayStatus {
   std::string word;  ///< OFF, SILENT or SOUNDING
   std::string more;  ///< the link, or why it is off
 };
-ArrayStatus array_status(const Desk& desk);
+ArrayStatus array_status(const Content& content);
 
 }  // namespace palpa::viewer

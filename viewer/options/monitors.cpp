@@ -1,7 +1,9 @@
-#include "viewer/options/side_by_side.hpp"
+#include "viewer/options/monitors.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "base/error.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -24,6 +26,18 @@ bool inside(const WindowPlace& area, const WindowPlace& place) {
 }
 
 }  // namespace
+
+std::size_t chosen_monitor(const std::vector<std::string>& names, const std::string& wanted) {
+  if (wanted.empty()) return names.empty() ? 0 : names.size() - 1;
+  std::string all;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string number = std::to_string(i + 1), &name = names[i];
+    if (wanted == number || wanted == name || wanted == name.substr(0, name.rfind(' '))) return i;
+    if (i > 0) all += ", ";
+    all.append(number).append(" (").append(name).append(")");
+  }
+  throw bad_usage("--monitor: unknown monitor '" + wanted + "'; give one of " + all);
+}
 
 std::optional<TwoPlaces> side_by_side(const WindowPlace& area, const WindowPlace& panel, const WindowPlace& picture,
                                       bool sized) {

@@ -4,9 +4,8 @@
 #include <cctype>
 #include <set>
 
-#include "viewer/desk/option_words.hpp"
-#include "viewer/desk/word_meanings.hpp"
 #include "viewer/live/live_line.hpp"
+#include "viewer/panel_data/option_words.hpp"
 
 namespace palpa::viewer {
 namespace {

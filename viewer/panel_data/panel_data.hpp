@@ -1,35 +1,24 @@
-// The viewer's desk: everything that its panels show, change and ask for, as plain values. The application fills the
-// first part before each picture. The panels change the second part. The application does what the third part asks for.
+// Everything that the panels show, change and ask for, as plain values. The application fills the first part before
+// each picture. The panels change the second part. The application does what the third part asks for.
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
-#include "base/log.hpp"
 #include "setup/places.hpp"
-#include "viewer/desk/file_list.hpp"
-#include "viewer/hands/gizmo.hpp"
-#include "viewer/live/live_edit.hpp"
-#include "viewer/live/live_session.hpp"
-#include "viewer/live/recording_player.hpp"
+#include "viewer/hands/placing.hpp"
+#include "viewer/panel_data/content.hpp"
+#include "viewer/panel_data/file_list.hpp"
+#include "viewer/panel_data/messages.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
 #include "viewer/view/view_state.hpp"
 
 namespace palpa::viewer {
-
-/// A line that is shown for a while, whatever else is open.
-struct Toast {
-  std::string text;
-  log::Level level = log::Level::info;
-  double until_s = 0;   ///< on the application's clock
-  std::string about{};  ///< what it is about; it goes when this is in order again
-};
 
 /// A file that is offered by name.
 struct NamedFile {
@@ -55,56 +44,23 @@ struct Area {
   bool holds(double x, double y) const { return x >= left && x < right && y >= top && y < bottom; }
 };
 
-/// The text in an option's field, see LiveEdit::set.
-struct OptionText {
-  std::string option;
-  std::optional<std::string> text;  ///< nullopt: the default
-};
-
-struct Desk {
+struct PanelData {
   // ---- shown -------------------------------------------------------------------------------------------------------
   const Picture* picture = nullptr;
-  bool empty = false;  ///< nothing is open
-  bool live = false;
-  bool can_start = false;  ///< a run could begin
-  LiveState live_state = LiveState::loading;
-  std::string fault;  ///< why the run has failed
-  bool sounding = false, stuck = false, link_open = false;
-  std::uint64_t drives = 0, silent_drives = 0;
-  std::string doing;           ///< while something is loaded
-  std::optional<double> done;  ///< the progress of that, 0..1, if it is known
-  bool opening = false;        ///< a scene is being loaded in the background
-  std::string recording;       ///< the folder that frames are written to
-  std::uint64_t recorded = 0;  ///< frames written to it
-  std::string made;            ///< the folder of the newest recording that is complete
-  std::string before;          ///< the source before a recording was opened; empty: there was no other
-  LiveNumbers numbers;
-  std::optional<Playback> playback;
+  Content content;
+  Messages messages;
   double picture_ms = 0;  ///< to draw the last picture
-  std::deque<log::Line> log;
-  std::deque<Toast> toasts;
   std::optional<Reading> reading;
   std::vector<Depth> depths;                 ///< of the fingers of a live run
   std::vector<FlatMark> marks;               ///< over the picture
   std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
-  LiveEdit edit;                             ///< the options of the run; for a touch, those that a run of it would have
   std::vector<NamedFile> objects, rigs;      ///< palpa's own
   std::vector<std::string> layouts;          ///< built-in
-  std::vector<std::string> recent;           ///< files that were opened, the newest first
 
   // ---- changed -----------------------------------------------------------------------------------------------------
   ViewState state;
-  /// What is moved by hand.
-  struct Placed {
-    std::vector<std::string> things;                   ///< shown: solids, then the finger that is held
-    std::optional<Vec3> tip;                           ///< shown: of the finger that is held, world
-    bool moved = false;                                ///< shown: a solid is elsewhere than in its scene
-    bool can_undo = false;                             ///< shown: there is a move to undo
-    std::optional<std::size_t> chosen;                 ///< the thing that has handles
-    bool follows = true;                               ///< the finger goes where the pointer goes
-    std::string file = "moved.glb";                    ///< to save to
-    bool undo = false, restore = false, save = false;  ///< asked for
-  } placed;
+  Placing* placing = nullptr;            ///< what is moved by hand in a live run
+  std::string moved_file = "moved.glb";  ///< to save it to
   /// What the participant's window shows, and where.
   struct ParticipantWindowState {
     bool open = false;                   ///< shown
@@ -134,6 +90,7 @@ struct Desk {
     std::optional<std::uint64_t> go_to;  ///< go to this frame of the recording
     bool cancel = false;                 ///< cancel what is being opened
     bool record = false;                 ///< begin or end recording
+    bool save_scene = false;             ///< save what was moved
     std::optional<bool> participant;     ///< open or close the participant's window
     int step = 0;                        ///< frames of the recording
     int slots = 0;                       ///< slots of the schedule to go on by

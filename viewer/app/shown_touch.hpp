@@ -16,10 +16,10 @@
 
 namespace palpa::viewer {
 
-class Show {
+class ShownTouch {
  public:
   /// Reads the files and finds contacts, fingers and foci. Throws as the engine does.
-  explicit Show(const ViewerOptions& options);
+  explicit ShownTouch(const ViewerOptions& options);
 
   const Picture& picture() const { return picture_; }
   Picture& picture() { return picture_; }

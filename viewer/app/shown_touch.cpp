@@ -1,4 +1,4 @@
-#include "viewer/app/show.hpp"
+#include "viewer/app/shown_touch.hpp"
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -18,22 +18,19 @@
 namespace palpa::viewer {
 namespace {
 
-/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
-constexpr double skin_reach = 0.12;
-
 std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
   if (input.cameras.empty()) return input.points;
   Box box;
   for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(skin_reach));
-    box.add(solid.bounds.high + Vec3(skin_reach));
+    box.add(solid.bounds.low - Vec3(shown_skin_m));
+    box.add(solid.bounds.high + Vec3(shown_skin_m));
   }
   return sensing::find_skin(input.cameras, input.frames, box);
 }
 
 }  // namespace
 
-Show::Show(const ViewerOptions& options)
+ShownTouch::ShownTouch(const ViewerOptions& options)
     : layout_(std::make_shared<const array::Layout>()),
       air_(setup::air(options.drive.medium, {})),
       spot_m_(options.touch.spot_m),
@@ -48,7 +45,7 @@ Show::Show(const ViewerOptions& options)
   go_to(options.slot);
 }
 
-void Show::load_objects(const ViewerOptions& options) {
+void ShownTouch::load_objects(const ViewerOptions& options) {
   std::vector<geometry::Solid> solids =
       setup::load_solids(options.input.scene, options.input.gltf_scene, options.input.solids);
   show_solids(picture_, solids);
@@ -76,7 +73,7 @@ void Show::load_objects(const ViewerOptions& options) {
   if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(one.session));
 }
 
-void Show::load_skin_surface(const ViewerOptions& options) {
+void ShownTouch::load_skin_surface(const ViewerOptions& options) {
   const geometry::Ply ply = geometry::read_ply(options.skin);
   if (ply.triangles.empty())
     throw bad_input(options.skin, "has no faces; --skin needs a mesh, --points takes points without faces");
@@ -94,7 +91,7 @@ void Show::load_skin_surface(const ViewerOptions& options) {
   picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
 }
 
-void Show::load_array(const ViewerOptions& options) {
+void ShownTouch::load_array(const ViewerOptions& options) {
   std::string name = options.layout;
   std::optional<Transform> pose;
   if (name.empty() && !options.input.rig.empty()) {
@@ -112,11 +109,11 @@ void Show::load_array(const ViewerOptions& options) {
   show_array(picture_, *layout_);
 }
 
-void Show::show_field(FieldSlice& field, const SliceState& slice) {
+void ShownTouch::show_field(FieldSlice& field, const SliceState& slice) {
   if (!drive_.empty()) field.show(picture_, slice, drive_);
 }
 
-Sounding Show::sounding() const {
+Sounding ShownTouch::sounding() const {
   Sounding now;
   if (!layout_->transducers.empty()) now.layout = layout_;
   now.drive = drive_options_;
@@ -129,12 +126,12 @@ Sounding Show::sounding() const {
   return now;
 }
 
-bool Show::changes() const {
+bool ShownTouch::changes() const {
   return std::any_of(picture_.fingers.begin(), picture_.fingers.end(),
                      [](const FingerMarks& finger) { return finger.foci.size() > 1; });
 }
 
-void Show::go_to(std::uint64_t slot) {
+void ShownTouch::go_to(std::uint64_t slot) {
   if (schedule_.voice_count == 0) return;
   show_slot(picture_, schedule_, slot);
   if (picture_.transducers.empty()) return;

@@ -1,0 +1,32 @@
+#include "viewer/panel_data/array_status.hpp"
+
+namespace palpa::viewer {
+namespace {
+
+std::string why_off(const Content& content) {
+  if (content.empty) return "nothing is open";
+  if (!content.live) return "one touch, nothing is sent";
+  switch (content.run.state) {
+    case LiveState::loading:
+      return "the run is loading";
+    case LiveState::failed:
+      return "the run has failed" + (content.run.fault.empty() ? "" : ": " + content.run.fault);
+    case LiveState::ended:
+    case LiveState::running:
+      break;
+  }
+  return "Start begins a run";
+}
+
+}  // namespace
+
+ArrayStatus array_status(const Content& content) {
+  if (!content.live || content.run.state != LiveState::running) return {ArrayState::off, "OFF", why_off(content)};
+  const std::string& link = content.edit.options().link;
+  const bool none = link == "null";
+  if (content.run.stuck) return {ArrayState::silent, "SILENT", link + " takes no drives"};
+  if (!content.run.sounding) return {ArrayState::silent, "SILENT", none ? "no array" : link};
+  return {ArrayState::sounding, "SOUNDING", none ? "no array" : "on " + link};
+}
+
+}  // namespace palpa::viewer
