@@ -32,7 +32,7 @@ class Gltf : public ::testing::Test {
   static std::string fault_of(const GltfBuilder& builder) {
     return test::error_of([&] { load(builder); });
   }
-  // What is said of a file that has one mesh all the same.
+  // The warnings about a file that has one mesh all the same.
   static std::string warning_of(const GltfBuilder& builder) {
     return test::stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), 1U); });
   }
