@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -78,45 +79,35 @@ std::uint64_t size_of(Component component) {
 
 void DataReader::check_role(const Item& accessor, Role role, const std::string& type, Component component) const {
   using enum Component;
-  const bool whole = component == u8 || component == u16;
-  const bool small = whole || component == i8 || component == i16;
+  const auto require = [&](const char* right_type, std::initializer_list<Component> right, const char* fault) {
+    if (type != right_type || std::find(right.begin(), right.end(), component) == right.end()) accessor.fail(fault);
+  };
   switch (role) {
     case Role::unused:
       return;
     case Role::position:
     case Role::displacement:
       if (type != "VEC3") accessor.fail(fmt::format("holds positions as {}; they must be VEC3", text::quoted(type)));
-      if (component == f32 || (small && quantized_)) return;
+      if (component == f32 || (quantized_ && component != u32)) return;
       accessor.fail(
           fmt::format("holds positions of component type {}; they are 32-bit floats (5126) or, where "
                       "\"extensionsUsed\" has KHR_mesh_quantization, integers of 8 or 16 bits (5120 to 5123)",
                       static_cast<int>(component)));
     case Role::indices:
-      if (type != "SCALAR" || !(whole || component == u32)) {
-        accessor.fail("holds indices that are not scalar unsigned integers of 8, 16 or 32 bits (5121, 5123, 5125)");
-      }
-      return;
+      return require("SCALAR", {u8, u16, u32},
+                     "holds indices that are not scalar unsigned integers of 8, 16 or 32 bits (5121, 5123, 5125)");
     case Role::joints:
-      if (type != "VEC4" || !whole) accessor.fail("holds joints that are not VEC4 of 8 or 16 bits (5121, 5123)");
-      return;
+      return require("VEC4", {u8, u16}, "holds joints that are not VEC4 of 8 or 16 bits (5121, 5123)");
     case Role::weights:
-      if (type != "VEC4" || !(component == f32 || whole)) {
-        accessor.fail("holds weights that are not VEC4 of floats or of 8 or 16 bits (5126, 5121, 5123)");
-      }
-      return;
+      return require("VEC4", {f32, u8, u16},
+                     "holds weights that are not VEC4 of floats or of 8 or 16 bits (5126, 5121, 5123)");
     case Role::bind_matrices:
-      if (type != "MAT4" || component != f32)
-        accessor.fail("holds inverse bind matrices that are not MAT4 of floats (5126)");
-      return;
+      return require("MAT4", {f32}, "holds inverse bind matrices that are not MAT4 of floats (5126)");
     case Role::place:
-      if (type != "VEC3" || component != f32)
-        accessor.fail("holds translations or scales of instances that are not VEC3 of floats (5126)");
-      return;
+      return require("VEC3", {f32}, "holds translations or scales of instances that are not VEC3 of floats (5126)");
     case Role::rotation:
-      if (type != "VEC4" || !(component == f32 || component == i8 || component == i16))
-        accessor.fail(
-            "holds rotations of instances that are not VEC4 of floats, or of 8 or 16 bits (5126, 5120, 5122)");
-      return;
+      return require("VEC4", {f32, i8, i16},
+                     "holds rotations of instances that are not VEC4 of floats, or of 8 or 16 bits (5126, 5120, 5122)");
   }
 }
 
