@@ -290,6 +290,27 @@ TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
   EXPECT_CONTAINS(fault_of(base), "more than 2000000 triangles or 6000000 vertices");
 }
 
+// The numbers of triangles and of vertices, times that of the instances, are multiples of 2^64.
+TEST(BadGltf, CountsThatWrapAroundAreBombsToo) {
+  GltfBuilder builder;
+  const Json sparse{{"count", 1},
+                    {"indices", {{"bufferView", builder.add_view({0})}, {"componentType", 5121}}},
+                    {"values", {{"bufferView", builder.add_view(std::vector<unsigned char>(12, 0))}}}};
+  const auto zeros = [](std::uint64_t count) {
+    return Json{{"componentType", 5126}, {"count", count}, {"type", "VEC3"}};
+  };
+  builder.doc["accessors"] = {zeros((1U << 25) + 2), zeros((std::uint64_t{1} << 32) - 256), zeros(1U << 24)};
+  builder.doc["accessors"][0]["sparse"] = builder.doc["accessors"][1]["sparse"] = sparse;
+  const Json strip{{"attributes", {{"POSITION", 0}}}, {"mode", 5}};
+  const Json corner{{"attributes", {{"POSITION", 1}}}, {"indices", builder.add_indices({0})}};
+  Json::array_t primitives(1 << 15, strip);
+  primitives.insert(primitives.end(), 256, corner);
+  builder.doc["meshes"] = {{{"primitives", primitives}}};
+  builder.add_node(
+      {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 2}}}}}}}});
+  EXPECT_CONTAINS(fault_of(builder), "more than 2000000 triangles or 6000000 vertices");
+}
+
 TEST(BadGltf, PeakMemoryStaysBelowAGigabyte) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -16,6 +16,7 @@
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -265,6 +266,20 @@ TEST_F(GltfSkin, SparseWeightsAndBindMatricesBeginWithZeros) {
     keep_only(builder, a, all, view);
   }
   EXPECT_EQ(load(builder).meshes.at(0).mesh.positions, whole.positions);
+}
+
+TEST_F(GltfSkin, ManyMayShareMatricesThatNoJointNeeds) {
+  keep_only(builder, 4, {0, 1}, builder.doc["accessors"][4]["bufferView"]);
+  builder.doc["accessors"][4]["count"] = 4'000'000;
+  for (int i = 1; i < 100; ++i) {
+    builder.doc["skins"].push_back(Json(builder.doc["skins"][0]));
+    builder.add_node({{"mesh", 0}, {"skin", i}});
+  }
+  [[maybe_unused]] const double start = test::processor_s();
+  EXPECT_EQ(load(builder).meshes.size(), 100U);
+#ifdef NDEBUG
+  EXPECT_LT(test::processor_s() - start, test::slowest);
+#endif
 }
 
 TEST_F(GltfSkin, WithoutBindMatricesJointsAreTheWorld) {

@@ -180,14 +180,15 @@ class SceneReader {
 
   // Adds `instances` of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
   bool count(const gltf::MeshSource& mesh, std::size_t instances) {
-    std::size_t triangles = 0, vertices = 0;
+    bool any = false;
     for (const gltf::Primitive& primitive : mesh.primitives) {
-      triangles += gltf::triangle_count(primitive.mode, primitive.corners);
-      vertices += primitive.vertices;
+      const std::size_t triangles = gltf::triangle_count(primitive.mode, primitive.corners);
+      any = any || triangles > 0;
+      // Both factors are below 2^32, and both sums are checked each time, so nothing overflows.
+      triangles_ += triangles * instances;
+      count_vertices(primitive.vertices * instances);
     }
-    triangles_ += triangles * instances;
-    count_vertices(vertices * instances);
-    return triangles > 0;
+    return any;
   }
 
   void count_vertices(std::size_t vertices) {
@@ -223,7 +224,8 @@ class SceneReader {
     const gltf::Skin& skin = document_.skins[s];
     log::debug(fmt::format("{}: skin {} of {} joints", scene_.file, s, skin.joints.size()));
     std::vector<double> inverse;
-    if (skin.inverse_bind_matrices) inverse = values_.numbers(*skin.inverse_bind_matrices);
+    // A file may have many skins that share many matrices.
+    if (skin.inverse_bind_matrices) inverse = values_.numbers(*skin.inverse_bind_matrices, skin.joints.size());
     Bones bones;
     bones.T_world_bind.reserve(skin.joints.size());
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {

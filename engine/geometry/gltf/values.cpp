@@ -56,15 +56,16 @@ std::span<const unsigned char> Values::bytes(const View& view) const {
 }
 
 template <typename T>
-std::vector<T> Values::read(std::uint32_t accessor) const {
+std::vector<T> Values::read(std::uint32_t accessor, std::size_t most) const {
   const Accessor& a = document_.accessors[accessor];
-  std::vector<T> values(a.count * a.width);
+  const std::size_t count = std::min<std::size_t>(a.count, most);
+  std::vector<T> values(count * a.width);
   const auto copy = [&](const unsigned char* element, std::size_t target) {
     for (std::size_t i = 0; i < a.width; ++i)
       values[target * a.width + i] = number_at<T>(element, a.component, i);
   };
   const unsigned char* element = a.data ? bytes(*a.data).data() : nullptr;
-  for (std::size_t i = 0; a.data && i < a.count; ++i)
+  for (std::size_t i = 0; a.data && i < count; ++i)
     copy(element + i * a.data->stride, i);
   if (!a.sparse) return values;
   const Sparse& sparse = *a.sparse;
@@ -75,14 +76,15 @@ std::vector<T> Values::read(std::uint32_t accessor) const {
     const auto index = number_at<std::uint32_t>(at + i * sparse.indices.stride, sparse.component, 0);
     if (index < least || index >= a.count)
       fail(accessor, fmt::format("the sparse index {} is out of range or not larger than the one before", index));
+    if (index >= count) break;
     copy(element + i * sparse.values.stride, index);
     least = std::uint64_t{index} + 1;
   }
   return values;
 }
 
-std::vector<double> Values::numbers(std::uint32_t accessor) const {
-  std::vector<double> values = read<double>(accessor);
+std::vector<double> Values::numbers(std::uint32_t accessor, std::size_t most) const {
+  std::vector<double> values = read<double>(accessor, most);
   const Accessor& a = document_.accessors[accessor];
   if (a.normalized) {
     for (double& value : values)
@@ -92,7 +94,7 @@ std::vector<double> Values::numbers(std::uint32_t accessor) const {
 }
 
 std::vector<std::uint32_t> Values::indices(std::uint32_t accessor, std::size_t vertices) const {
-  std::vector<std::uint32_t> values = read<std::uint32_t>(accessor);
+  std::vector<std::uint32_t> values = read<std::uint32_t>(accessor, any_count);
   const std::uint64_t restart = (std::uint64_t{1} << (8 * size_of(document_.accessors[accessor].component))) - 1;
   const auto wrong = std::find_if(values.begin(), values.end(), [&](std::uint32_t v) { return v >= vertices; });
   if (wrong == values.end()) return values;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,17 +22,18 @@ class Values {
   /// Loads the document's buffers. All arguments must outlive it. Throws bad_input as load_buffers().
   Values(const InputFile& file, const std::optional<BinChunk>& bin, const Document& document);
 
-  /// The accessor's `width` numbers per element, one element after the other. Floats are unchanged; integers go through
-  /// normalized_value() if the accessor is normalized.
-  std::vector<double> numbers(std::uint32_t accessor) const;
+  /// The accessor's `width` numbers per element, one element after the other, of at most `most` elements. Floats are
+  /// unchanged; integers go through normalized_value() if the accessor is normalized.
+  std::vector<double> numbers(std::uint32_t accessor, std::size_t most = any_count) const;
   /// The index list of a primitive with `vertices` vertices.
   std::vector<std::uint32_t> indices(std::uint32_t accessor, std::size_t vertices) const;
   std::span<const unsigned char> bytes(const View& view) const;
 
  private:
+  static constexpr std::size_t any_count = std::numeric_limits<std::size_t>::max();
   [[noreturn]] void fail(std::uint32_t accessor, const std::string& fault) const;
   template <typename T>
-  std::vector<T> read(std::uint32_t accessor) const;
+  std::vector<T> read(std::uint32_t accessor, std::size_t most) const;
 
   const std::string& file_;
   const Document& document_;
