@@ -153,8 +153,7 @@ class SceneReader {
     const std::pair key(*node.mesh, node.skin);
     auto known = meshes_.find(key);
     if (known == meshes_.end()) {
-      Shared shared{build(*node.mesh, document_.meshes[*node.mesh].weights, T_world_bind),
-                    static_cast<std::uint32_t>(meshes_.size())};
+      Shared shared{build(*node.mesh, {}, T_world_bind), static_cast<std::uint32_t>(meshes_.size())};
       known = meshes_.emplace(key, std::move(shared)).first;
     }
     out.mesh = known->second.mesh;
@@ -237,7 +236,7 @@ class SceneReader {
     return bones_.emplace(s, std::move(bones)).first->second;
   }
 
-  // All primitives together, morphed, and moved by its bones, if any.
+  // All primitives together, morphed by the node's weights (else the mesh's), and moved by its bones, if any.
   Mesh build(std::uint32_t m, const std::vector<double>& weights, const std::vector<Transform>* T_world_bind) {
     Mesh result;
     const std::string where = fmt::format("mesh {}", m);
@@ -245,9 +244,8 @@ class SceneReader {
       const std::optional<Unpacked> unpacked = unpack(where, primitive, T_world_bind != nullptr);
       Mesh piece;
       piece.positions = positions(primitive, unpacked);
-      for (std::size_t t = 0; t < weights.size() && t < primitive.targets.size(); ++t) {
-        if (weights[t] != 0 && primitive.targets[t]) displace(piece.positions, *primitive.targets[t], weights[t]);
-      }
+      for (const auto& by : weights.empty() ? primitive.displacements : gltf::displacements_of(primitive, weights))
+        displace(piece.positions, by);
       if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, unpacked, *T_world_bind);
       piece.triangles = unpacked ? unpacked->mesh->triangles : triangles(where, primitive);
       append(result, piece);
@@ -314,13 +312,13 @@ class SceneReader {
     return gltf::triangles_of(primitive.mode, order);
   }
 
-  void displace(std::vector<Vec3>& positions, std::uint32_t displacements, double weight) {
+  void displace(std::vector<Vec3>& positions, const gltf::Displacement& displacement) {
     displaced_ += positions.size();
     if (displaced_ > most_displaced)
       fail(fmt::format("morph targets move more than {} vertices; palpa reads no more", most_displaced));
-    const std::vector<double> by = values_.numbers(displacements);
+    const std::vector<double> by = values_.numbers(displacement.accessor);
     for (std::size_t v = 0; v < positions.size(); ++v)
-      positions[v] += weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
+      positions[v] += displacement.weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
   }
 
   void put_on_bones(const std::string& where, std::vector<Vec3>& positions, const gltf::Primitive& primitive,

@@ -295,13 +295,15 @@ class DocumentReader {
           "{}: {}: palpa reads the extras of nodes (Blender: the object's custom properties), not those of meshes",
           file_, item.where()));
     }
-    mesh.weights = weights_of(item, targets);
+    const std::vector<double> weights = weights_of(item, targets);
     primitives_ += primitives;
     if (primitives_ > most_items)
       throw bad_input(file_, fmt::format("has more than {} primitives; palpa reads no more", most_items));
     for (std::size_t p = 0; p < primitives; ++p) {
-      if (auto primitive = read_primitive(item.element("primitives", name, p), targets))
-        mesh.primitives.push_back(*std::move(primitive));
+      auto primitive = read_primitive(item.element("primitives", name, p), targets);
+      if (!primitive) continue;
+      primitive->displacements = displacements_of(*primitive, weights);
+      mesh.primitives.push_back(*std::move(primitive));
     }
     return targets;
   }
@@ -420,6 +422,14 @@ class DocumentReader {
 };
 
 }  // namespace
+
+std::vector<Displacement> displacements_of(const Primitive& primitive, const std::vector<double>& weights) {
+  std::vector<Displacement> all;
+  for (std::size_t t = 0; t < weights.size(); ++t) {
+    if (weights[t] != 0 && primitive.targets[t]) all.push_back({*primitive.targets[t], weights[t]});
+  }
+  return all;
+}
 
 Document read_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
   const Parsed parsed(file, container.json);

@@ -62,21 +62,30 @@ struct DracoSource {
   std::map<std::string, std::uint32_t> attributes{};  ///< number in the stream, by the attribute's glTF name
 };
 
+/// The effect of a morph target: an accessor's values, times the weight, are added to the positions.
+struct Displacement {
+  std::uint32_t accessor = 0;
+  double weight = 0;
+};
+
 /// Triangles. Accessors are given by their indices.
 struct Primitive {
   int mode = 4;                                         ///< 4: list, 5: strip, 6: fan
   std::uint64_t vertices = 0, corners = 0;              ///< promised numbers of vertices and of triangle corners
   std::map<std::string, std::uint32_t> attributes{};    ///< POSITION, JOINTS_n and WEIGHTS_n
   std::optional<std::uint32_t> indices{};               ///< never with a stream
-  std::vector<std::optional<std::uint32_t>> targets{};  ///< the displacements of each morph target
+  std::vector<std::optional<std::uint32_t>> targets{};  ///< of each morph target: what it adds to the positions
+  std::vector<Displacement> displacements{};            ///< by the mesh's own weights
   std::optional<DracoSource> stream{};                  ///< with vertices and triangles
 };
 
 struct MeshSource {
   std::string name{};
   std::vector<Primitive> primitives{};
-  std::vector<double> weights{};  ///< of the morph targets; may be empty
 };
+
+/// Those of the morph targets that do not have the weight 0. `weights` may be empty, or has one for each target.
+std::vector<Displacement> displacements_of(const Primitive& primitive, const std::vector<double>& weights);
 
 struct Skin {
   std::vector<std::uint32_t> joints{};  ///< nodes
