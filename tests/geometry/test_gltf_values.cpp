@@ -11,7 +11,6 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/solid.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -71,20 +70,6 @@ TEST(GltfModes, ListsStripsAndFansAsTheSpecificationDrawsThem) {
       EXPECT_EQ(warning.empty(), mode != 4);
     }
   }
-}
-
-TEST(GltfModes, ACubeAsAStripIsASolid) {
-  // The classic strip of 14 corners.
-  const std::vector<Vec3> p{{0, 1, 1}, {1, 1, 1}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {1, 1, 1}, {1, 1, 0},
-                            {0, 1, 1}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-  GltfBuilder builder;
-  builder.add_mesh(builder.add_positions(p), -1, 5);
-  builder.add_node({{"mesh", 0}});
-  std::vector<Solid> solids;
-  test::stderr_of([&] { solids = make_solids(load(builder)); });
-  ASSERT_EQ(solids.size(), 1U);
-  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
-  EXPECT_EQ(solids[0].planes.size(), 6U);
 }
 
 TEST(GltfModes, FewerThanThreeCornersShowNothing) {
