@@ -38,12 +38,14 @@ class Emulation {
   }
   Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
   const std::filesystem::path& folder() const { return folder_; }
-  /// Ends it and returns its report.
-  nlohmann::json end() {
+  /// Ends it and returns its report. It fails if its boards have heard different numbers of frames.
+  nlohmann::json end(int exit_code = 0) {
     run_->signal(SIGTERM);
-    EXPECT_EQ(run_->wait(10).exit_code, 0);
+    const LiveRun::End end = run_->wait(10);
     std::ifstream file(report());
-    return nlohmann::json::parse(file);
+    nlohmann::json heard = nlohmann::json::parse(file);
+    EXPECT_EQ(end.exit_code, exit_code) << heard;
+    return heard;
   }
 
  private:

@@ -85,7 +85,7 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
     EXPECT_CONTAINS(read_text(nudged), "layout = \"openmpd\"");
   };
   side_by_side({beside_a_rig, of_a_nudge});
-  emulation.end();
+  emulation.end(1);
 }
 
 TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
