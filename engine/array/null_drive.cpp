@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "array/solvers/common_phase.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
@@ -73,11 +72,13 @@ void add_up(const Nulls& nulls, std::size_t rows, FactorOf factor_of, NullScratc
   }
 }
 
-double largest_of(const SplitRows& sums) {
-  double largest = 0;
-  for (std::size_t n = 0; n < sums.transducers; ++n)
-    largest = std::max(largest, std::norm(sums.at(0, n)));
-  return std::sqrt(largest);
+/// The same for a drive that is played in proportion: with several foci, its loudest transducers are lowered. Returns
+/// the largest magnitude.
+template <typename FactorOf>
+double add_up_evenly(const Nulls& nulls, std::size_t rows, FactorOf factor_of, NullScratch& scratch) {
+  add_up(nulls, rows, factor_of, scratch);
+  if (scratch.sounds.rows == 1) return largest_of(scratch.sums, 0);
+  return lower_peaks(scratch.sounds, nulls.rows(), rows, scratch.sums, scratch.peaks);
 }
 
 void find_weights(const Columns& columns, std::span<const double> gains, std::span<FocusWeight> weights,
@@ -111,7 +112,8 @@ void bound(Constraint constraint, std::span<Complex> sums) {
 
 }  // namespace
 
-void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t foci) {
+void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
+  const std::size_t foci = std::min(most_foci, most_solved_foci);
   const std::size_t rows = nulls.rows().rows, stride = nulls.rows().stride, all = foci + rows;
   const auto make_room = [&](SplitRows& split, std::size_t count) {
     split.re.reserve(count * stride);
@@ -132,6 +134,14 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t foci) {
     sounds->im.reserve(stride);
     sounds->sounds.reserve(all);
   }
+  make_room(scratch.peaks.apart, foci);
+  make_room(scratch.peaks.next, 1);
+  for (std::vector<Complex>* values : {&scratch.peaks.kept, &scratch.peaks.missing})
+    values->reserve(foci);
+  for (std::vector<Complex>* values : {&scratch.peaks.products, &scratch.peaks.system})
+    values->reserve(foci * foci);
+  scratch.rounding.size.reserve(stride);
+  scratch.rounding.turns.reserve(stride);
   silent.products.reserve(2 * all * (all + 1));
   silent.along.reserve(all);
   silent.across.reserve(all);
@@ -147,20 +157,21 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   split_asked(columns, scratch.asked);
   const std::size_t rows = choose_rows(nulls, matrix, constraint, scratch);
   find_weights(columns, gains, weights, gs_pat_scratch, scratch);
-  double largest = 0;
+  const auto plain = [&](std::size_t j) { return weights[j].plain; };
+  const auto heard = [&](std::size_t j) { return weights[j].heard; };
+  double largest = 1;
   if (constraint == Constraint::normalise) {
-    add_up(nulls, rows, [&](std::size_t j) { return weights[j].plain; }, scratch);
-    largest = largest_of(scratch.sums);
+    const bool differ = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
+    largest = differ ? add_up_evenly(nulls, rows, plain, scratch) : 0;
+    largest = std::max(largest, add_up_evenly(nulls, rows, heard, scratch));
+  } else {
+    add_up(nulls, rows, heard, scratch);
   }
-  add_up(nulls, rows, [&](std::size_t j) { return weights[j].heard; }, scratch);
   for (std::size_t n = 0; n < sums.size(); ++n)
     sums[n] = scratch.sums.at(0, n);
-  if (constraint == Constraint::normalise) {
-    largest = std::max(largest, largest_of(scratch.sums));
-  } else {
+  if (constraint != Constraint::normalise) {
     bound(constraint, sums);
     silent_phases({scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()}, sums, scratch.silent);
-    largest = 1;
   }
   double weakest = 0;
   for (std::size_t n = 0; n < sums.size(); ++n) {
@@ -170,10 +181,10 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   bool first = true;
   for (std::size_t j = 0; j < columns.foci; ++j) {
     if (!(scratch.targets[j] > 0)) continue;
-    const double heard = magnitude(product(scratch.sounds, j, scratch.sums, 0)) / scratch.targets[j];
-    weakest = std::exchange(first, false) ? heard : std::min(weakest, heard);
+    const double loud = magnitude(product(scratch.sounds, j, scratch.sums, 0)) / scratch.targets[j];
+    weakest = std::exchange(first, false) ? loud : std::min(weakest, loud);
   }
-  choose_common_phase(nulls.centres(), weakest, sums);
+  choose_common_phase(nulls.centres(), weakest, sums, scratch.rounding);
   return largest;
 }
 

@@ -4,8 +4,9 @@
 //   B'      B - Q^H Q B: what each focus asks for, without the part that is heard at the nulls; R' = G B'
 //   c       the factors that gs_pat finds for R'; the sums of the transducers are B' c
 //
-// Under `normalise` that is the drive. Under `uniform` and `clamp` the constraint changes the sums, and
-// silent_phases.hpp then silences the nulls again.
+// Under `normalise` that is the drive; with several foci, lower_peaks.hpp then lowers its loudest transducers. Under
+// `uniform` and `clamp` the constraint changes the sums, and silent_phases.hpp silences the nulls again. Of the phase
+// that all transducers have in common, common_phase.hpp chooses the one that boards round best.
 //
 // Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_usual_rest, and larger, up
 // to null_loosest_rest, while some focus would keep less than half of its power, R'_jj < R_jj / 2.
@@ -17,7 +18,9 @@
 
 #include "array/constraint.hpp"
 #include "array/nulls.hpp"
+#include "array/solvers/common_phase.hpp"
 #include "array/solvers/gs_pat.hpp"
+#include "array/solvers/lower_peaks.hpp"
 #include "array/solvers/silent_phases.hpp"
 #include "array/split_rows.hpp"
 #include "array/transfer.hpp"
@@ -35,10 +38,12 @@ struct NullScratch {
   std::vector<double> targets;
   SplitRows sums;
   SilentScratch silent;
+  RoundingScratch rounding;
+  PeakScratch peaks;
 };
 
-/// Room for so many foci.
-void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t foci);
+/// Room for so many foci, or for most_solved_foci.
+void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci);
 
 /// Replaces `sums`, one per transducer, by a drive for the foci of `columns`. Returns the largest magnitude of these
 /// sums and those without gains; 1 under `uniform` and `clamp`, where no sum is larger. `matrix` is R; `gains` are

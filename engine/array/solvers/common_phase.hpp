@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "array/split_rows.hpp"
 
@@ -19,8 +20,14 @@ struct Rounding {
 inline constexpr Rounding roundings[] = {{32, 0.0126}, {128, 0.004}, {256, 0.00224}};
 inline constexpr std::uint32_t common_phases = 16;  ///< tried, within a step of the coarsest
 
+/// Keeps its storage from call to call.
+struct RoundingScratch {
+  std::vector<double> size, turns;
+};
+
 /// Turns `does` as a whole so that, rounded to each of these steps, the loudest null stays as far as possible below
-/// what it may have. Changes nothing if it stays below anyway. `nulls`: the sound of the transducers at each.
-void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<std::complex<double>> does);
+/// what it may have. Changes nothing if it stays below anyway. `nulls`: the sound of the transducers at each, at most 64.
+void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<std::complex<double>> does,
+                         RoundingScratch& scratch);
 
 }  // namespace palpa::array

@@ -5,38 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "array/solvers/complex_system.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// Solves the system in place by elimination, with the largest entry of a column as its pivot. Rows of `rest.size()`.
-void solve(std::span<Complex> system, std::span<Complex> rest) {
-  const std::size_t rows = rest.size();
-  for (std::size_t k = 0; k < rows; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < rows; ++i) {
-      if (std::norm(system[i * rows + k]) > std::norm(system[pivot * rows + k])) pivot = i;
-    }
-    for (std::size_t j = 0; j < rows && pivot != k; ++j)
-      std::swap(system[k * rows + j], system[pivot * rows + j]);
-    std::swap(rest[k], rest[pivot]);
-    if (std::norm(system[k * rows + k]) == 0) continue;
-    for (std::size_t i = k + 1; i < rows; ++i) {
-      const Complex part = system[i * rows + k] / system[k * rows + k];
-      for (std::size_t j = k; j < rows; ++j)
-        system[i * rows + j] -= part * system[k * rows + j];
-      rest[i] -= part * rest[k];
-    }
-  }
-  for (std::size_t k = rows; k-- > 0;) {
-    for (std::size_t j = k + 1; j < rows; ++j)
-      rest[k] -= system[k * rows + j] * rest[j];
-    rest[k] = std::norm(system[k * rows + k]) > 0 ? rest[k] / system[k * rows + k] : 0;
-  }
-}
 
 /// Fills the eigenvector; its entries are relative to the largest.
 void find_vector(const FocusMatrix& matrix, std::span<const double> gains, EigenvalueScratch& scratch) {
@@ -83,7 +58,7 @@ void eigenvalue_factors(const FocusMatrix& matrix, const Columns& columns, std::
     const double size = magnitude(scratch.vector[j]);
     factors[j] = size > 0 ? gains[j] / size * scratch.vector[j] : Complex(gains[j]);
   }
-  solve(scratch.system, factors);
+  solve_complex(scratch.system, factors);
 }
 
 }  // namespace palpa::array

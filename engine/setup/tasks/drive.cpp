@@ -135,6 +135,7 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
 void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
                 const Computer& by, DriveResult& result) {
   array::DriveOptions options = in_free_air;
+  check_nulls(layout, result.foci, options);
   if (by.finger) options.transfer = &by.finger->sound;
   const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, by.touch);
   result.layout = layout;
@@ -147,6 +148,7 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
   if (by.finger && factors.empty()) result.over_free_field = gains_over(in_free_air, layout, *by.finger, result);
   if (by.finger) result.effort = by.finger->body.effort();
   result.unresolved = array::unresolved_pairs(layout, result.foci, options);
+  if (options.nulls) result.nulls = report_nulls(layout, result.drive, result.foci, options);
 }
 
 /// Refuses values that the command line refuses during parsing.
@@ -164,9 +166,10 @@ DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> 
                                 by.finger->transducers, layout.name, layout.transducers.size()));
   }
   check_values(drive);
-  const array::DriveOptions options =
+  array::DriveOptions options =
       drive_options(drive, touch::Method::cross_section, by.finger ? FingerMesh::known : FingerMesh::unknown);
   warn_of_frequency(layout, options.medium);
+  prepare_nulls(drive, layout, options);
   array::Schedule schedule = schedule_of(foci, layout);
   ask_for_pressure(drive, schedule);
   DriveResult result;
@@ -227,6 +230,18 @@ std::string to_json(const DriveResult& result) {
   json.end_array();
   json.member("pressures_pa", result.pressure.pascals).member("weakest_to_strongest", result.pressure.evenness);
   if (!result.over_free_field.empty()) json.member("over_free_field", result.over_free_field);
+  if (result.nulls) {
+    json.key("nulls").begin_array();
+    for (const SilentPlace& place : result.nulls->places) {
+      json.begin_object()
+          .member("place_m", place.null.position)
+          .member("radius_m", place.null.radius_m)
+          .member("loudest_pa", place.loudest_pa)
+          .member("depth_db", place.depth_db)
+          .end_object();
+    }
+    json.end_array().member("kept_with_nulls", result.nulls->kept);
+  }
   json.key("unresolved_pairs").begin_array();
   for (const array::FocusPair& pair : result.unresolved)
     json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
@@ -246,6 +261,12 @@ std::string to_json(const DriveResult& result) {
       add(json, pressure);
     json.end_array().key("weakest_to_strongest");
     add(json, result.spread->evenness);
+    if (!result.spread->nulls_pa.empty()) {
+      json.key("nulls_pa").begin_array();
+      for (const Percentiles& pressure : result.spread->nulls_pa)
+        add(json, pressure);
+      json.end_array();
+    }
     json.end_object();
   }
   json.end_object();
@@ -270,6 +291,20 @@ DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& dri
   for (std::vector<double>& of_focus : pascals)
     result.pressures_pa.push_back(percentiles(std::move(of_focus)));
   return result;
+}
+
+DriveSpread spread_of_drive(const DriveResult& result, const MediumOptions& medium, array::Directivity directivity,
+                            const array::Spread& spread, const Draws& draws) {
+  const auto at = [&](std::span<const array::SlotFocus> places) {
+    return spread_of_drive(result.layout, result.drive, places, medium, directivity, spread, draws);
+  };
+  DriveSpread ranges = at(result.foci);
+  if (!result.nulls) return ranges;
+  std::vector<array::SlotFocus> centres;
+  for (const SilentPlace& place : result.nulls->places)
+    centres.push_back({place.null.position});
+  ranges.nulls_pa = at(centres).pressures_pa;  // the same arrays: the seed is the same
+  return ranges;
 }
 
 FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
@@ -299,13 +334,14 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   check(task);
   PlayedTouch played;
   if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
-  const array::DriveOptions options =
+  array::DriveOptions options =
       drive_options(task.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
                     task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
   check_pressures(task, played.schedule);
   const PlacedLayout placed = task.placed ? *task.placed : load_placed_layout({.rig = task.rig, .layout = task.layout});
   const array::Layout& layout = placed.layout;
   warn_of_frequency(layout, options.medium);
+  prepare_nulls(task.drive, layout, options);
   array::Schedule schedule =
       task.touch.empty() ? schedule_of(task.foci, layout) : slot_of_touch(task, played.schedule, placed);
   ask_for_pressure(task.drive, schedule);
@@ -322,8 +358,8 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   drive_slot(layout, schedule, options,
              {.options = on_gpu(common) ? &common : nullptr, .finger = finger.get(), .touch = task.touch}, result);
   if (!task.spread.text.empty()) {
-    result.spread = spread_of_drive(layout, result.drive, result.foci, task.drive.medium, options.directivity,
-                                    parse_spread(task.spread.text), draws_of(task.spread, common.seed));
+    result.spread = spread_of_drive(result, task.drive.medium, options.directivity, parse_spread(task.spread.text),
+                                    draws_of(task.spread, common.seed));
   }
   return result;
 }
