@@ -18,7 +18,7 @@
 
 namespace palpa::array {
 
-inline constexpr std::uint32_t propagation_steps = 200;  ///< at most
+inline constexpr std::uint32_t propagation_steps = 100;  ///< at most
 inline constexpr double propagation_still = 1e-5;        ///< stops once no factor moves by more
 
 /// Fills `factors`, one per focus, beginning with phases as if the sound came from the first transducer. `gains` are
