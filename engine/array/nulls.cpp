@@ -93,6 +93,9 @@ Nulls::Nulls(const Layout& layout, const Medium& medium, Directivity directivity
     choose(sounds, places, i, chosen);
   }
   std::ranges::stable_sort(chosen, std::greater{}, &Chosen::rest);
+  const std::size_t room = most_null_entries / std::max<std::size_t>(1, layout.transducers.size());
+  if (const std::size_t most = std::max(nulls_.size(), std::min(room, most_null_rows)); chosen.size() > most)
+    chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(most), chosen.end());
 
   std::vector<Vec3> places, centres;
   places.reserve(chosen.size());

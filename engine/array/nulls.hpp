@@ -32,6 +32,9 @@ struct Null {
 
 inline constexpr std::size_t most_nulls = 16;
 inline constexpr double most_null_radius_m = 5e-3;
+/// The most rows, and the most entries of all rows, unless there are more nulls. The rows with the smallest rests are
+/// left out: time grows with the square of their number.
+inline constexpr std::size_t most_null_rows = 192, most_null_entries = 1u << 19;
 inline constexpr double null_deepest_rest = 1e-4;  ///< the smallest rest of a row
 inline constexpr double null_loosest_rest = 1e-2;  ///< rows up to this one are never left out
 
@@ -47,7 +50,7 @@ class Nulls {
   std::size_t rows_to(double rest) const;
   /// For each row: |G| at the centre of its null, in 1/m (times the source level: Pa).
   std::span<const double> loudness() const { return loudness_; }
-  /// G at the centres of the nulls that have rows.
+  /// G at the centres of the nulls that have rows, in their order.
   const SplitRows& centres() const { return centres_; }
 
  private:

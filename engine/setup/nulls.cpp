@@ -12,7 +12,9 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
-#include "array/resolution.hpp"
+#include "array/free_field.hpp"
+#include "array/split_rows.hpp"
+#include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -63,6 +65,35 @@ double decibels(double ratio) {
   return ratio > 0 ? std::max(least_db, 20 * std::log10(ratio)) : least_db;
 }
 
+/// A focus and a null, and |G_f G_n*| / (|G_f| |G_n|): 1 if no drive tells them apart.
+struct NearestPair {
+  std::size_t focus = 0, null = 0;
+  double part = 0;
+};
+NearestPair nearest_pair(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                         const array::DriveOptions& options) {
+  std::vector<array::FocusSource> sources;
+  for (const array::SlotFocus& focus : foci)
+    sources.push_back({focus.position, 1, 1});
+  array::FreeField field;
+  field.set(layout, options.medium, options.directivity);
+  array::Columns columns;
+  field.fill(sources, array::Weighting::uniform, columns);
+  array::SplitRows sounds;
+  array::split_sounds(columns, sounds);
+  const array::SplitRows& centres = options.nulls->centres();
+  NearestPair nearest;
+  for (std::size_t i = 0; i < centres.rows; ++i) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      const double own = array::inner_product(sounds, j, sounds, j).real();
+      const double other = array::inner_product(centres, i, centres, i).real();
+      const double part = std::abs(array::inner_product(sounds, j, centres, i)) / std::sqrt(own * other);
+      if (part > nearest.part) nearest = {j, i, part};
+    }
+  }
+  return nearest;
+}
+
 /// The pressure of the focus that lost most, relative to the drive without nulls.
 double kept_of(const array::Layout& layout, const acoustics::FociPressure& pressure,
                std::span<const array::SlotFocus> foci, const array::DriveOptions& options, std::size_t& focus) {
@@ -100,7 +131,11 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
   nulls.reserve(group.nulls.size());
   for (const std::string& text : group.nulls) {
     nulls.push_back(parse_null(text));
-    check_place(layout, nulls.back().position, fmt::format("--null: '{}'", shortened(printable(text), 60)));
+    const Vec3& place = nulls.back().position;
+    const std::string what = fmt::format("--null: '{}'", shortened(printable(text), 60));
+    refuse_place(layout, place, what);
+    if (const std::string odd = array::unusual_place(layout, {place, place}); !odd.empty())
+      throw bad_usage(what + " " + odd);
   }
   options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);
 }
@@ -108,22 +143,14 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
 void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
                  const array::DriveOptions& options) {
   if (!options.nulls) return;
-  std::vector<array::SlotFocus> all(foci.begin(), foci.end());
-  for (const array::Null& null : options.nulls->nulls())
-    all.push_back({null.position});
-  std::optional<array::FocusPair> worst;
-  for (const array::FocusPair& pair : array::unresolved_pairs(layout, all, options)) {
-    const bool mixed = pair.first < foci.size() && pair.second >= foci.size();
-    if (mixed && (!worst || pair.part > worst->part)) worst = pair;
-  }
-  if (!worst) return;
-  const std::string line =
-      fmt::format("--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: {:.2f} of the "
-                  "focus' pressure is heard at the null",
-                  worst->second - foci.size() + 1,
-                  glm::distance(all[worst->first].position, all[worst->second].position) * 1e3, worst->first + 1,
-                  worst->part);
-  if (worst->part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
+  const NearestPair worst = nearest_pair(layout, foci, options);
+  if (worst.part < array::gs_pat_crowded) return;
+  const std::string line = fmt::format(
+      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the sound",
+      worst.null + 1,
+      glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3, worst.focus + 1,
+      worst.part);
+  if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
   log::warning(line);
 }
 

@@ -52,15 +52,13 @@ void warn_of_frequency(const array::Layout& layout, const array::Medium& medium)
     log::warning("--frequency: " + odd);
 }
 
-void check_place(const array::Layout& layout, const Vec3& place, const std::string& what) {
+void refuse_place(const array::Layout& layout, const Vec3& place, const std::string& what) {
   if (!array::drivable({.position = place}))
     throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));
   for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
     if (glm::distance(layout.transducers[i].position, place) < on_transducer_m)
       throw bad_usage(fmt::format("{} is where transducer {} stands; give a point in front of the array", what, i));
   }
-  if (const std::string odd = array::unusual_place(layout, {place, place}); !odd.empty())
-    log::warning(what + " " + odd);
 }
 
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids) {

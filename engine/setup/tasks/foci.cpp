@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "array/loudness.hpp"
+#include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -78,7 +79,9 @@ void check_drive(const array::Layout& layout, std::span<const array::TransducerD
 }
 
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
-  check_place(layout, focus.position, what);
+  refuse_place(layout, focus.position, what);
+  if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
+    log::warning(what + " " + odd);
 }
 
 array::Schedule schedule_of(std::span<const AskedFocus> foci, const array::Layout& layout) {
