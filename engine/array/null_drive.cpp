@@ -50,7 +50,8 @@ std::size_t choose_rows(const Nulls& nulls, const FocusMatrix& matrix, Constrain
     }
   }
   std::size_t rows = most;
-  while (without_rows(matrix, rows, scratch) < null_keeps && rest < null_loosest_rest) {
+  const double keeps = constraint == Constraint::uniform ? null_keeps_uniform : null_keeps;
+  while (without_rows(matrix, rows, scratch) < keeps && rest < null_loosest_rest) {
     rest = std::min(rest * looser, null_loosest_rest);
     rows = nulls.rows_to(rest);
   }

@@ -9,7 +9,7 @@
 // that all transducers have in common, common_phase.hpp chooses the one that boards round best.
 //
 // Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_usual_rest, and larger, up
-// to null_loosest_rest, while some focus would keep less than half of its power, R'_jj < R_jj / 2.
+// to null_loosest_rest, while some focus would keep less than null_keeps of its power: R'_jj < null_keeps R_jj.
 #pragma once
 
 #include <complex>
@@ -28,7 +28,7 @@
 namespace palpa::array {
 
 inline constexpr double null_usual_rest = 3e-3;
-inline constexpr double null_keeps = 0.5;  ///< of a focus' power
+inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;
 
 /// Keeps its storage from call to call.
 struct NullScratch {
