@@ -274,8 +274,7 @@ void add_layout_functions(py::module_& m) {
         return solve(self, foci, gains, finger, force, o);
       },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(),
-      solve_text.c_str());
+      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), solve_text.c_str());
   const std::string drive_text = drive_options_of().documented(drive_doc);
   made.def(
       "drive",
@@ -286,8 +285,7 @@ void add_layout_functions(py::module_& m) {
         return of_layout(complex_of(solve(self, foci, gains, finger, force, o)->result.drive), self);
       },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(),
-      drive_text.c_str());
+      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), drive_text.c_str());
   const std::string touch_text = touch_drive_options().documented(solve_touch_doc);
   made.def("solve_touch", &drive_of_touch, py::arg("touch"), py::kw_only(), py::arg("slot") = py::none(),
            py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), touch_text.c_str());

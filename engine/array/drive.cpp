@@ -145,9 +145,9 @@ void drive_with_nulls(const Layout& layout, const DriveOptions& options, std::sp
   multiply(scratch.columns, scratch.matrix);
   scratch.weights.resize(scratch.sources.size());
   scratch.sums.resize(out.size());
-  const double largest = sum_with_nulls(*options.nulls, scratch.columns, scratch.matrix, scratch.gains,
-                                        options.constraint, scratch.weights, scratch.sums, scratch.gs_pat,
-                                        scratch.nulls);
+  const double largest =
+      sum_with_nulls(*options.nulls, scratch.columns, scratch.matrix, scratch.gains, options.constraint,
+                     scratch.weights, scratch.sums, scratch.gs_pat, scratch.nulls);
   constrain(scratch.sums, largest, options.constraint, shared, out);
 }
 

@@ -56,12 +56,9 @@ namespace palpa::array {
 
 /// How several foci share the array.
 enum class Solver { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation };
-inline constexpr Word<Solver> solver_words[] = {{"naive", Solver::naive},
-                                                {"gs-pat", Solver::gs_pat},
-                                                {"greedy", Solver::greedy},
-                                                {"loudest", Solver::loudest},
-                                                {"eigenvalue", Solver::eigenvalue},
-                                                {"back-propagation", Solver::back_propagation}};
+inline constexpr Word<Solver> solver_words[] = {
+    {"naive", Solver::naive},     {"gs-pat", Solver::gs_pat},         {"greedy", Solver::greedy},
+    {"loudest", Solver::loudest}, {"eigenvalue", Solver::eigenvalue}, {"back-propagation", Solver::back_propagation}};
 
 /// Solved on the host only, on every device.
 constexpr bool is_of_host(Solver solver) {

@@ -5,8 +5,8 @@
 //   c       the factors that gs_pat finds for R'; the sums of the transducers are B' c
 //
 // Under `normalise` that is the drive; with several foci, lower_peaks.hpp then lowers its loudest transducers. Under
-// `uniform` and `clamp` the constraint changes the sums, and silent_phases.hpp silences the nulls again. Of the phase
-// that all transducers have in common, common_phase.hpp chooses the one that boards round best.
+// `uniform` and `clamp` the constraint changes the sums, and silent_phases.hpp silences the nulls again. At last,
+// common_phase.hpp turns the whole drive to where boards round it best.
 //
 // Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_usual_rest, and larger, up
 // to null_loosest_rest, while some focus would keep less than null_keeps of its power: R'_jj < null_keeps R_jj.

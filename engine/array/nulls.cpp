@@ -14,8 +14,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t judges = 256;         // transducers that choose places
-constexpr double least_new = 1e-6;          // a row whose other rows explain it to this part is left out
+constexpr std::size_t judges = 256;          // transducers that choose places
+constexpr double least_new = 1e-6;           // a row whose other rows explain it to this part is left out
 constexpr std::size_t most_candidates = 97;  // per ball, a centre and its surface
 
 /// The centre, then places spread over the sphere, more on one that is large in wavelengths.
@@ -61,8 +61,7 @@ void choose(const SplitRows& sounds, std::span<const Vec3> places, std::size_t n
   for (std::size_t i = 0; i < count; ++i)
     rests[i] = inner_product(sounds, i, sounds, i).real() / centre;
   for (std::size_t step = 0; step < count; ++step) {
-    const auto next =
-        step == 0 ? 0 : static_cast<std::size_t>(std::ranges::max_element(rests) - rests.begin());
+    const auto next = step == 0 ? 0 : static_cast<std::size_t>(std::ranges::max_element(rests) - rests.begin());
     if (!(rests[next] >= null_deepest_rest * null_deepest_rest)) return;
     const double root = std::sqrt(rests[next]);
     chosen.push_back({places[next], step == 0 ? 1 : std::min(root, 1.0), null});

@@ -48,7 +48,8 @@ std::vector<Set> random_sets(const Vec3& centre, const Vec3& half, bool flat) {
       const double x = place(random), y = place(random), z = place(random);
       const Vec3 next = centre + half * Vec3(x, y, z);
       const Vec3 across(1, 1, flat ? 0 : 1);
-      if (std::ranges::all_of(places, [&](const Vec3& other) { return glm::length((other - next) * across) >= apart_m; }))
+      if (std::ranges::all_of(places,
+                              [&](const Vec3& other) { return glm::length((other - next) * across) >= apart_m; }))
         places.push_back(next);
     }
     for (std::size_t i = 0; i < each; ++i) {
@@ -125,7 +126,8 @@ void measure(const Context& context, const array::Layout& layout, const std::vec
   row.value = static_cast<double>(all.size()) * 1e3 / row.median_ms;
   row.unit = "solves/s";
   row.note = fmt::format(
-      "nulls at most {:.0f} dB of the weakest focus; weakest/strongest {:.3f}; {:.1f} dB less than gs-pat without nulls, "
+      "nulls at most {:.0f} dB of the weakest focus; weakest/strongest {:.3f}; {:.1f} dB less than gs-pat without "
+      "nulls, "
       "at most {:.1f} ({} threads)",
       heard.deepest_db, heard.evenness, heard.mean_loss_db, heard.loss_db, cores);
   rows.push_back(row);

@@ -226,9 +226,9 @@ void on_host(const Context& context, const array::Layout& layout, const Case& wh
   Row row = make_row("array", name, "total", total);
   row.value = count * 1e3 / row.median_ms;
   row.unit = "solves/s";
-  row.note = quality(which, listen(layout, slots, judged, [&](std::uint32_t s) { return std::span(drives[s]); }),
-                     yardsticks) +
-             fmt::format(" ({} threads)", cores);
+  row.note =
+      quality(which, listen(layout, slots, judged, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
+      fmt::format(" ({} threads)", cores);
   rows.push_back(row);
 }
 

@@ -99,8 +99,8 @@ double kept_of(const array::Layout& layout, const acoustics::FociPressure& press
                std::span<const array::SlotFocus> foci, const array::DriveOptions& options, std::size_t& focus) {
   array::DriveOptions without = options;
   without.nulls.reset();
-  const acoustics::FociPressure before = acoustics::pressure_at_foci(
-      layout, array::drive_for(layout, foci, without), foci, options.medium, options.directivity);
+  const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, array::drive_for(layout, foci, without),
+                                                                     foci, options.medium, options.directivity);
   double kept = 1;
   for (std::size_t j = 0; j < foci.size(); ++j) {
     if (!(before.pascals[j] > 0) || pressure.pascals[j] / before.pascals[j] >= kept) continue;
@@ -146,10 +146,10 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
   const NearestPair worst = nearest_pair(layout, foci, options);
   if (worst.part < array::gs_pat_crowded) return;
   const std::string line = fmt::format(
-      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the sound",
-      worst.null + 1,
-      glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3, worst.focus + 1,
-      worst.part);
+      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
+      "sound",
+      worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
+      worst.focus + 1, worst.part);
   if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
   log::warning(line);
 }
@@ -161,8 +161,8 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   const acoustics::FociPressure pressure =
       acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
   const double weakest = *std::ranges::min_element(pressure.pascals);
-  const acoustics::Air air = acoustics::without_absorption(
-      acoustics::air_of({}, options.medium.frequency, options.medium.sound_speed));
+  const acoustics::Air air =
+      acoustics::without_absorption(acoustics::air_of({}, options.medium.frequency, options.medium.sound_speed));
   const acoustics::Incident sound(layout, air, options.directivity);
   acoustics::Waves waves;
   for (const array::Null& null : options.nulls->nulls()) {

@@ -15,13 +15,11 @@ namespace palpa::setup {
 
 namespace {
 
-constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
-                                               {"gs-pat", SolverChoice::gs_pat},
-                                               {"greedy", SolverChoice::greedy},
-                                               {"loudest", SolverChoice::loudest},
-                                               {"eigenvalue", SolverChoice::eigenvalue},
-                                               {"back-propagation", SolverChoice::back_propagation},
-                                               {"adjoint", SolverChoice::adjoint}};
+constexpr Word<SolverChoice> solver_words[] = {
+    {"naive", SolverChoice::naive},           {"gs-pat", SolverChoice::gs_pat},
+    {"greedy", SolverChoice::greedy},         {"loudest", SolverChoice::loudest},
+    {"eigenvalue", SolverChoice::eigenvalue}, {"back-propagation", SolverChoice::back_propagation},
+    {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
 constexpr Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = positive(1);

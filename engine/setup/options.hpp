@@ -145,8 +145,9 @@ enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh = FingerMesh::unknown);
 /// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
 /// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for
-/// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws bad_usage for a
-/// finger's transfer unless the command has the finger's mesh; the command then sets DriveOptions::transfer.
+/// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws
+/// bad_usage for a finger's transfer unless the command has the finger's mesh; the command then sets
+/// DriveOptions::transfer.
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method = touch::Method::cross_section,
                                   FingerMesh mesh = FingerMesh::unknown);
 /// The option that requests a finger's transfer; empty if none does.

@@ -83,9 +83,9 @@ TEST_P(Literature, GainsAndOddFociAreBorne) {
       if (constraint == Constraint::normalise && solver == Solver::eigenvalue) {
         EXPECT_GE(acoustics::pressure_at_foci(layout, GetParam().drive(layout, foci, options), foci).evenness, 0.95);
       }
-      foci.push_back(foci[0]);                       // at one place
-      foci.push_back({{0, 0, -0.1}, 1});             // behind the board
-      foci.push_back({{0, 0, 1000}, 1});             // not drivable
+      foci.push_back(foci[0]);            // at one place
+      foci.push_back({{0, 0, -0.1}, 1});  // behind the board
+      foci.push_back({{0, 0, 1000}, 1});  // not drivable
       foci.push_back({layout.transducers[0].position, 1});
       EXPECT_EQ(faults(GetParam().drive(layout, foci, options)), 0u);
       for (SlotFocus& focus : foci)

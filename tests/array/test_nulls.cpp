@@ -26,7 +26,8 @@ using Complex = std::complex<double>;
 constexpr double turn = 2 * std::numbers::pi;
 
 /// The sound at a place: sum of amplitude D e^{i (phase + k d)} / d, in 1/m. Independent of the solvers.
-Complex sound_at(const Layout& layout, const std::vector<Complex>& drive, const Vec3& place, const Medium& medium = {}) {
+Complex sound_at(const Layout& layout, const std::vector<Complex>& drive, const Vec3& place,
+                 const Medium& medium = {}) {
   const double k = turn * medium.frequency / medium.sound_speed;
   Complex sum = 0;
   for (std::size_t n = 0; n < drive.size(); ++n) {
@@ -244,12 +245,9 @@ TEST(Nulls, OneFocusIsNearlyThePapersDrive) {
 TEST(Nulls, BearAnything) {
   const Layout layout = load_layout("openmpd");
   const Vec3 place(0.01, 0, 0.12);
-  const std::vector<std::vector<Null>> odd{{{place}},
-                                           {{place, most_null_radius_m}},
-                                           {{{0, 0, -0.2}}},
-                                           {{{50, 0, 0.1}}},
-                                           {{layout.transducers[3].position}},
-                                           std::vector<Null>(most_nulls, Null{{0, 0.02, 0.12}, 1e-3})};
+  const std::vector<std::vector<Null>> odd{
+      {{place}},        {{place, most_null_radius_m}},      {{{0, 0, -0.2}}},
+      {{{50, 0, 0.1}}}, {{layout.transducers[3].position}}, std::vector<Null>(most_nulls, Null{{0, 0.02, 0.12}, 1e-3})};
   std::vector<SlotFocus> foci{{place}, {{-0.01, 0, 0.12}, 0.5F}, {{0, 0, 500}}};
   for (const std::vector<Null>& nulls : odd) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp})

@@ -47,17 +47,17 @@ double omni_sound(const Rows& drive, const std::vector<double>& place) {
   return std::abs(sum);
 }
 
-const std::vector<std::string> two_and_two{"--layout", "openmpd",        "--focus", "10mm,0,150mm", "--focus",
-                                           "-1cm,5mm,0.15", "--null", "0,2mm,150mm", "--null",    "10mm,15mm,0.14"};
+const std::vector<std::string> two_and_two{"--layout",      "openmpd", "--focus",     "10mm,0,150mm", "--focus",
+                                           "-1cm,5mm,0.15", "--null",  "0,2mm,150mm", "--null",       "10mm,15mm,0.14"};
 const std::vector<std::vector<double>> foci{{0.01, 0, 0.15}, {-0.01, 0.005, 0.15}},
     nulls{{0, 0.002, 0.15}, {0.01, 0.015, 0.14}};
 
 TEST(CliNulls, ExportedDrivesAreSilentThere) {
   for (const std::string constraint : {"normalise", "uniform", "clamp"}) {
     for (const std::string backend : {"cpu", "gpu"}) {
-      const Rows drive = rows_of(palpa_here(
-          with(with({"drive"}, two_and_two),
-               {"--directivity", "omni", "--constraint", constraint, "--backend", backend, "--csv", "-"})));
+      const Rows drive =
+          rows_of(palpa_here(with(with({"drive"}, two_and_two), {"--directivity", "omni", "--constraint", constraint,
+                                                                 "--backend", backend, "--csv", "-"})));
       ASSERT_EQ(drive.size(), 256u);
       const double first = omni_sound(drive, foci[0]), second = omni_sound(drive, foci[1]);
       EXPECT_NEAR(first / second, 1, 0.01) << constraint;
@@ -69,8 +69,8 @@ TEST(CliNulls, ExportedDrivesAreSilentThere) {
 
 TEST(CliNulls, TheSummaryAndTheJsonSayHowDeepTheyAre) {
   const std::vector<std::string> line =
-      with(with({"drive"}, two_and_two), {"--constraint", "uniform", "--backend", "cpu", "--spread",
-                                          "amplitude=10%,phase=0.2", "--draws", "40"});
+      with(with({"drive"}, two_and_two),
+           {"--constraint", "uniform", "--backend", "cpu", "--spread", "amplitude=10%,phase=0.2", "--draws", "40"});
   const Result told = palpa_here(line);
   EXPECT_EQ(told.err, "");
   EXPECT_NE(told.out.find("null at (0.00, 2.00, 150.00) mm: at most"), std::string::npos) << told.out;
@@ -84,8 +84,7 @@ TEST(CliNulls, TheSummaryAndTheJsonSayHowDeepTheyAre) {
   EXPECT_GT(result["kept_with_nulls"], 0.7);
   // Transducers that differ from their data leave about a twentieth of the pressure of a focus.
   ASSERT_EQ(result["spread"]["nulls_pa"].size(), 2u);
-  const double weakest =
-      std::min(result["pressures_pa"][0].get<double>(), result["pressures_pa"][1].get<double>());
+  const double weakest = std::min(result["pressures_pa"][0].get<double>(), result["pressures_pa"][1].get<double>());
   for (const json& null : result["spread"]["nulls_pa"]) {
     EXPECT_GT(null["p50"], 0.002 * weakest);
     EXPECT_LT(null["p95"], 0.2 * weakest);
@@ -96,9 +95,8 @@ TEST(CliNulls, TheSummaryAndTheJsonSayHowDeepTheyAre) {
 }
 
 TEST(CliNulls, AFieldShowsThem) {
-  const std::vector<std::string> line{"--line",      "0,2mm,150mm", "10mm,0,150mm", "--samples",
-                                      "2",           "--csv",       "-",            "--backend",
-                                      "cpu"};
+  const std::vector<std::string> line{"--line", "0,2mm,150mm", "10mm,0,150mm", "--samples", "2",
+                                      "--csv",  "-",           "--backend",    "cpu"};
   const auto ratio = [&](const std::vector<std::string>& more) {
     const Rows rows = rows_of(palpa_here(with(with(with({"field"}, two_and_two), line), more)));
     EXPECT_EQ(rows.size(), 2u);
@@ -162,9 +160,9 @@ TEST(CliNulls, WarnsWhereTheyCostMuch) {
 TEST(CliNulls, ARunPlaysThem) {
   const auto folder = scratch_folder("nulls-run");
   const std::string file = (folder / "drives.bin").string();
-  const Result result = palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--frames", "2", "--every-frame",
-                                    "--noise-free", "--backend", "cpu", "--link", "record:" + file, "--null",
-                                    "30mm,10mm,0"});
+  const Result result =
+      palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--frames", "2", "--every-frame", "--noise-free",
+                  "--backend", "cpu", "--link", "record:" + file, "--null", "30mm,10mm,0"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
 }

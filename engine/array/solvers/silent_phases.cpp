@@ -21,7 +21,7 @@ using Four [[gnu::vector_size(32)]] = double;
 
 constexpr double first_damping = 1e-6, least_damping = 1e-12, most_damping = 1e3;
 constexpr std::uint32_t few_tries = 12;  // after these, a step that gains little is the last one
-constexpr double fast = 1.0 / 16;       // of the cost: a step with the products of an earlier one is good enough
+constexpr double fast = 1.0 / 16;        // of the cost: a step with the products of an earlier one is good enough
 constexpr double raise_damping = 1e-3;
 constexpr double raise_worth = 1.01;      // a raise must make the weakest focus louder by this
 constexpr double raise_depth = 1e-3;      // and leave nulls as deep as this
@@ -167,7 +167,8 @@ State state_of(const SilentGoal& goal, const PhasedSounds& sounds) {
     const double size = magnitude(sounds.sounds[j]);
     heard += size;
     wanted += goal.targets[j];
-    state.weakest = wanted == goal.targets[j] ? size / goal.targets[j] : std::min(state.weakest, size / goal.targets[j]);
+    state.weakest =
+        wanted == goal.targets[j] ? size / goal.targets[j] : std::min(state.weakest, size / goal.targets[j]);
   }
   if (!(heard > 0)) return state;
   state.level = heard / wanted;

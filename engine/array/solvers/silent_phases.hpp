@@ -7,9 +7,9 @@
 //   J_jn  -Im(u_j* w_jn) / (t_j L) for a focus; -Im w_in / L and Re w_in / L for a null's row
 //   m_j   1 - |p_j| / (t_j L) for a focus; -Re p_i / L and -Im p_i / L
 //
-// The phases change by J^T y with (J J^T + damping) y = m: the drive goes to the nearest place of the plane on which, to
-// first order, all rows are as wanted, and from there back to its amplitudes. Alternating projections go to the plane
-// of all drives that are silent there and lose half of each step, because that plane leaves amplitudes free. This
+// The phases change by J^T y with (J J^T + damping) y = m: the drive goes to the nearest place of the plane on which,
+// to first order, all rows are as wanted, and from there back to its amplitudes. Alternating projections go to the
+// plane of all drives that are silent there and lose half of each step, because that plane leaves amplitudes free. This
 // method needs two or three steps where they need fifty.
 //
 // One pass over the transducers applies a step, turning each w_jn with its transducer, and sums the p_j. J J^T consists
@@ -55,10 +55,10 @@ struct SilentScratch {
 
 /// What is wanted of the drive.
 struct SilentGoal {
-  const SplitRows& foci;            ///< G of the foci
-  std::span<const double> targets;  ///< t of each focus; one with 0 is ignored
-  const SplitRows& nulls;           ///< Q,
-  std::size_t null_rows;            ///< of which the first ones are used,
+  const SplitRows& foci;             ///< G of the foci
+  std::span<const double> targets;   ///< t of each focus; one with 0 is ignored
+  const SplitRows& nulls;            ///< Q,
+  std::size_t null_rows;             ///< of which the first ones are used,
   std::span<const double> loudness;  ///< and l of each
 };
 

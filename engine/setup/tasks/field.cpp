@@ -79,9 +79,9 @@ void check(const FieldTask& task, bool picture) {
                                       : "--drive and --focus exclude each other: give one of them");
   }
   const DriveOptionsGroup usual;
-  if (!task.drive_file.empty() && (task.drive.weighting != usual.weighting || task.drive.solver ||
-                                   task.drive.transfer || task.drive.constraint || task.drive.pressure_pa ||
-                                   !task.drive.nulls.empty())) {
+  if (!task.drive_file.empty() &&
+      (task.drive.weighting != usual.weighting || task.drive.solver || task.drive.transfer || task.drive.constraint ||
+       task.drive.pressure_pa || !task.drive.nulls.empty())) {
     throw bad_usage(
         "--amplitude, --solver, --transfer, --constraint, --pressure and --null go with --focus: --drive is already a "
         "drive");
