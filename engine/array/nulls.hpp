@@ -30,7 +30,7 @@ struct Null {
   double radius_m = 0;  ///< 0: the place alone
 };
 
-inline constexpr std::size_t most_nulls = 16;
+inline constexpr std::size_t most_nulls = 64;
 inline constexpr double most_null_radius_m = 5e-3;
 /// The most rows, and the most entries of all rows, unless there are more nulls. The rows with the smallest rests are
 /// left out: time grows with the square of their number.

@@ -135,9 +135,9 @@ TEST(CliNulls, RefusesWhatCannotBe) {
   refused({"--null", "0,2cm,0.15", "--transfer", "finger", "--mesh", source_file("assets/finger.ply")},
           "leave --transfer finger out");
   std::vector<std::string> many;
-  for (int i = 0; i < 17; ++i)
+  for (int i = 0; i < 65; ++i)
     many = with(many, {"--null", std::to_string(i) + "mm,2cm,150mm"});
-  refused(many, "17 nulls are more than the 16");
+  refused(many, "65 nulls are more than the 64");
   expect_failure(palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--frames", "1", "--backend", "cpu",
                              "--link", "foci:udp:127.0.0.1:9", "--null", "2cm,0,0"}),
                  2, "link foci sends foci and no drives");
@@ -155,6 +155,29 @@ TEST(CliNulls, WarnsWhereTheyCostMuch) {
     return result.err;
   };
   EXPECT_NE(warned({"--null", "4mm,0,150mm"}).find("closer than the array resolves there"), std::string::npos);
+}
+
+// A pattern's points are foci, and its silent places nulls.
+TEST(CliNulls, APatternIsItsFociAndNulls) {
+  const auto folder = scratch_folder("patterns");
+  const std::string file = folder / "pattern.toml";
+  write_text(file, R"([[curve]]
+corners_m = [-0.01, 0, 0.15, 0.01, 0, 0.15]
+points = 2
+[[point]]
+position_m = [0, 0.01, 0.15]
+amplitude = 0
+radius_m = 0.0005
+)");
+  const std::vector<std::string> rest{"--layout", "openmpd", "--backend", "cpu", "--csv", "-"};
+  const Result pattern = palpa_here(with({"drive", "--pattern", file}, rest));
+  EXPECT_EQ(pattern.exit_code, 0) << pattern.err;
+  const std::vector<std::string> same{"--focus", "-0.01,0,0.15",      "--focus", "0.01,0,0.15",
+                                      "--null",  "0,0.01,0.15,0.0005"};
+  EXPECT_EQ(pattern.out, palpa_here(with(with({"drive"}, same), rest)).out);
+  expect_failure(palpa_here(with({"drive", "--pattern", file, "--focus", "0,0,0.1"}, rest)), 2, "leave --focus");
+  write_text(file, "[[point]]\nposition_m = [0, 0, 0.15]\namplitude = -1\n");
+  expect_failure(palpa_here(with({"drive", "--pattern", file}, rest)), 4, file + ": line 3");
 }
 
 TEST(CliNulls, ARunPlaysThem) {

@@ -18,6 +18,7 @@
 #include "gpu/commands.hpp"
 #include "setup/body.hpp"
 #include "setup/load.hpp"
+#include "setup/pattern_file.hpp"
 #include "setup/touch_file.hpp"
 #include "setup/warnings.hpp"
 #include "touch/foci/method.hpp"
@@ -131,6 +132,19 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
   return drive_on_gpu(*device.get(), layout, foci, factors, options);
 }
 
+/// A pattern's points become foci. Its silent places, and the solver that it needs, go into `drive`.
+std::vector<AskedFocus> foci_of_pattern(const Pattern& pattern, DriveOptionsGroup& drive) {
+  std::vector<AskedFocus> foci;
+  for (const auto& [position, amplitude] : pattern.points)
+    foci.push_back({position, amplitude});
+  for (const array::Null& null : pattern.nulls) {
+    const Vec3& at = null.position;
+    drive.nulls.push_back(fmt::format("{},{},{},{}", at.x, at.y, at.z, null.radius_m));
+  }
+  if (!drive.solver) drive.solver = SolverChoice::gs_pat;
+  return foci;
+}
+
 /// Computes the drive of slot 0 of the schedule. If there is a finger, it must already be aimed at the schedule's foci.
 void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
                 const Computer& by, DriveResult& result) {
@@ -191,14 +205,17 @@ void check(const DriveTask& task) {
     throw bad_usage(fmt::format("{} goes with --transfer finger", task.mesh.empty() ? "--force" : "--mesh"));
   if (!asks.empty() && !task.spread.text.empty())
     throw bad_usage("--spread computes in free air and --transfer finger on a finger: give one of them");
+  if (!task.pattern.empty() && !(task.touch.empty() && task.foci.empty() && task.drive.nulls.empty()))
+    throw bad_usage("--pattern has all points itself: leave --focus, --null and --touch out");
   if (task.touch.empty()) {
     if (task.slot || !task.rig.empty())
       throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
     if (task.layout.empty() && !task.placed)
       throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
-    if (task.foci.empty()) {
+    if (task.foci.empty() && task.pattern.empty()) {
       throw bad_usage(
-          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE");
+          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE or a "
+          "--pattern FILE");
     }
     return;
   }
@@ -334,16 +351,20 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   check(task);
   PlayedTouch played;
   if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
+  DriveOptionsGroup drive = task.drive;
+  std::vector<AskedFocus> pattern;
+  if (!task.pattern.empty()) pattern = foci_of_pattern(load_pattern(task.pattern), drive);
   array::DriveOptions options =
-      drive_options(task.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
+      drive_options(drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
                     task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
   check_pressures(task, played.schedule);
   const PlacedLayout placed = task.placed ? *task.placed : load_placed_layout({.rig = task.rig, .layout = task.layout});
   const array::Layout& layout = placed.layout;
   warn_of_frequency(layout, options.medium);
-  prepare_nulls(task.drive, layout, options);
-  array::Schedule schedule =
-      task.touch.empty() ? schedule_of(task.foci, layout) : slot_of_touch(task, played.schedule, placed);
+  prepare_nulls(drive, layout, options);
+  array::Schedule schedule = !task.pattern.empty() ? schedule_of(pattern, layout)
+                             : task.touch.empty()  ? schedule_of(task.foci, layout)
+                                                   : slot_of_touch(task, played.schedule, placed);
   ask_for_pressure(task.drive, schedule);
   DriveResult result;
   array::foci_of_slot(schedule, 0, result.foci);

@@ -32,7 +32,8 @@ namespace palpa::setup {
 /// The input as names and files, as on the command line.
 struct DriveTask {
   std::string layout;             ///< a built-in name or a file; empty with `touch`: the rig's
-  std::vector<std::string> foci;  ///< texts for schedule_of; empty with `touch`
+  std::vector<std::string> foci;  ///< texts for schedule_of; empty with `touch` and `pattern`
+  std::string pattern;            ///< file of control points (pattern_file.hpp)
   std::string touch;              ///< output file of `palpa touch --json`
   /// The content of that file, if it is not one; `touch` is then its name in messages.
   std::optional<std::string> touch_json;

@@ -273,7 +273,7 @@ std::vector<ReviewedLine> of_drive(const std::string& scratch) {
                                         {{"--mesh", above}, "--mesh goes with --transfer finger"},
                                         {{"--force"}, "--force goes with --transfer finger"},
                                         {{"--draws", "50"}, "--draws goes with --spread"}}}),
-           .untried = "--touch",
+           .untried = "--touch --pattern",
            .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/drive.json"}),
            .effective = joined<EffectiveOption>({sounding,
                                                  {{{"--solver", "greedy"}},
