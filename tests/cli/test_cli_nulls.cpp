@@ -172,8 +172,8 @@ radius_m = 0.0005
   const std::vector<std::string> rest{"--layout", "openmpd", "--backend", "cpu", "--csv", "-"};
   const Result pattern = palpa_here(with({"drive", "--pattern", file}, rest));
   EXPECT_EQ(pattern.exit_code, 0) << pattern.err;
-  const std::vector<std::string> same{"--focus", "-0.01,0,0.15",      "--focus", "0.01,0,0.15",
-                                      "--null",  "0,0.01,0.15,0.0005"};
+  const std::vector<std::string> same{"--focus",     "-0.01,0,0.15", "--focus",
+                                      "0.01,0,0.15", "--null",       "0,0.01,0.15,0.0005"};
   EXPECT_EQ(pattern.out, palpa_here(with(with({"drive"}, same), rest)).out);
   expect_failure(palpa_here(with({"drive", "--pattern", file, "--focus", "0,0,0.1"}, rest)), 2, "leave --focus");
   write_text(file, "[[point]]\nposition_m = [0, 0, 0.15]\namplitude = -1\n");
