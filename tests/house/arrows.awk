@@ -20,7 +20,7 @@ BEGIN {
 
   # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
-  order("array", "constraint medium directivity layouts transfer turns free_field solvers .")
+  order("array", "constraint medium directivity layouts transfer split_rows turns free_field solvers .")
   order("touch", "types stage_setting room pass_watch contacts points fingers foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")

@@ -17,6 +17,7 @@
 #include "base/json_writer.hpp"
 #include "base/memory.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/nulls.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/warnings.hpp"
 
@@ -32,12 +33,16 @@ double milliseconds_since(Clock::time_point begin) {
 /// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
   if (!task.drive_file.empty()) return load_drive(task.drive_file, layout);
-  const array::DriveOptions options = drive_options(task.drive);
+  array::DriveOptions options = drive_options(task.drive);
   array::Schedule schedule = schedule_of(task.foci, layout);
+  prepare_nulls(task.drive, layout, options);
   for (array::Voice& voice : schedule.voices)
     voice.pressure_pa = task.drive.pressure_pa.value_or(0);
   array::foci_of_slot(schedule, 0, result.foci);
-  return drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
+  check_nulls(layout, result.foci, options);
+  array::Drive drive = drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
+  report_nulls(layout, drive, result.foci, options);
+  return drive;
 }
 
 std::size_t loudest_of(std::span<const std::complex<double>> pressures) {
@@ -74,10 +79,12 @@ void check(const FieldTask& task, bool picture) {
                                       : "--drive and --focus exclude each other: give one of them");
   }
   const DriveOptionsGroup usual;
-  if (!task.drive_file.empty() && (task.drive.weighting != usual.weighting || task.drive.solver ||
-                                   task.drive.transfer || task.drive.constraint || task.drive.pressure_pa)) {
+  if (!task.drive_file.empty() &&
+      (task.drive.weighting != usual.weighting || task.drive.solver || task.drive.transfer || task.drive.constraint ||
+       task.drive.pressure_pa || !task.drive.nulls.empty())) {
     throw bad_usage(
-        "--amplitude, --solver, --transfer, --constraint and --pressure go with --focus: --drive is already a drive");
+        "--amplitude, --solver, --transfer, --constraint, --pressure and --null go with --focus: --drive is already a "
+        "drive");
   }
   if (picture && task.place.given() && !task.place.plane && task.place.line[0].empty())
     throw bad_usage("--png draws a plane or a line: give --plane or --line, or use --csv or --vtu");

@@ -7,6 +7,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
+#include "setup/nulls.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/values.hpp"
 
@@ -41,6 +42,9 @@ void add_options(CLI::App& app, DriveLine& o) {
   const Group group(app, "What to drive");
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", focus_help, check_focus_text);
+  add_null_option(group, o.task.drive, "the layout's own frame");
+  group.text("--pattern", o.task.pattern, "FILE",
+             "TOML file of control points with wanted amplitudes, silent ones too, instead of --focus (docs/files.md)");
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
   group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
@@ -64,6 +68,7 @@ void add_options(CLI::App& app, FieldLine& o) {
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", focus_help), check_focus_text);
+  add_null_option(group, o.task.drive, "the layout's own frame");
   add_place_options(app, o.task.place);
   const Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
