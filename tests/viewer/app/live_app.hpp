@@ -92,6 +92,11 @@ class LiveApp : public testing::Test {
     return std::ranges::any_of(app_->data().messages.toasts(),
                                [&](const Toast& toast) { return toast.text.find(text) != std::string::npos; });
   }
+  /// The same of the lines that were ever shown.
+  bool has_said(const std::string& text) const {
+    return std::ranges::any_of(app_->data().messages.log(),
+                               [&](const log::Line& line) { return line.text.find(text) != std::string::npos; });
+  }
   void all_off() { key('o'); }
   void point_at(const Vec3& world) {
     const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
