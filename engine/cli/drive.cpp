@@ -113,7 +113,7 @@ void add_drive(Program& program) {
       {"drive", "amplitude and phase of every transducer, for one or several foci",
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
-       "--layout --focus --null --touch --slot --solver --constraint --pressure --temperature --frequency --csv",
+       "--layout --focus --null --touch --slot --solver --constraint --pressure --frequency --csv",
        "Phases are delays in radians (time factor e^-iwt). Amplitudes are 0 to 1."},
       setup::add_options, run_drive);
 }
