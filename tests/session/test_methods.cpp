@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "touch/stage.hpp"
 
@@ -23,7 +23,7 @@ struct Frame {
 
   explicit Frame(double depth_m = 3e-3) {
     std::vector<glm::vec3> points;
-    for (const Vec3& p : geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions)
+    for (const Vec3& p : palpa::test::finger_skin().mesh.positions)
       points.emplace_back(p.x, p.y - depth_m, p.z);
     touch::Stage(solids).touch(sensing::numbered(points), touch);
     for (touch::Finger& finger : touch.fingers)

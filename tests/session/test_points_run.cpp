@@ -11,9 +11,9 @@
 
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "session/points_run.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -27,7 +27,7 @@ std::vector<geometry::Solid> touchable_cube() {
 /// The finger model with its tip at this height.
 std::vector<glm::vec3> pushed_finger(double y) {
   std::vector<glm::vec3> points;
-  for (const Vec3& p : geometry::read_ply(test::source_file("assets/finger.ply")).positions)
+  for (const Vec3& p : test::finger_skin().mesh.positions)
     points.emplace_back(p + Vec3(0, y, 0));
   return points;
 }

@@ -5,10 +5,10 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::touch::test {
@@ -21,11 +21,7 @@ double radians(double degrees) {
 }
 
 const geometry::Mesh& finger() {
-  static const geometry::Mesh mesh = [] {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    return geometry::Mesh{std::move(ply.positions), std::move(ply.triangles)};
-  }();
-  return mesh;
+  return palpa::test::finger_skin().mesh;
 }
 
 Transform pose_of(const Press& press) {

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <map>
 #include <numbers>
 #include <random>
-#include <utility>
 
 #include "support/shapes.hpp"
 
@@ -105,32 +103,9 @@ Mesh needle_cylinder(int segments) {
   return mesh;
 }
 
-Mesh subdivided(const Mesh& mesh) {
-  Mesh out;
-  out.positions = mesh.positions;
-  std::map<std::pair<Index, Index>, Index> middles;
-  const auto middle = [&](Index a, Index b) {
-    const auto [place, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<Index>(out.positions.size()));
-    if (fresh) out.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5);
-    return place->second;
-  };
-  for (const glm::uvec3& t : mesh.triangles) {
-    const Index a = middle(t.x, t.y), b = middle(t.y, t.z), c = middle(t.z, t.x);
-    out.triangles.insert(out.triangles.end(), {{t.x, a, c}, {a, t.y, b}, {c, b, t.z}, {a, b, c}});
-  }
-  return out;
-}
-
-Mesh tilted(Mesh mesh, const Vec3& shift) {
+Mesh tilted(const Mesh& mesh, const Vec3& shift) {
   const glm::dmat3 turn(0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6);
-  for (Vec3& p : mesh.positions) {
-    p = turn * p + shift;
-    for (int i = 0; i < 3; ++i) {
-      const volatile auto single = static_cast<float>(p[i]);
-      p[i] = single;
-    }
-  }
-  return mesh;
+  return palpa::test::rounded(transformed(mesh, [&](const Vec3& p) { return turn * p + shift; }));
 }
 
 std::vector<glm::vec3> points_near(const Mesh& mesh, std::uint32_t count, unsigned seed) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "support/exhaustive.hpp"
-#include "support/shared_data.hpp"
 #include "touch/fingers/two_fingers.hpp"
 
 namespace palpa::touch::test {
@@ -91,17 +90,6 @@ TEST_P(TwoFingers, BounceOff) {
 TEST(TwoFingersFast, CrossOverAtFifteenFramesPerSecond) {
   // From frame to frame each other's distance shrinks by 20 mm, more than is left: two frames show them as one.
   expect_sensible(crossing(0.15, 15, 0.006), 3, 15);
-}
-
-TEST(TwoFingersRecorded, MeetStayTogetherAndPart) {
-  const Walk walk = bouncing(0.15, 30, 0.6);
-  const auto seen = film(walk, 1, 30, 3);
-  const auto frames = through_recording(seen, 1, palpa::test::scratch_folder("two-fingers") / "recording");
-  ASSERT_EQ(frames.size(), seen.size());
-  const Story story = story_of(follow(walk, frames, 1));
-  EXPECT_GT(story.merged, 15u);
-  EXPECT_TRUE(story.before[0] && story.before[1]);
-  EXPECT_EQ(story.after, story.before);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <string>
@@ -30,9 +29,6 @@ std::vector<geometry::Solid> plate();
 
 /// The images of the first `cameras` of the paper's rig, with the D415's faults.
 std::vector<sensing::FrameSet> film(const Walk& walk, int cameras, double rate_hz, std::uint64_t seed);
-/// The same, written as a recording and read back.
-std::vector<sensing::FrameSet> through_recording(const std::vector<sensing::FrameSet>& frames, int cameras,
-                                                 const std::filesystem::path& folder);
 
 /// A finger of a frame.
 struct Sighting {

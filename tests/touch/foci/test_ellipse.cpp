@@ -102,23 +102,6 @@ TEST(FitEllipse, AgreesWithTheFullEigenvalueProblemOnNoisyPoints) {
   }
 }
 
-TEST(FitEllipse, TurnsWithItsPoints) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0, 0.2);
-  std::vector<Vec2> points = arc_of({{0, 0}, 1.1, 0.6, 0.4}, 0, turn, 60);
-  for (Vec2& p : points)
-    p += Vec2(noise(random), noise(random));
-  const auto straight = fit_ellipse(moments_of(points));
-  const double c = std::cos(0.7), s = std::sin(0.7);
-  for (Vec2& p : points)
-    p = Vec2(c * p.x - s * p.y, s * p.x + c * p.y);
-  const auto turned = fit_ellipse(moments_of(points));
-  ASSERT_TRUE(straight && turned);
-  EXPECT_NEAR(straight->semi_major(), turned->semi_major(), 1e-9);
-  EXPECT_NEAR(straight->semi_minor(), turned->semi_minor(), 1e-9);
-  EXPECT_NEAR(turned->centre.x, c * straight->centre.x - s * straight->centre.y, 1e-9);
-}
-
 TEST(FitEllipse, RefusesWhatIsNone) {
   EXPECT_FALSE(fit_ellipse({}));
   EXPECT_FALSE(fit_ellipse(moments_of({{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0.5}}))) << "5 points fit any conic";
@@ -148,14 +131,6 @@ TEST(FitEllipse, WhateverComesIsAFiniteEllipse) {
     EXPECT_TRUE(std::isfinite(fitted->semi_major()) && fitted->semi_minor() > 0) << i;
     EXPECT_GT(fitted->xx * fitted->yy - fitted->xy * fitted->xy, 0) << i;
   }
-}
-
-TEST(EllipseOfMoments, HasTheCovarianceOfItsPoints) {
-  const Drawn drawn{{0.3, 0.1}, 1.4, 0.5, 0.6};
-  const auto ellipse = ellipse_of_moments(moments_of(arc_of(drawn, 0, turn, 1000)));
-  ASSERT_TRUE(ellipse);
-  for (double t = 0; t < turn; t += 0.2)
-    EXPECT_NEAR(off(drawn, ellipse->at(t)), 0, 1e-9);
 }
 
 TEST(Ellipse, ParameterIsTheInverse) {
