@@ -259,11 +259,7 @@ TEST(Effort, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
   const OutputSetting setting{layout, {}, 1.5e-3, hold_s};
   Plan plan;
   plan.schedule = test::touching(Vec3(0, 0.15, 0));
-  SlotWork work;
-  plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
-    plan.drives.resize(plan.drives.size() + layout.transducers.size());
-    array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
-  });
+  test::list_drives(layout, plan);
   SlotScratch scratch;
   for (const auto& [takes_s, more_s] :
        {std::pair(0.005, 0.0), {0.06, 0.0}, {0.09, 0.0}, {0.15, 0.0}, {0.25, 0.0}, {0.15, 0.1}, {0.25, 0.1}}) {

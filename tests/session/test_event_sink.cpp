@@ -134,15 +134,6 @@ TEST(EventSink, APipeThatNobodyReadsDelaysNothingAndLosesWholeLines) {
   EXPECT_EQ(got.front(), 0U);
 }
 
-TEST(EventSink, ItsEndWaitsForNobodyLong) {
-  Fifo fifo("event-end");
-  const auto sink = open_event_sink(fifo.file.string(), names);
-  sink->write(events(5'000));
-  sink->finish();
-  EXPECT_EQ(sink->written() + sink->dropped(), 5'000U);
-  EXPECT_GT(sink->dropped(), 1000U);
-}
-
 TEST(EventSink, ThatMayWaitLeavesNothingOut) {
   Fifo fifo("event-wait");
   std::atomic<bool> stop{false};

@@ -74,21 +74,6 @@ TEST(RecordLink, WritesWhatItIsSentAndReadsItBack) {
   }
 }
 
-TEST(RecordLink, AFullDiskIsAnError) {
-  Setting s;
-  const Error error = test::thrown_by([&] {
-    const auto link = open_link("record:/dev/full", builtin_links(), s.setting);
-    const array::Drive drive(3, {1.0f, 0.0f});
-    for (int i = 0; i < 100'000; ++i)
-      link->send(static_cast<std::uint64_t>(i), drive);
-    link->finish();
-  });
-  EXPECT_EQ(error.code(), Exit::failed);
-  EXPECT_CONTAINS(error.what(), "/dev/full: cannot be written");
-  EXPECT_EQ(test::thrown_by([&] { open_link("record:/no/such/folder/x", builtin_links(), s.setting); }).code(),
-            Exit::failed);
-}
-
 TEST(RecordLink, EndsSilentlyWhereverTheDiskIsFull) {
   Setting s;
   const auto file = test::scratch_folder("limited") / "drives.bin";
@@ -173,6 +158,7 @@ TEST(RecordLink, BrokenFilesAreNamed) {
   for (const std::filesystem::path& file : {folder / "not", folder / "missing", folder})
     EXPECT_REFUSED(read_drive_recording(file), file.string());
   Setting s;
+  EXPECT_ERROR(open_link("record:/no/such/folder/x", builtin_links(), s.setting), Exit::failed, "/no/such/folder/x");
   const auto link = open_link("record:" + (folder / "cut").string(), builtin_links(), s.setting);
   link->send(0, array::Drive(3, {1.0f, 0.0f}));
   link->finish();
@@ -196,18 +182,6 @@ TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
     EXPECT_TRUE(frame == 0 || storage == line.data());
     storage = line.data();
   }
-}
-
-TEST(FociLink, SendsOneJsonLinePerFrame) {
-  Setting s;
-  const test::UdpReceiver receiver;
-  const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
-  link->plan({.schedule = one_finger()});
-  JsonWriter json;
-  write_foci_line(one_finger(), s.names, json);
-  EXPECT_EQ(receiver.next(), json.finish());
-  link->plan({.schedule = array::Schedule()});
-  EXPECT_TRUE(nlohmann::json::parse(receiver.next())["fingers"].empty());
 }
 
 /// The largest number of fingers and foci: about 160 kB of JSON.

@@ -308,18 +308,6 @@ TEST(Loop, SoundsWhileItLooksAtEveryFrameOfASourceSlowerThanItsClock) {
   EXPECT_LT(loop.stats.output.silent_drives * 3, loop.stats.output.drives);
 }
 
-TEST(Loop, FollowsASourceWhoseClockRunsSlow) {
-  Loop loop;
-  loop.source.count = 500;
-  loop.source.clock_rate = 1 - 8e-4;  // in one second as far off as 50 parts in a million in 16 s
-  double youngest_s = 1;
-  loop.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
-    if (report.sequence > 250) youngest_s = std::min(youngest_s, report.arrived_s - plan.captured_s);
-  };
-  loop.run();
-  EXPECT_LT(youngest_s, 0.2e-3) << "without the leak, none of these is younger than 0.4 ms";
-}
-
 TEST(Loop, SoundsOnWhenTheSourcesClockIsReset) {
   Loop loop;
   loop.source.count = 100;
@@ -349,13 +337,6 @@ TEST(SourceClock, FollowsAClockThatRunsSlow) {
     age = arrived - clock.capture_time(arrived * (1 - 50e-6), arrived);
   }
   EXPECT_LT(age, 1e-3);
-}
-
-TEST(SourceClock, StartsAgainWhenTheSourcesClockStepsBack) {
-  SourceClock clock;
-  clock.capture_time(1000.0, 5.0);
-  EXPECT_DOUBLE_EQ(clock.capture_time(0.0, 6.0), 6.0);
-  EXPECT_NEAR(clock.capture_time(0.011, 6.011), 6.011, 1e-4);
 }
 
 TEST(Stats, QuantilesAndJson) {

@@ -21,11 +21,7 @@ struct Output {
     Plan plan;
     plan.schedule = std::move(schedule);
     plan.captured_s = captured_s;
-    SlotWork work;
-    plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
-      plan.drives.resize(plan.drives.size() + layout.transducers.size());
-      array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
-    });
+    test::list_drives(layout, plan);
     return plan;
   }
   array::Drive slot(const Plan& plan, std::uint64_t number, double now_s) {
@@ -34,10 +30,6 @@ struct Output {
     return {drive.begin(), drive.end()};
   }
 };
-
-float loudest(const array::Drive& drive) {
-  return test::loudest_of(drive);
-}
 
 bool same(const array::Drive& a, const array::Drive& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -62,22 +54,20 @@ TEST(Output, PlaysTheOrderOfTheSlotCounterNotOfTheFrame) {
 TEST(Output, ExpiresAfterTheHold) {
   Output out;
   const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 5.0);
-  EXPECT_EQ(loudest(out.slot(plan, 0, 5.099)), 1.0f);
-  EXPECT_EQ(loudest(out.slot(plan, 0, 5.1)), 0.0f);
+  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.099)), 1.0f);
+  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.1)), 0.0f);
 }
 
-TEST(Output, APlanWithoutATimeIsSilence) {
+TEST(Output, APlanWithoutATimeOrATouchIsSilence) {
   Output out;
-  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), std::nan(""));
-  for (const double now_s : {0.0, 5.0, 1e9})
-    EXPECT_EQ(loudest(out.slot(plan, 0, now_s)), 0.0f) << now_s;
-}
-
-TEST(Output, NothingTouchedIsSilence) {
-  Output out;
-  const Plan plan = out.plan_of(array::Schedule());
-  EXPECT_EQ(out.slot(plan, 3, 0).size(), out.layout.transducers.size());
-  EXPECT_EQ(loudest(out.slot(plan, 3, 0)), 0.0f);
+  for (const Plan& plan :
+       {out.plan_of(test::touching(Vec3(0, 0.15, 0)), std::nan("")), out.plan_of(array::Schedule())}) {
+    for (const double now_s : {0.0, 5.0, 1e9}) {
+      const array::Drive drive = out.slot(plan, 3, now_s);
+      EXPECT_EQ(drive.size(), out.layout.transducers.size());
+      EXPECT_EQ(test::loudest_of(drive), 0.0f) << now_s;
+    }
+  }
 }
 
 TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
@@ -94,27 +84,33 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
       EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
       EXPECT_EQ(b[i].phase, a[i].phase);
     }
-    least = std::min(least, loudest(b));
-    most = std::max(most, loudest(b));
+    least = std::min(least, test::loudest_of(b));
+    most = std::max(most, test::loudest_of(b));
   }
   EXPECT_LT(least, 0.2f);
   EXPECT_GT(most, 0.9f);
 }
 
-TEST(Output, FingersThatDifferInModulationAreSummedPerSlot) {
+TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {
   Output out;
-  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
-  array::Voice& second = schedule.add_voice();
-  second = test::touching(Vec3(0.06, 0.15, 0.02), 200).voices[0];
-  const Plan plan = out.plan_of(schedule);
-  EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
-  ASSERT_EQ(plan.cycle.length, 10u) << "200 Hz repeats after ten slots of 1.5 ms";
-  for (const std::uint64_t slot : {0ull, 4ull, 13ull}) {
-    std::vector<array::SlotFocus> foci;
-    array::foci_of_slot(schedule, slot, foci);
-    array::Drive expected(out.layout.transducers.size());
-    array::drive_for(out.layout, foci, {}, expected);
-    EXPECT_TRUE(same(out.slot(plan, slot, 0), expected)) << slot;
+  for (const double modulation_hz : {200.0, 199.37}) {
+    array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+    schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), modulation_hz).voices[0];
+    const Plan plan = out.plan_of(schedule);
+    EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
+    const bool repeats = modulation_hz == 200;  // after ten slots of 1.5 ms
+    EXPECT_EQ(plan.cycle.is_listed(), repeats);
+    EXPECT_EQ(plan.cycle.too_long, !repeats);
+    if (repeats) {
+      EXPECT_EQ(plan.cycle.length, 10u);
+    }
+    for (const std::uint64_t slot : repeats ? std::vector{0ull, 4ull, 13ull} : std::vector{777ull}) {
+      std::vector<array::SlotFocus> foci;
+      array::foci_of_slot(schedule, slot, foci);
+      array::Drive expected(out.layout.transducers.size());
+      array::drive_for(out.layout, foci, {}, expected);
+      EXPECT_TRUE(same(out.slot(plan, slot, 0), expected)) << slot;
+    }
   }
 }
 
@@ -126,20 +122,6 @@ TEST(Output, APlanOfNoFingerIsNotTooLongButHasNothingToDrive) {
   plan = out.plan_of(array::Schedule());
   EXPECT_FALSE(plan.cycle.is_listed());
   EXPECT_FALSE(plan.cycle.too_long);
-}
-
-TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
-  Output out;
-  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
-  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
-  const Plan plan = out.plan_of(schedule);
-  EXPECT_FALSE(plan.cycle.is_listed());
-  EXPECT_TRUE(plan.cycle.too_long);
-  std::vector<array::SlotFocus> foci;
-  array::foci_of_slot(schedule, 777, foci);
-  array::Drive expected(out.layout.transducers.size());
-  array::drive_for(out.layout, foci, {}, expected);
-  EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
 }
 
 TEST(Output, AReservedScratchNeverGrows) {
@@ -172,26 +154,33 @@ TEST(Output, AReservedScratchNeverGrows) {
   }
 }
 
-/// Asks for the end with the first drive from `time_s` on.
-test::Watcher stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
-  test::Watcher watcher;
-  watcher.on_sent = [=, &clock, &stop](bool, const HandOver&) {
-    if (clock.now() >= time_s) stop = true;
-  };
-  return watcher;
-}
+/// A plan of one finger that was captured at 0 s, and its output.
+struct Playing : Output {
+  test::SteppedClock clock;
+  Newest<Plan> plans;
+  const Plan* plan = nullptr;
+  OutputStats stats;
+
+  Playing() {
+    plans.back() = plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
+    plan = &plans.back();
+    plans.publish();
+  }
+  /// Asks for the end with the first drive from `time_s` on.
+  void play_until(double time_s, Link& link) {
+    std::atomic<bool> stop{false};
+    test::Watcher watcher;
+    watcher.on_sent = [&](bool, const HandOver&) {
+      if (clock.now() >= time_s) stop = true;
+    };
+    play(link, plans, setting, clock, Ending{stop}, stats, watcher);
+  }
+};
 
 TEST(Output, SendsSilenceLastWhenStopped) {
-  Output out;
+  Playing out;
   test::SpyLink link;
-  Newest<Plan> plans;
-  const test::SteppedClock clock;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.06, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  out.play_until(0.06, link);
   EXPECT_EQ(link.slots.size(), 42u) << "of slots 0 to 40, and the silence";
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
@@ -202,19 +191,11 @@ TEST(Output, SendsSilenceLastWhenStopped) {
 }
 
 TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
-  Output out;
+  Playing out;
   out.setting.hold_s = 0.03;
-  const test::SteppedClock clock;
   test::SpyLink link;
-  Newest<Plan> plans;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  const Plan& plan = plans.back();
-  const std::vector<const void*> there{&plan.schedule, plan.drives.data()};
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.08, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  const std::vector<const void*> there{&out.plan->schedule, out.plan->drives.data()};
+  out.play_until(0.08, link);
   ASSERT_EQ(link.plans.size(), 3u) << "the plan, that it expired, the end";
   const test::SpyLink::Played& played = link.plans[0];
   EXPECT_EQ(played.voices, 1u);
@@ -228,7 +209,6 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
 }
 
 TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
-  const test::SteppedClock clock;
   struct DawdlingLink : test::SpyLink {
     const test::SteppedClock& clock;
     explicit DawdlingLink(const test::SteppedClock& by) : clock(by) {}
@@ -237,33 +217,22 @@ TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
       SpyLink::send(slot, drive);
     }
   };
-  Output out;
+  Playing out;
   out.setting.hold_s = 10;
-  DawdlingLink link(clock);
-  Newest<Plan> plans;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.15, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  DawdlingLink link(out.clock);
+  out.play_until(0.15, link);
   ASSERT_GT(link.slots.size(), 12u);
   EXPECT_EQ(link.slots[11] - link.slots[10], 40u) << "60 ms are 40 slots";
-  EXPECT_EQ(stats.skipped_slots, 39u);
+  EXPECT_EQ(out.stats.skipped_slots, 39u);
 }
 
 TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
   for (const bool broken : {false, true}) {
-    Output out;
+    Playing out;
     test::SpyLink link;
     link.fail_at = 5;
     link.broken = broken;
-    Newest<Plan> plans;
-    plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 1e9);
-    plans.publish();
-    std::atomic<bool> stop{false};
-    OutputStats stats;
-    EXPECT_ERROR(play(link, plans, out.setting, Clock(), Ending{stop}, stats), Exit::failed, "spy: the link broke");
+    EXPECT_ERROR(out.play_until(1, link), Exit::failed, "spy: the link broke");
     EXPECT_TRUE(link.ended_silent()) << "broken " << broken;
     EXPECT_TRUE(link.finished);
   }

@@ -203,29 +203,6 @@ TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
             std::string::npos);
 }
 
-TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
-  const auto expect_hold = [](bool asked) {
-    SteppedLoop<SheddingPlanner> loop;
-    loop.source.count = 400;
-    loop.setting.output.hold_s = 0.020;
-    loop.setting.lengthens_hold = asked;
-    loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
-    loop.run();
-    ASSERT_TRUE(loop.stats.shed);
-    if (asked) {
-      EXPECT_GT(loop.stats.shed->hold_s, 0.05) << "two frames of 25 ms";
-      EXPECT_GT(loop.link.most, 0.0f) << "it is heard";
-    } else {
-      EXPECT_EQ(loop.stats.shed->hold_s, 0.020);
-      EXPECT_EQ(loop.link.most, 0.0f) << "over before it sounds";
-    }
-  };
-  test::stderr_of([&] {
-    expect_hold(false);
-    expect_hold(true);
-  });
-}
-
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
   SteppedLoop<SheddingPlanner> loop;
   loop.source.count = 20;
@@ -236,18 +213,6 @@ TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
   for (const Effort& effort : loop.planner.asked)
     EXPECT_TRUE(effort.whole());
   EXPECT_FALSE(loop.stats.shed);
-}
-
-TEST(Overload, AFrameThatDawdlesIsNone) {
-  SteppedLoop<> loop;
-  loop.source.count = 60;
-  loop.setting.output.hold_s = 0.1;
-  loop.planner.before = [&](std::uint64_t frame) {
-    if (frame == 20) loop.clock.sleep(0.13);
-  };
-  testing::internal::CaptureStderr();
-  loop.run();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 }  // namespace

@@ -241,15 +241,6 @@ TEST(OwnSolver, ListsSlotsThatDoNotRepeatSoonEnough) {
   EXPECT_EQ(plan.drives.size(), most_cycle * layout.transducers.size());
 }
 
-TEST(SessionGrows, WithTheCloudItIsGiven) {
-  Session session(palpa::test::test_device(), {.solids = cube(0.001)});
-  std::vector<glm::vec3> many = finger_at({0, -0.001, 0});
-  const std::size_t contacts = session.touch(many, 0).contacts.size();
-  many.resize(20'000, glm::vec3(1, 1, 1));
-  EXPECT_EQ(session.touch(many, 0.01).contacts.size(), contacts);
-  EXPECT_EQ(session.touch(finger_at({0, -0.001, 0}), 0.02).contacts.size(), contacts);
-}
-
 /// A cube under the paper's cameras and array, and a finger that dips into it.
 struct Live {
   SessionSetting setting{.solids = cube(0.003),

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <glm/ext/matrix_transform.hpp>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <string>
@@ -220,49 +222,34 @@ TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
   EXPECT_EQ(wanted(0.6), 3) << "fingers move";
 }
 
-/// A finger that does not change, so the result for spots never changes.
-struct StillSource : sensing::DepthSource {
-  std::vector<sensing::Camera> rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras;
-  sensing::FrameSet picture;
-  std::uint64_t count, given = 0;
-
-  explicit StillSource(std::uint64_t frames) : count(frames) {
-    Transform T(1.0);
-    T[3] = Vec4(0, -0.003, 0, 1);
-    const sensing::Posed skin{&palpa::test::finger_skin().mesh, T};
-    sensing::SyntheticRig(rig, {}, sensing::Noise::none, 1).render(std::span(&skin, 1), 0, picture);
-  }
-  const std::vector<sensing::Camera>& cameras() const override { return rig; }
-  bool next(sensing::FrameSet& out, double) override {
-    if (given == count) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    out = picture;
-    out.sequence = given;
-    out.time_s = 0.005 * static_cast<double>(given++);
-    return true;
-  }
-};
-
-/// A cube over this array, with that finger in it.
+/// A cube over this array, with a finger in it that does not change, so the result for spots never changes.
 struct Live {
-  StillSource source;
-  SessionSetting setting{
-      .solids = cube(), .cameras = source.rig, .layout = openmpd(), .touch = thirteen, .schedule = tuned()};
+  SessionSetting setting{.solids = cube(),
+                         .cameras = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras,
+                         .layout = openmpd(),
+                         .touch = thirteen,
+                         .schedule = tuned()};
+  std::unique_ptr<sensing::DepthSource> source;
   test::SpyLink link;
   std::atomic<bool> stop{false};
   std::vector<std::uint32_t> strides;  ///< frame by frame
   test::Watcher watcher;
   RunOptions options{.observer = &watcher};
 
-  explicit Live(std::uint64_t frames) : source(frames) {
+  Live(std::uint64_t frames, bool every_frame) {
+    const auto still = [](double) { return glm::translate(Transform(1), Vec3(0, -0.003, 0)); };
+    source = sensing::make_synthetic_source(
+        setting.cameras, palpa::test::finger_skin().mesh, {},
+        {.motion = still, .noise = sensing::Noise::none, .paced = !every_frame, .frames = frames});
+    options.every_frame = every_frame;
     watcher.on_planned = [this](const FrameReport&, const Plan& plan) { strides.push_back(stride_of(plan.schedule)); };
   }
   bool changed() const { return std::ranges::adjacent_find(strides, std::not_equal_to()) != strides.end(); }
-  LoopStats run() { return Session(setting).run(source, link, stop, options); }
+  LoopStats run() { return Session(setting).run(*source, link, stop, options); }
 };
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
-  Live live(2000);
+  Live live(2000, false);
   live.setting.hold_s = 10;  // no frame is late: with fewer foci, strides would differ
   Steady::time_point stopped;
   live.watcher.on_planned = [&, look = live.watcher.on_planned](const FrameReport& report, const Plan& plan) {
@@ -281,13 +268,12 @@ TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
 }
 
 TEST(Tuning, OfEveryFrameIsThatOfSpots) {
-  Live live(16);
-  live.options.every_frame = true;
+  Live live(16, true);
   const LoopStats stats = live.run();
   EXPECT_FALSE(stats.tune.value().of_array);
   ASSERT_EQ(live.strides.size(), 16u);
   EXPECT_FALSE(live.changed());
-  Live spot(16);
+  Live spot(16, false);
   spot.setting.schedule.spot_m = acoustics::SpectrumOptions().fwhm_m;
   EXPECT_FALSE(spot.run().tune.value().of_array);
   EXPECT_FALSE(spot.changed()) << "the array is not asked if a spot replaces it";

@@ -43,6 +43,26 @@ Transform pose_of(const Press& press) {
   return T;
 }
 
+/// The press that each contact belongs to: the one whose finger's surface is nearest.
+std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses) {
+  std::vector<std::uint32_t> out;
+  for (const Contact& contact : touch.contacts) {
+    double nearest = 1e300;
+    std::uint32_t owner = 0;
+    for (std::uint32_t f = 0; f < presses.size(); ++f) {
+      const Transform T = pose_of(presses[f]);
+      for (const Vec3& p : finger().positions) {
+        const double apart = glm::distance(transform_point(T, p), Vec3(contact.position));
+        if (apart >= nearest) continue;
+        nearest = apart;
+        owner = f;
+      }
+    }
+    out.push_back(owner);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<sensing::Camera> paper_cameras(int count) {
@@ -79,25 +99,6 @@ std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& c
   sensing::FrameSet set;
   rig.render(skin, seed, set);
   return set.frames;
-}
-
-std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses) {
-  std::vector<std::uint32_t> out;
-  for (const Contact& contact : touch.contacts) {
-    double nearest = 1e300;
-    std::uint32_t owner = 0;
-    for (std::uint32_t f = 0; f < presses.size(); ++f) {
-      const Transform T = pose_of(presses[f]);
-      for (const Vec3& p : finger().positions) {
-        const double apart = glm::distance(transform_point(T, p), Vec3(contact.position));
-        if (apart >= nearest) continue;
-        nearest = apart;
-        owner = f;
-      }
-    }
-    out.push_back(owner);
-  }
-  return out;
 }
 
 std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses) {

@@ -88,23 +88,6 @@ geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count
   return solid;
 }
 
-geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale) {
-  geometry::Solid out = solid;
-  out.bounds = {};
-  for (geometry::Plane& plane : out.planes) {
-    const Vec3 on_plane = transform_point(T_world_solid, plane.normal * plane.offset * scale);
-    plane.normal = transform_direction(T_world_solid, plane.normal);
-    plane.offset = glm::dot(plane.normal, on_plane);
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at(corner & 1 ? solid.bounds.high.x : solid.bounds.low.x,
-                  corner & 2 ? solid.bounds.high.y : solid.bounds.low.y,
-                  corner & 4 ? solid.bounds.high.z : solid.bounds.low.z);
-    out.bounds.add(transform_point(T_world_solid, at * scale));
-  }
-  return out;
-}
-
 namespace {
 
 /// Points of a finger whose tip is the origin. Films and both backends ask for the same fingers again and again.

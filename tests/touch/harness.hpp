@@ -49,8 +49,6 @@ geometry::Solid cube();
 geometry::Solid ball(const Vec3& centre, double radius, std::uint32_t count, const std::string& name = "ball");
 /// The half of a ball with its flat side down.
 geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count);
-/// A solid moved by a rigid motion and scaled about the origin.
-geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale = 1);
 
 /// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), about 0.35 mm apart. Leaves
 /// out points above `highest`, which long films do not need.

@@ -192,8 +192,8 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
   }
 }
 
-/// Members are numbers of four bytes and vectors of four of them, so C++ leaves no gaps between them. Nor does the
-/// shader if a late member is where C++ has it and, in an array, the next struct.
+/// Members are numbers of four bytes and vectors of four of them, so C++ leaves no gaps between them. The shader does
+/// not either if a late member is where C++ has it and, in an array, the next struct.
 void expect_struct(const palpa::test::SpirvModule& module, const std::string& name, std::size_t size,
                    const std::string& late, std::size_t offset, bool in_array) {
   SCOPED_TRACE(name + "." + late);

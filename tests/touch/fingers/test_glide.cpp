@@ -216,49 +216,6 @@ TEST(Glide, AxesAndFociAreThoseOfAnIndependentComputation) {
   EXPECT_GT(empty, held);
 }
 
-TEST(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
-  // A ring whose one side goes away; the contacts that stay do not move.
-  std::vector<glm::vec3> whole, part;
-  for (int i = 0; i < 720; ++i) {
-    const double angle = i * std::numbers::pi / 360, r = 5e-3 + 0.3e-3 * (i % 3);
-    whole.emplace_back(r * std::cos(angle), -0.3e-3 * (i % 3 + 1), r * std::sin(angle));
-    // Mirrored, so that the mean stays nearly where it is.
-    if (i % 180 > 75) part.push_back(whole.back());
-  }
-  Stream stream({cube()}, setting_of(20, Smoothing::one_euro));
-  Finger before = stream.frame(whole, 0).fingers[0];
-  int k = 1;
-  for (; k < 10; ++k)
-    before = stream.frame(whole, k * frame_90).fingers[0];
-  const Finger full = before;
-  double most = 0;
-  int held = 0;
-  for (; k < 60; ++k) {
-    const Finger now = stream.frame(part, k * frame_90).fingers[0];
-    for (std::size_t n = 0; n < 20; ++n) {
-      most = std::max<double>(most, glm::distance(now.foci[n].position, before.foci[n].position));
-      if (now.foci[n].points != 0) continue;
-      EXPECT_EQ(now.foci[n].held, k < 10 + 4) << k;  // 44 ms
-      if (!now.foci[n].held) continue;
-      ++held;
-      EXPECT_LT(glm::distance(now.foci[n].position, full.foci[n].position), 0.3e-3F) << "frame " << k;
-    }
-    before = now;
-  }
-  EXPECT_GT(held, 4);
-  EXPECT_LT(most, 0.05 * frame_90 + 0.2e-3) << "50 mm/s, and the finger's own motion";
-  // In the end it plays where its neighbour does.
-  for (std::size_t n = 0; n < 20; ++n) {
-    if (before.foci[n].points != 0) continue;
-    float nearest = 1;
-    for (std::size_t m = 0; m < 20; ++m) {
-      if (before.foci[m].points != 0)
-        nearest = std::min(nearest, glm::distance(before.foci[n].position, before.foci[m].position));
-    }
-    EXPECT_LT(nearest, 0.2e-3F);
-  }
-}
-
 TEST(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
   Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
   Stream fresh({cube()}, setting_of(10, Smoothing::none));

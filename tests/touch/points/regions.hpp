@@ -15,8 +15,8 @@ using Regions = std::vector<std::vector<std::uint32_t>>;  ///< each ascending, o
 /// Contacts of one solid that steps of at most the gap connect.
 Regions grow_regions(const std::vector<Contact>& contacts, double gap_m);
 
-/// How the fingers of a touch differ from the regions of its contacts, or of all skin inside if clusters are of that;
-/// empty if they do not. Of more than max_fingers, the largest are compared.
+/// How the fingers of a touch differ from the regions of its contacts, or of all skin inside if that is clustered;
+/// empty if they do not. If there are more than max_fingers, the largest are compared.
 std::string not_regions(const Touch& touch, const Parameters& parameters);
 
 }  // namespace palpa::touch::test

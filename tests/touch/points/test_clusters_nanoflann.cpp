@@ -17,6 +17,7 @@ namespace palpa::touch::test {
 namespace {
 
 using Points = std::vector<glm::vec3>;
+
 /// `count` points along a helix of at most 1.2 m radius and 1.5 m rise, 0.98 of a gap apart each. Its turns lie further
 /// apart than a gap where there are more than 230 points: a single cluster, however long.
 Points thread(std::uint32_t count, double gap) {
@@ -94,19 +95,6 @@ TEST_P(ClustersAgainstNanoflann, FindTheSamePartition) {
     RC_ASSERT(touch.contacts.size() == points.size());
     RC_ASSERT(not_regions(touch, parameters) == "");
   }));
-}
-
-TEST(AdversarialClouds, AllLieWithinEverythingAndAThreadIsOneCluster) {
-  for (const double gap : {1e-3, 5e-3, 0.0794}) {
-    for (const std::uint32_t count : {1U, 2U, 127U, 1000U, gap > 0.01 ? 1000U : 4000U}) {
-      for (int kind = 0; kind < kinds; ++kind)
-        EXPECT_EQ(adversarial(kind, count, gap, count + 1).size(), count) << kind;
-      std::vector<Contact> contacts;
-      for (const glm::vec3& place : adversarial(2, count, gap, 1))
-        contacts.push_back({.position = place});
-      EXPECT_EQ(grow_regions(contacts, gap).size(), 1U) << gap << ' ' << count;
-    }
-  }
 }
 
 TEST_P(ClustersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
