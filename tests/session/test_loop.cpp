@@ -351,10 +351,6 @@ TEST(Stats, QuantilesAndJson) {
   const gpu::PassTime times[]{{"skin", 1.0}, {"contacts", 2.0}};
   stats.add_passes(times);
   stats.add_passes(times);
-  ASSERT_EQ(stats.passes.size(), 2u);
-  EXPECT_EQ(stats.passes[1].ms.count(), 2u);
-  EXPECT_NE(to_json(stats).find("\"contacts\":{\"count\":2,\"median\":2,"), std::string::npos) << to_json(stats);
-
   stats.captured = 7;
   stats.seconds = 1.0 / 3;
   stats.output.sent(0.00123456789, true);

@@ -2,8 +2,6 @@
 // finger_scenes.hpp, which know the finger of each contact.
 #include <gtest/gtest.h>
 
-#include <glm/geometric.hpp>
-#include <map>
 #include <random>
 
 #include "sensing/grey_png.hpp"
@@ -124,29 +122,6 @@ TEST(Split, AllSkinInsideIsNotSplit) {
   const FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
   EXPECT_EQ(touch_of(scene, {}).finger_count, 2u);
   EXPECT_EQ(touch_of(scene, {.cluster = Cluster::inside}).finger_count, 1u);
-}
-
-TEST(Split, TheSameFingersFromFrameToFrame) {
-  std::mt19937 random(23);
-  FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
-  const StageSetting setting{.follow = true};
-  Stage stage({scene.solid}, scene.cameras, setting);
-  std::map<std::uint32_t, Vec3> places;  // of each id, where it was seen first
-  int frames_of_two = 0;
-  for (unsigned k = 0; k < 12; ++k) {
-    see_again(scene, k);  // other noise
-    Touch touch;
-    stage.touch(scene.images, touch, k / 90.0);
-    frames_of_two += touch.finger_count == 2 ? 1 : 0;
-    if (touch.finger_count != 2) continue;
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      const Vec3 centroid(touch.fingers[f].section.centroid);
-      const auto [first, fresh] = places.emplace(touch.fingers[f].id, centroid);
-      EXPECT_LT(glm::distance(centroid, first->second), 7e-3) << "they stand still, 16 mm from each other";
-    }
-  }
-  EXPECT_GE(frames_of_two, 11);
-  EXPECT_EQ(places.size(), 2u);
 }
 
 }  // namespace

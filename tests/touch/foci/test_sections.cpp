@@ -193,19 +193,6 @@ TEST_F(Sections, BordersBelongToTheSectorThatBeginsThere) {
   EXPECT_EQ(finger.foci[3].position, glm::vec3(0, 0, -0.125));
 }
 
-TEST_F(Sections, LeaveEmptySectorsMarked) {
-  const std::vector<glm::vec3> points{{0.02, 0, 0},       {0.021, 0, 1e-4}, {-0.02, 0, 0},
-                                      {-0.021, 0, -1e-4}, {0, 0, 0.01},     {0, 0, 0.012}};
-  const Touch touch = run(points, 64);
-  std::uint32_t members = 0, empty = 0;
-  for (const Focus& focus : touch.fingers[0].foci) {
-    members += focus.points;
-    empty += focus.points == 0 ? 1 : 0;
-  }
-  EXPECT_EQ(members, 6u);
-  EXPECT_GE(empty, 58u);
-}
-
 void expect_point_like(const Touch& touch, const Vec3& centroid) {
   const Finger& finger = touch.fingers[0];
   EXPECT_TRUE(finger.point_like);

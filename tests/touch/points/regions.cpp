@@ -50,6 +50,7 @@ struct Near {
 // The tree gives candidates in double precision, a little too many; whether two contacts are together is decided as the
 // contract states it.
 Regions grow_regions(const std::vector<Contact>& contacts, double gap_m) {
+  if (contacts.empty()) return {};
   const float gap = static_cast<float>(gap_m), limit = gap * gap;
   const Cloud cloud{contacts};
   Tree tree(3, cloud);
