@@ -3,13 +3,13 @@
 
 #include <atomic>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "base/error.hpp"
 #include "fakes.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "session/points_run.hpp"
+#include "support/begins.hpp"
 #include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -49,8 +49,9 @@ struct PointsPlay {
     };
     watcher.on_planned = [&](const FrameReport& frame, const Plan&) {
       fingers.push_back(frame.touch->finger_count);
-      while (link.most == 0 && frame.touch->finger_count > 0 && fingers.size() > 1 && !stop)
-        std::this_thread::yield();
+      if (frame.touch->finger_count > 0 && fingers.size() > 1) {
+        EXPECT_TRUE(test::begins([&] { return link.most > 0 || stop; }));
+      }
       if (fingers.size() < 3) source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
     };
     return run_points(session, source, link, stop, {.frames = frames, .observer = &watcher});

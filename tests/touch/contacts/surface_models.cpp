@@ -22,33 +22,6 @@ using Index = std::uint32_t;
 
 }  // namespace
 
-Mesh knot(int around, int across) {
-  const auto centre = [](double t) {
-    const double r = 0.012 + 0.005 * std::cos(3 * t);
-    return Vec3(r * std::cos(2 * t), r * std::sin(2 * t), -0.007 * std::sin(3 * t));
-  };
-  Mesh mesh;
-  for (int i = 0; i < around; ++i) {
-    const double t = 2 * pi * i / around;
-    const Vec3 c = centre(t), along = glm::normalize(centre(t + 1e-4) - centre(t - 1e-4));
-    const Vec3 out = glm::normalize(Vec3(c.x, c.y, 0) - along * glm::dot(Vec3(c.x, c.y, 0), along));
-    const Vec3 side = glm::cross(along, out);
-    for (int k = 0; k < across; ++k) {
-      const double a = 2 * pi * k / across;
-      mesh.positions.push_back(c + 0.0028 * (std::cos(a) * out + std::sin(a) * side));
-    }
-  }
-  const auto at = [&](int i, int k) { return static_cast<Index>((i % around) * across + k % across); };
-  for (int i = 0; i < around; ++i) {
-    for (int k = 0; k < across; ++k) {
-      mesh.triangles.emplace_back(at(i, k), at(i, k + 1), at(i + 1, k));
-      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k + 1), at(i + 1, k));
-    }
-  }
-  if (geometry::signed_volume(mesh) < 0) geometry::flip(mesh);
-  return mesh;
-}
-
 Mesh notched_cube() {
   // The outline of z = const, counter-clockwise, and its triangles.
   const std::vector<Vec2> outline{{-0.02, -0.04},   {0.02, -0.04},     {0.02, 0},    {0.0075, 0},

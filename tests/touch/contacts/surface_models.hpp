@@ -9,8 +9,6 @@
 
 namespace palpa::touch::test {
 
-/// A tube around a (2,3) torus knot, about 40 mm across.
-geometry::Mesh knot(int around, int across);
 /// A 40 mm cube with a notch of 15 mm cut out of its top, along z.
 geometry::Mesh notched_cube();
 /// A ball of 20 mm with a cavity of 15 mm, whose shell faces inwards.

@@ -20,9 +20,8 @@ class Contacts : public OnBothBackends {};
 INSTANTIATE_TEST_SUITE_P(, Contacts, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
 TEST_P(Contacts, AgreeWithDoublePrecision) {
-  for (const geometry::Solid& solid :
-       {cube(), half_ball({0, -0.02, 0}, 0.02, 1000), ball({0, -0.01, 0}, 0.015, 40),
-        ball({0.4, 0.1, -0.3}, 0.25, 3000), half_ball({0.3, -0.2, 0.9}, 0.4, 200)}) {
+  for (const geometry::Solid& solid : {cube(), half_ball({0, -0.02, 0}, 0.02, 1000), ball({0, -0.01, 0}, 0.015, 40),
+                                       ball({0.4, 0.1, -0.3}, 0.25, 3000), half_ball({0.3, -0.2, 0.9}, 0.4, 200)}) {
     const Vec3 margin = 0.1 * (solid.bounds.high - solid.bounds.low);
     const auto points = random_points(5000, solid.bounds.low - margin, solid.bounds.high + margin, 7);
     for (const double delta : {1.5e-3, 6e-3, 10.0})

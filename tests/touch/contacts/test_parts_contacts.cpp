@@ -116,8 +116,8 @@ TEST_P(PartsContacts, AtACutAreNoneUnlessInternalFacesCount) {
   EXPECT_NEAR(keep.contacts[1].depth_m, 0.5e-3, 1e-7);
   EXPECT_NEAR(keep.contacts[2].depth_m, 0.5e-3, 1e-7);
   // Exactly on the cut of two boxes that abut, below the top and above it.
-  const geometry::Solid halves = solid_of(
-      {corners({-0.02, 0, 0}, {0, 0.04, 0.04}), corners({0, 0, 0}, {0.02, 0.04, 0.04})}, InternalFaces::drop);
+  const geometry::Solid halves =
+      solid_of({corners({-0.02, 0, 0}, {0, 0.04, 0.04}), corners({0, 0, 0}, {0.02, 0.04, 0.04})}, InternalFaces::drop);
   const Touch cut = touch_on(GetParam(), {{0, 0.039F, 0.02F}, {0, 0.041F, 0.02F}}, {halves});
   ASSERT_EQ(cut.contacts.size(), 1u);
   EXPECT_NEAR(cut.contacts[0].depth_m, 1e-3, 1e-7);

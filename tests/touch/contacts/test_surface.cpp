@@ -54,13 +54,13 @@ geometry::Mesh rough_ball() {
 }
 
 /// The models' names: every topic of this folder asks for them when it starts. Those with many triangles come last.
-constexpr const char* model_names[] = {"knot",       "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
+constexpr const char* model_names[] = {"ring",       "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
                                        "subdivided", "hand",         "finger",      "rough_ball"};
 
 geometry::Mesh model(int which) {
   switch (which) {
     case 0:
-      return tilted(knot(120, 10), {0.1, -0.2, 0.05});
+      return tilted(palpa::test::torus(0.012, 0.004, 40), {0.1, -0.2, 0.05});
     case 1:
       return notched_cube();
     case 2:

@@ -16,9 +16,7 @@ namespace {
 struct Cloud {
   const std::vector<Contact>& contacts;
   std::size_t kdtree_get_point_count() const { return contacts.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return contacts[i].position[static_cast<int>(axis)];
-  }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return contacts[i].position[static_cast<int>(axis)]; }
   template <typename Box>
   bool kdtree_get_bbox(Box&) const {
     return false;

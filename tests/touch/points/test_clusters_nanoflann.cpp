@@ -101,8 +101,7 @@ TEST_P(ClustersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
   const Parameters parameters = everything_is_contact(5e-3, 3);
   for (int kind = 0; kind < kinds; ++kind) {
     for (const std::uint32_t count : {1U, 127U, 4000U}) {
-      const Touch touch =
-          touch_on(GetParam(), adversarial(kind, count, 5e-3, count + 1), {everything()}, parameters);
+      const Touch touch = touch_on(GetParam(), adversarial(kind, count, 5e-3, count + 1), {everything()}, parameters);
       EXPECT_EQ(not_regions(touch, parameters), "") << kind << ' ' << count;
     }
   }
