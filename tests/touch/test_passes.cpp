@@ -65,23 +65,15 @@ struct Guarded {
   palpa::test::GuardedScratch contacts_scratch, clusters_scratch;
   gpu::TexelView solid_texels, contact_texels;
 
-  bool intact() {
-    bool all = true;
+  void expect_intact() {
     int place = 0;
     for (GuardedBuffer* buffer : {&points, &length, &solids, &cells, &planes, &total, &contacts, &deep_total, &deep,
                                   &parents, &clusters, &header, &selected}) {
-      const bool one = buffer->intact();
-      EXPECT_TRUE(one) << "guard words of buffer " << place;
-      all = all && one;
+      EXPECT_TRUE(buffer->intact()) << "guard words of buffer " << place;
       ++place;
     }
-    for (const palpa::test::GuardedScratch* scratch : {&contacts_scratch, &clusters_scratch}) {
-      const bool one = scratch->intact();
-      EXPECT_TRUE(one) << "guard words of scratch " << place;
-      all = all && one;
-      ++place;
-    }
-    return all;
+    EXPECT_TRUE(contacts_scratch.intact()) << "guard words of the contacts' scratch";
+    EXPECT_TRUE(clusters_scratch.intact()) << "guard words of the clusters' scratch";
   }
 };
 
@@ -131,7 +123,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
     const Parameters parameters = everything_is_contact(c.gap, 2);
     Guarded guarded(device, solids, cloud, {.points = c.points, .contacts = c.room});
     palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
-    EXPECT_TRUE(guarded.intact());
+    guarded.expect_intact();
     EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, c.points);
 
     // What had room is what the twin finds among the first points.
@@ -167,7 +159,7 @@ TEST(TouchPassesByThemselves, LeavePointsBeyondTheirRoomAlone) {
   guarded.length.write(&boastful, sizeof(boastful));
   palpa::test::run_on_device(
       [&](VkCommandBuffer commands) { record_all(commands, guarded, solids, everything_is_contact()); });
-  EXPECT_TRUE(guarded.intact());
+  guarded.expect_intact();
   EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, 1000u);
 }
 
@@ -186,7 +178,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
     SCOPED_TRACE(room.contacts);
     Guarded guarded(device, solids, cloud, room);
     palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
-    EXPECT_TRUE(guarded.intact());
+    guarded.expect_intact();
     EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, twin.contacts.size());
     EXPECT_EQ(guarded.deep_total.read<shader::ScanTotal>()[0].total, twin.deep.size());
   }
