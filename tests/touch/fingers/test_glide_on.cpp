@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
-#include <optional>
 
 #include "touch/fingers/glide_stream.hpp"
 
@@ -98,35 +97,6 @@ TEST(GlideOn, FociStayOnTheirSkinWhenContactsJoinOrLeave) {
     }
     before = finger;
   }
-}
-
-/// For the focus that moves most, relative to the foci's mean.
-double step_between(const Finger& a, const Finger& b) {
-  Vec3 mean(0);
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    mean += Vec3(b.foci[n].position - a.foci[n].position) / static_cast<double>(a.foci.size());
-  double most = 0;
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    most = std::max(most, glm::length(Vec3(b.foci[n].position - a.foci[n].position) - mean));
-  return most;
-}
-
-TEST(GlideOn, GoesOnBelowTenFramesPerSecond) {
-  Stream stream({cube()}, setting_of(10, Smoothing::one_euro));
-  Stream raw({cube()}, setting_of(10, Smoothing::none));
-  double with = 0, without = 0;
-  std::optional<Finger> before, raw_before;
-  for (int k = 0; k < 40; ++k) {
-    const auto skin = fingertip(400, 3e-3, 0, 0, static_cast<unsigned>(k));
-    const Finger now = stream.frame(skin, k / 8.0).fingers.at(0), raw_now = raw.frame(skin, k / 8.0).fingers.at(0);
-    if (before) {
-      with += step_between(*before, now);
-      without += step_between(*raw_before, raw_now);
-    }
-    before = now;
-    raw_before = raw_now;
-  }
-  EXPECT_LT(with, 0.9 * without);
 }
 
 }  // namespace
