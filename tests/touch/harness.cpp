@@ -51,7 +51,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
 }
 
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-               const Parameters& parameters) {
+               const Parameters& parameters, int gpu_runs) {
   if (backend == Backend::cpu) {
     Touch out;
     Stage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
@@ -59,7 +59,7 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std:
   }
   const auto count = static_cast<std::uint32_t>(points.size());
   return touch_on_device(indexed(points), solids,
-                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 2);
+                         {.parameters = parameters, .most_points = count, .most_contacts = count}, gpu_runs);
 }
 
 geometry::Solid cube() {

@@ -96,15 +96,6 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
   }
 }
 
-/// As touch_on(), for slow cases: only once on the device.
-Touch once_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-              const Parameters& parameters) {
-  if (backend == Backend::cpu) return touch_on(backend, points, solids, parameters);
-  const auto count = static_cast<std::uint32_t>(points.size());
-  return touch_on_device(indexed(points), solids,
-                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 1);
-}
-
 TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
   // More boxes for a thread's points than a software device has turns for in one chunk.
   std::vector<geometry::Solid> dots;
@@ -116,7 +107,7 @@ TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
   const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(20'000, 100'000) : 100'000;
   const auto points = random_points(count, Vec3(0, 0, 0), Vec3(0.38, 0.38, 2e-3));
   const double delta = 0.5e-3;
-  const Touch touch = once_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3});
+  const Touch touch = touch_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3}, 1);
   std::size_t expected = 0, close = 0;
   for (const glm::vec3& p : points) {
     const auto column = static_cast<std::size_t>(p.x / 0.01), row = static_cast<std::size_t>(p.y / 0.01);
@@ -133,8 +124,8 @@ TEST_P(Contacts, DeepInABallOfManyPlanesAreAllThere) {
   // Deep cells list every plane of the ball: more looks for a thread's points than a software device has turns for.
   const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(10'000, 70'000) : 70'000;
   const auto points = random_points(count, Vec3(-0.04), Vec3(0.04));
-  const Touch touch = once_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
-                              {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true});
+  const Touch touch = touch_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
+                               {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true}, 1);
   EXPECT_EQ(touch.deep.size(), points.size());
 }
 

@@ -16,17 +16,6 @@ Parameters inside(double gap_m = 5e-3, std::uint32_t least = 5) {
   return {.finger_gap_m = gap_m, .min_points = least, .cluster = Cluster::inside};
 }
 
-Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const geometry::Solid& solid,
-               const Parameters& parameters) {
-  Touch out;
-  if (backend == Backend::cpu) {
-    Stage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
-  } else {
-    DeviceStage({solid}, {}, {.parameters = parameters}).touch(indexed(points), out);
-  }
-  return out;
-}
-
 class Inside : public OnBothBackends {};
 INSTANTIATE_TEST_SUITE_P(, Inside, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
@@ -47,8 +36,8 @@ TEST_P(Inside, FingersThatMeetBelowTheSurfaceAreOne) {
   const auto points = two_that_meet_below();
   Parameters contacts_alone = inside();
   contacts_alone.cluster = Cluster::contacts;
-  EXPECT_EQ(touch_on(GetParam(), points, cube(), contacts_alone).finger_count, 2u);
-  const Touch touch = touch_on(GetParam(), points, cube(), inside());
+  EXPECT_EQ(touch_on(GetParam(), points, {cube()}, contacts_alone).finger_count, 2u);
+  const Touch touch = touch_on(GetParam(), points, {cube()}, inside());
   EXPECT_GT(touch.deep.size(), touch.contacts.size());
   ASSERT_EQ(touch.finger_count, 1u);
   EXPECT_EQ(touch.fingers[0].contacts.size(), touch.contacts.size());
@@ -65,14 +54,14 @@ TEST_P(Inside, IsWhatGrowingRegionsFinds) {
     for (const std::uint32_t count : {1U, 2U, 500U, 3000U}) {
       const Parameters parameters = inside(gap, 2);
       const auto points = random_points(count, {-0.025, -0.03, -0.025}, {0.025, 0.005, 0.025}, ++seed);
-      EXPECT_EQ(not_regions(touch_on(GetParam(), points, cube(), parameters), parameters), "");
+      EXPECT_EQ(not_regions(touch_on(GetParam(), points, {cube()}, parameters), parameters), "");
     }
   }
 }
 
 TEST_P(Inside, DeepPointsAloneAreNoFinger) {
   const auto points = random_points(500, {-0.01, -0.03, -0.01}, {0.01, -0.01, 0.01});
-  const Touch touch = touch_on(GetParam(), points, cube(), inside());
+  const Touch touch = touch_on(GetParam(), points, {cube()}, inside());
   EXPECT_EQ(touch.deep.size(), points.size());
   EXPECT_EQ(touch.finger_count, 0u);
   EXPECT_EQ(touch.cluster_count, 0u);
@@ -81,8 +70,8 @@ TEST_P(Inside, DeepPointsAloneAreNoFinger) {
 TEST(InsideOnDevice, IsTheTwinBitForBit) {
   const auto points = random_points(20'000, {-0.025, -0.045, -0.025}, {0.025, 0.005, 0.025}, 9);
   for (const double gap : {0.8e-3, 1.1e-3, 5e-3}) {
-    const Touch twin = touch_on(Backend::cpu, points, cube(), inside(gap));
-    const Touch touch = touch_on(Backend::gpu, points, cube(), inside(gap));
+    const Touch twin = touch_on(Backend::cpu, points, {cube()}, inside(gap));
+    const Touch touch = touch_on(Backend::gpu, points, {cube()}, inside(gap));
     EXPECT_GT(twin.deep.size(), twin.contacts.size());
     expect_identical(twin, touch);
     ASSERT_EQ(twin.deep.size(), touch.deep.size());
