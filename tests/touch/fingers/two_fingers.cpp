@@ -29,7 +29,7 @@ Transform standing(const Vec3& tip) {
 
 Walk crossing(double speed, double rate_hz, double aside) {
   const double reach = lead(speed, rate_hz);
-  return {"crossing", 2 * reach / speed, [=](double t) {
+  return {2 * reach / speed, [=](double t) {
             const double x = speed * t - reach;
             return std::array{Vec3(x, 0, aside / 2), Vec3(-x, 0, -aside / 2)};
           }};
@@ -40,7 +40,7 @@ Walk bouncing(double speed, double rate_hz, double hold_s) {
   const double reach = lead(speed, rate_hz) - nearest - brake;  // at full speed
   const double slow_s = 2 * brake / speed, fast_s = reach / speed;
   const double approach_s = slow_s + fast_s;
-  return {"bouncing", 2 * approach_s + hold_s, [=](double t) {
+  return {2 * approach_s + hold_s, [=](double t) {
             const double left = t < approach_s ? approach_s - t : std::max(0.0, t - approach_s - hold_s);
             const double x =
                 nearest + (left < slow_s ? brake * left * left / (slow_s * slow_s) : brake + speed * (left - slow_s));

@@ -4,7 +4,6 @@
 #include <array>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <string>
 #include <vector>
 
 #include "sensing/depth_source.hpp"
@@ -14,7 +13,6 @@ namespace palpa::touch::test {
 
 /// The places of the two tips on the plate (x, z) at a time, from 0 to `seconds`.
 struct Walk {
-  std::string name;
   double seconds = 0;
   std::function<std::array<Vec3, 2>(double time_s)> tips;
 };
