@@ -65,7 +65,10 @@ TEST(LiveEdit, EveryChangeChangesValuesAndCommand) {
            {"a flag is taken back", line, set("--noise-free", std::nullopt), "a.glb --gltf-scene 1 --delta 2mm"},
            {"no option of the run", line, set("--frames", "300"),
             "a.glb --gltf-scene 1 --frames 300 --noise-free --delta 2mm", true},
-           {"another", line, set("--quiet", ""), before + " --quiet", true},
+           {"a flag of the command", line, set("--quiet", ""), before + " --quiet", true},
+           {"a word of the command", line, set("--stats", "json"),
+            "a.glb --gltf-scene 1 --noise-free --stats json --delta 2mm", true},
+           {"a name with a space", {{"--scene", {"a b.glb"}}}, set("--every-frame", ""), "'a b.glb' --every-frame"},
        }) {
     SCOPED_TRACE(one.what);
     LiveEdit edit(one.line);
@@ -110,24 +113,6 @@ TEST(LiveEdit, SaysWhatDoesNotGoTogether) {
   EXPECT_ERROR(touch.check(), Exit::usage, "--spot goes with");
   touch.leave_touch();
   touch.check();
-}
-
-TEST(LiveLine, GoesThereAndBack) {
-  const setup::Given given{{"--scene", {"a b.glb"}}, {"--delta", {"2mm"}}, {"--every-frame", {}}, {"--dark", {}}};
-  EXPECT_EQ(run_command(given), "palpa run --scene 'a b.glb' --every-frame --delta 2mm");
-  const setup::LiveOptions options = live_options(given);
-  EXPECT_EQ(options.scene, "a b.glb");
-  EXPECT_EQ(options.touch.parameters.delta_m, 2e-3);
-  EXPECT_TRUE(options.every_frame);
-  EXPECT_ERROR(live_options({}), Exit::usage, "--scene is missing");
-}
-
-TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
-  EXPECT_EQ(run_command({{"--scene", {"a.glb"}}, {"--json", {"of-the-viewer.json"}}, {"--frames", {"3"}}},
-                        {{"--frames", {"300"}}, {"--stats", {"json"}}, {"--quiet", {}}}),
-            "palpa run --scene a.glb --frames 300 --stats json --quiet");
-  check_copied({{"--frames", {"300"}}, {"--log-level", {"info"}}});
-  EXPECT_ERROR(check_copied({{"--frames", {"many"}}}), Exit::usage, "--frames: 'many'");
 }
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {
