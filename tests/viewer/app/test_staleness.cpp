@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-TEST(Staleness, EachHasWhatStandsBeforeIt) {
+TEST(Staleness, ALargeUpdateIncludesSmallerOnes) {
   ViewState state;
   Staleness stale;
   EXPECT_TRUE(stale.dirty());

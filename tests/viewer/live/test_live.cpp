@@ -134,7 +134,7 @@ TEST(Live, PointsThatAreNoSkinAreShownApart) {
   EXPECT_EQ(picture.dropped_count, 0U);
 }
 
-TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
+TEST(Live, WhoDrawsIsKeptOutOfItsFramesWay) {
   Bench bench;
   const auto live = bench.start();
   double waited_s = 0;

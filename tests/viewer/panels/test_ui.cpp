@@ -9,7 +9,7 @@
 namespace palpa::viewer {
 namespace {
 
-TEST(UiKeys, AreTextFromThePressOnATextOn) {
+TEST(UiKeys, AreTextFromThePressOnAFieldToItsEnd) {
   Ui ui(false);
   const auto picture = [&] {
     ui.begin(200, 100, 1, 0.01);
@@ -33,7 +33,7 @@ TEST(UiKeys, AreTextFromThePressOnATextOn) {
 }
 
 /// Where fontconfig is missing, there is no file, and palpa's own strokes are used.
-TEST(FileFont, ThatFontconfigNamesCanBeDrawn) {
+TEST(FileFont, IsDrawnInPlaceOfStrokes) {
   const std::string file = fontconfig_file();
   if (file.empty()) GTEST_SKIP() << "skipped: no fontconfig, or no font";
   Ui ui(false);

@@ -47,7 +47,7 @@ TEST(FieldMarks, BarsEndAtRoundNumbers) {
     EXPECT_NEAR(round_up(most), end, 1e-9) << most;
 }
 
-TEST(FieldMarks, LoudPlanesAreByShareOfTheLargest) {
+TEST(FieldMarks, LoudPlanesShowTheShareOfTheLargestPressure) {
   Picture picture;
   const SliceGrid grid{2, 1};
   const Pressures quiet{{0, 300}, {400, 0}}, loud{{0, 2 * array::linear_pressure_pa}, {0, 0}};

@@ -215,7 +215,7 @@ TEST_F(Renderer, AQuickPictureIsTheFineOneButForEdges) {
   EXPECT_LT(mean_difference(fine, quick), 0.02);
 }
 
-TEST_F(Renderer, AQuickPictureHasOfVeryManyPointsEachSoManyth) {
+TEST_F(Renderer, AQuickPictureShowsOnlySomeOfVeryManyPoints) {
   const auto drawn_of = [](int side, Fineness fineness) {  // this many points along a side, four pixels apart
     Picture picture;
     for (int i = 0; i < side * side; ++i)

@@ -107,7 +107,7 @@ class ViewerFiles : public testing::Test {
   const std::string read_ = "is read by this command, name another file", same_ = "name the same file";
 };
 
-TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
+TEST_F(ViewerFiles, WhatAPictureIsMadeOfIsNotWritten) {
   script("draw\n");
   const std::vector<std::string> scene{"--scene", path("scene.gltf")};
   const std::vector<std::string> picture =
@@ -129,7 +129,7 @@ TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
     expect_refused(with(scene, {"--reference", path("absent.png"), "--screenshot", name}), read_);
 }
 
-TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
+TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
   for (const std::string file : {"scene.gltf", "rig.toml"}) {
     for (const std::string& name : names_of(file, file == "rig.toml")) {
       for (const char* output : {"--screenshot", "--json", "--events"})
@@ -151,7 +151,7 @@ TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
   }
 }
 
-TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
+TEST_F(ViewerFiles, AShotIsNoFileThatIsRead) {
   const std::vector<std::string> touch{"--scene", path("scene.gltf"), "--points",    path("finger.ply"), "--backend",
                                        "cpu",     "--interact",       path("script")};
   script("draw\n");
@@ -186,7 +186,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
   EXPECT_EQ(viewer(touch).exit_code, 0);
 }
 
-TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
+TEST_F(ViewerFiles, WhatAModelOrARecordingNamesIsInItsFolder) {
   write_text(folder_ / "short.bin", "Q7");
   fs::create_directory(folder_ / "theirs");
   test::write_scene(folder_ / "theirs/model.gltf", "../short.bin");
@@ -199,7 +199,7 @@ TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
       "--allow-outside", 4);
 }
 
-TEST_F(ViewerFiles, ThatAreTheViewersSettingsAreNoOutputs) {
+TEST_F(ViewerFiles, TheViewersSettingsAreNotWritten) {
   fs::create_directories(folder_ / "palpa");
   write_text(folder_ / "palpa/viewer.toml", "dark = true\n");
   setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
@@ -210,7 +210,7 @@ TEST_F(ViewerFiles, ThatAreTheViewersSettingsAreNoOutputs) {
   unsetenv("XDG_CONFIG_HOME");
 }
 
-TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
+TEST_F(ViewerFiles, NoFileIsWrittenTwice) {
   for (const std::string file : {"new", "old"}) {
     for (const std::string& name : names_of(file)) {
       expect_refused({"--scene", path("scene.gltf"), "--json", path(file), "--screenshot", name}, same_);
@@ -228,7 +228,7 @@ TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
                  "one lies in the folder of the other");
 }
 
-TEST_F(ViewerFiles, ThatAnyOptionNamesAreTried) {
+TEST_F(ViewerFiles, EveryOptionThatNamesAFileIsTried) {
   // A new option that names a file must be tried above.
   const std::set<std::string> inputs{"--scene",  "--points", "--depth",  "--camera",    "--rig",      "--layout",
                                      "--source", "--skin",   "--screen", "--reference", "--interact", "--board-files"},

@@ -86,7 +86,7 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
   });
 }
 
-TEST_F(ViewerRefusals, ValuesThatAreNone) {
+TEST_F(ViewerRefusals, ValuesThatAreWrong) {
   expect_refused({
       {{"--headless"}, {}, "--scene"},
       {{"--no-panels"}, {}, "--scene"},

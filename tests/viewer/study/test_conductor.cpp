@@ -30,9 +30,12 @@ using study::Screen;
 class ConductorTest : public testing::Test {
  protected:
   ConductorTest() { test::finger_depth_m = 3e-3; }
-  test::SittingBench& begin(const std::string& blocks, double touch_s, const std::string& run = "") {
+  test::SittingBench& prepare(const std::string& blocks, double touch_s = 0.05, const std::string& run = "") {
     bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, blocks, touch_s, run));
-    bench_->begin();
+    return *bench_;
+  }
+  test::SittingBench& begin(const std::string& blocks, double touch_s) {
+    prepare(blocks, touch_s).begin();
     return *bench_;
   }
   /// A sitting with one kind of block, whose touches do not end during a test.
@@ -45,8 +48,12 @@ class ConductorTest : public testing::Test {
     EXPECT_CONTAINS(bench_->sitting().reason(), reason);
   }
   bool sounds() { return bench_->conductor().presentation().gate().sounding(); }
-  bool touches_and_sounds() {
-    return bench_->reaches(Screen::touching) && bench_->goes_until([&] { return sounds(); }, false);
+  bool comes_to_sound() {
+    return bench_->goes_until([&] { return sounds(); }, false);
+  }
+  bool touches_and_sounds() { return bench_->reaches(Screen::touching) && comes_to_sound(); }
+  bool is_ready() {
+    return bench_->goes_until([&] { return bench_->conductor().presentation().ready(); }, false);
   }
   static std::string dose(test::SittingBench& bench) {
     const ExperimenterView view = bench.conductor().experimenter_view();
@@ -71,7 +78,7 @@ std::vector<std::array<std::uint32_t, 3>> answers_in(const fs::path& folder) {
 }
 
 TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
-  bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, test::all_blocks));
+  prepare(test::all_blocks);
   for (const std::size_t steps : {5, 16, 1000}) {
     bench_->begin();
     const std::size_t before = bench_->sitting().agenda().complete();
@@ -197,7 +204,7 @@ TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
   EXPECT_TRUE(bench.is_silent());
   EXPECT_GT(*bench.conductor().presentation().deepest_m(), 15e-3);
   test::finger_depth_m = 3e-3;
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false)) << "it has risen";
+  ASSERT_TRUE(comes_to_sound()) << "it has risen";
 }
 
 TEST_F(ConductorTest, AnArrayThatFailsIsAPauseAndCanContinue) {
@@ -228,7 +235,7 @@ TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
   std::this_thread::sleep_for(700ms);
   EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
   EXPECT_FALSE(bench.heard()->last_sounds);
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   std::this_thread::sleep_for(1200ms);
   expect_pause("stood still");
@@ -330,15 +337,12 @@ TEST_F(ConductorTest, WithoutItsSoundOrSourceNoFileIsBegun) {
 }
 
 TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
-  test::SittingBench bench(folder_, test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05,
-                                                           "ask_depth_frames = true\n"));
+  test::SittingBench& bench =
+      prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n");
   bench.options().rehearse.reset();
   bench.begin();
   ASSERT_TRUE(bench.reaches(Screen::consent));
   // The presentation is ready only now and then on a busy machine; until it is, no click has an effect.
-  const auto is_ready = [&] {
-    return bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false);
-  };
   const std::chrono::nanoseconds accepted = bench.click(0);
   bench.click(0, accepted + 299ms);
   EXPECT_EQ(bench.sitting().screen(), Screen::depth_consent) << "nobody has read it yet";
@@ -373,8 +377,8 @@ TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   bench.press(key_of('1'));
   bench.press(Key::right);
   EXPECT_EQ(bench.sitting().presented().shape, 1u);
-  ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  ASSERT_TRUE(is_ready());
+  ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   bench.press(Key::up);
   EXPECT_EQ(bench.sitting().presented().shape, 0u);

@@ -337,7 +337,7 @@ TEST_F(Window, TheSizeIsRememberedWithoutOneOnTheLine) {
   EXPECT_NE(read_text(settings).find("width = 432"), std::string::npos) << read_text(settings);
 }
 
-TEST(Display, AServerThatIsNotThereIsNone) {
+TEST(Display, AServerThatIsNotThereIsRefused) {
   expect_failure(
       run_program(PALPA_VIEWER_BINARY, {"--layout", "autd3"}, {{{"DISPLAY", ":4711"}, {"WAYLAND_DISPLAY", ""}}}), 3,
       "--headless");
