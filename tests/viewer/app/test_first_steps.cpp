@@ -34,7 +34,7 @@ class FirstSteps : public LiveAppWithPanels {
     ASSERT_TRUE(comes_to(LiveState::running));
     ASSERT_TRUE(shows_frame());
   }
-  /// Of the first finger of a touch that has been found again.
+  /// The foci of the first finger, once the touch has been found again.
   std::size_t foci() {
     EXPECT_TRUE(opened());
     draw();
