@@ -1,12 +1,10 @@
-// Inputs that palpa-viewer rejects, and its costs.
+// What palpa-viewer costs.
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
 #include "drawing/png.hpp"
 #include "geometry/hostile_models.hpp"
@@ -20,30 +18,10 @@
 namespace palpa {
 namespace {
 
-using ViewerLimits = test::DrawingTest;
-
-using test::source_file;
-
-TEST_F(ViewerLimits, WhatIsNoNumberIsRefused) {
-  const std::set<std::string> numbers{"LENGTH", "TIME",    "FREQUENCY", "SPEED", "PRESSURE", "N",
-                                      "NUMBER", "CELSIUS", "PERCENT",   "PART",  "X,Y,Z"};
-  int tried = 0;
-  for (const test::HelpedOption& option : test::options_in(test::viewer({"--help", "all"}).out)) {
-    if (!numbers.contains(option.type)) continue;
-    for (const char* odd : {"nan", "inf", "-inf"}) {
-      const std::string value = option.type == "X,Y,Z" ? std::string("0,") + odd + ",0" : odd;
-      const auto run =
-          test::viewer_here({"--scene", source_file("assets/cube.glb"), "--headless", option.name + "=" + value});
-      EXPECT_EQ(run.exit_code, 2) << option.name << " " << value << ": " << run.err;
-      EXPECT_NE(run.err.find(option.name), std::string::npos) << run.err;
-      ++tried;
-    }
-  }
-  EXPECT_GT(tried, 90);
-}
+using ViewerCost = test::DrawingTest;
 
 // Thousands of objects at one place look like a hundred of them, and take no longer.
-TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
+TEST_F(ViewerCost, OfManyNodesInOnePlaceIsThatOfTheirFile) {
   if (test::instrumented()) GTEST_SKIP() << "skipped: times and memory mean nothing here";
   const auto folder = test::scratch_folder("viewer-bones");
   std::vector<std::string> shots;
@@ -51,7 +29,7 @@ TEST_F(ViewerLimits, ManyNodesInOnePlaceCostNoMoreThanTheyWeigh) {
     const auto scene = test::hostile::many_bones(count).write_glb(folder / "bones.glb");
     shots.push_back(folder / (std::to_string(count) + ".png"));
     const auto run = test::viewer({"--scene", scene, "--headless", "--size", "640x400", "--hide", "legend",
-                                      "--screenshot", shots.back(), "--quiet"});
+                                   "--screenshot", shots.back(), "--quiet"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     // The limit in docs/limits.md is of elapsed time, and two cores share the work.
     EXPECT_LT(run.processor_s, 2 * test::slowest * (1 + static_cast<double>(std::filesystem::file_size(scene)) / 1e6));
