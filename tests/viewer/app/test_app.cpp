@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <glm/geometric.hpp>
 
 #include "base/outputs.hpp"
 #include "geometry/files/ply.hpp"
@@ -238,6 +239,27 @@ TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
   const SliceState before = seen.slice;
   button(Kind::move, at.x + 40, at.y + 30);
   EXPECT_EQ(seen.slice, before);
+}
+
+TEST_F(LiveApp, ACtrlClickReadsWhatIsNearestAndHowDeepItIs) {
+  make_touch();
+  const auto read_at = [&](const Vec3& world) {
+    const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
+    send({.kind = Kind::press, .x = at.x, .y = at.y, .ctrl = true});
+    return app_->data().reading.value_or(Reading());
+  };
+  for (const bool behind : {false, true}) {
+    key('1', behind);
+    const Vec3 seen(0.005, -0.03, behind ? -0.02 : 0.02);
+    const Reading face = read_at(seen);
+    EXPECT_EQ(face.what, app_->picture().solids.at(0).name);
+    EXPECT_LT(glm::distance(face.at, seen), 1e-4) << behind;
+    EXPECT_FALSE(face.depth_m);
+  }
+  EXPECT_GT(read_at(Vec3(app_->picture().contacts.at(0).position)).depth_m.value_or(0), 0);
+  key(Key::escape);
+  EXPECT_FALSE(app_->data().reading);
+  EXPECT_FALSE(app_->quitting());
 }
 
 /// Pressures are shown on the mesh of the run that plays, not on the mesh of the previous run.

@@ -381,7 +381,11 @@ TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   bench.press(Key::up);
-  EXPECT_EQ(bench.sitting().presented().shape, 0u);
+  const study::Presented next = bench.sitting().presented();
+  EXPECT_EQ(next.shape, 0u);
+  Presentation& presentation = bench.conductor().presentation();
+  presentation.prepare(next.method, next.shape);
+  EXPECT_FALSE(presentation.gate().is_open()) << "nobody feels the shape before";
 }
 
 TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {

@@ -243,17 +243,5 @@ TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
   EXPECT_LT(gate_.newest_s(), 0);
 }
 
-TEST_F(GateTest, StandsBeforeLinksOfEveryKind) {
-  const std::vector<session::LinkKind> kinds = behind_gate({test::heard_link(heard_)}, gate_);
-  ASSERT_EQ(kinds.size(), 1u);
-  EXPECT_EQ(kinds[0].name, "heard");
-  array::Layout layout;
-  const auto link = kinds[0].open("", {.layout = layout, .solid_names = {}});
-  drive_[0].amplitude = 1;
-  link->send(0, drive_);
-  EXPECT_EQ(heard_->drives, 1u);
-  EXPECT_FALSE(heard_->sounded());
-}
-
 }  // namespace
 }  // namespace palpa::viewer
