@@ -25,9 +25,11 @@ TEST(Interact, ReadsEveryVerb) {
       "resize 640 480\n"
       "draw 7\n"
       "wait 1.5\n"
-      "shot out.png\n",
+      "shot out.png\n"
+      "key page-up ctrl\n"
+      "key 7",
       "log");
-  ASSERT_EQ(steps.size(), 10u);
+  ASSERT_EQ(steps.size(), 16u);
   EXPECT_EQ(steps[0].event.kind, WindowEvent::Kind::move);
   EXPECT_EQ(steps[0].event.y, 20.5);
   EXPECT_EQ(steps[0].line, 3u);
@@ -41,16 +43,11 @@ TEST(Interact, ReadsEveryVerb) {
   EXPECT_EQ(steps[7].count, 7u);
   EXPECT_EQ(steps[8].seconds, 1.5);
   EXPECT_EQ(steps[9].file, "out.png");
-}
-
-TEST(Interact, AKeyIsPressedDrawnAndLetGo) {
-  const auto steps = parse_interactions("key page-up ctrl\nkey 7", "log");
-  ASSERT_EQ(steps.size(), 6u);
-  EXPECT_EQ(steps[0].event.key, Key::page_up);
-  EXPECT_TRUE(steps[0].event.ctrl && steps[0].event.down);
-  EXPECT_EQ(steps[1].kind, Kind::draw);
-  EXPECT_FALSE(steps[2].event.down);
-  EXPECT_EQ(steps[3].event.key, key_of('7'));
+  EXPECT_EQ(steps[10].event.key, Key::page_up);
+  EXPECT_TRUE(steps[10].event.ctrl && steps[10].event.down);
+  EXPECT_EQ(steps[11].kind, Kind::draw) << "a key is pressed, drawn and let go of";
+  EXPECT_FALSE(steps[12].event.down);
+  EXPECT_EQ(steps[13].event.key, key_of('7'));
 }
 
 TEST(Interact, RefusesWhatItDoesNotUnderstandWithItsLine) {
