@@ -103,8 +103,13 @@ class LiveApp : public testing::Test {
     return std::ranges::any_of(app_->data().messages.toasts(),
                                [&](const Toast& toast) { return toast.text.find(text) != std::string::npos; });
   }
+  /// The same of the lines that were ever shown.
+  bool has_said(const std::string& text) const {
+    return std::ranges::any_of(app_->data().messages.log(),
+                               [&](const log::Line& line) { return line.text.find(text) != std::string::npos; });
+  }
   bool comes_to_say(const std::string& text) {
-    return goes_round_until([&] { return says(text); });
+    return goes_round_until([&] { return has_said(text); });
   }
   void all_off() { key('o'); }
   void point_at(const Vec3& world) {

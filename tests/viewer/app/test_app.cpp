@@ -277,7 +277,7 @@ TEST_F(LiveApp, PressuresAreOnTheFingerOfThisRun) {
   };
   begin("synthetic:" + open, {.shown = "heat"});
   ASSERT_TRUE(goes_round_until([&] { return note().find("failed") != std::string::npos; })) << note();
-  EXPECT_TRUE(says("open.ply"));
+  EXPECT_TRUE(has_said("open.ply"));
   drop(recording());
   ASSERT_TRUE(goes_round_until([&] { return note().find("being computed") != std::string::npos; })) << note();
 }

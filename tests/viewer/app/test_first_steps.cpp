@@ -58,7 +58,7 @@ TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   EXPECT_EQ(went_live_, 1);
   EXPECT_EQ(options().source, "mouse");
   EXPECT_FALSE(app_->data().content.empty);
-  EXPECT_TRUE(says("holds a fingertip"));
+  EXPECT_TRUE(has_said("holds a fingertip"));
   EXPECT_LT(app_->data().state.viewpoint.distance, 0.45) << "the cube is seen from near, although the array is large";
   key('f');
   EXPECT_GT(app_->data().state.viewpoint.distance, 0.5) << "F shows everything";
