@@ -1,17 +1,20 @@
 #include "setup/pattern_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "base/toml.hpp"
+#include "setup/assets.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -153,7 +156,23 @@ Pattern parse_pattern(std::string_view text, const std::string& file) {
   return std::move(reader.pattern);
 }
 
-Pattern load_pattern(const std::string& file) {
+std::vector<std::string> pattern_names() {
+  return {"carter", "gavrilov", "hasegawa", "hoshi", "inoue"};
+}
+
+std::string known_patterns() {
+  return fmt::format("{}", fmt::join(pattern_names(), ", "));
+}
+
+Pattern load_pattern(const std::string& name_or_file) {
+  std::string file = name_or_file;
+  std::error_code ignored;
+  if (const std::vector<std::string> names = pattern_names(); std::ranges::find(names, file) != names.end()) {
+    file = find_asset("patterns/" + file + ".toml");
+  } else if (file.find('/') == std::string::npos && !file.ends_with(".toml") &&
+             !std::filesystem::exists(file, ignored)) {
+    throw bad_input(file, fmt::format("neither a file nor a known pattern; known: {}", known_patterns()));
+  }
   return parse_pattern(read_text_file(file, most_bytes), file);
 }
 

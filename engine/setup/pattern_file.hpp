@@ -45,6 +45,12 @@ struct Pattern {
 /// Throws bad_input, naming file and line, for a text that is no pattern: unknown keys, numbers out of range, too many
 /// points, two at one place, none that sounds. Places are within 100 m of the origin.
 Pattern parse_pattern(std::string_view text, const std::string& file);
-Pattern load_pattern(const std::string& file);
+/// The pattern of that name, or in that file. Throws bad_input also for a name that is neither; the error lists those
+/// that are known.
+Pattern load_pattern(const std::string& name_or_file);
+/// Palpa's own patterns as text for people: "carter, gavrilov, ..." (assets/patterns, docs/patterns.md).
+std::string known_patterns();
+/// Their names.
+std::vector<std::string> pattern_names();
 
 }  // namespace palpa::setup

@@ -180,6 +180,20 @@ radius_m = 0.0005
   expect_failure(palpa_here(with({"drive", "--pattern", file}, rest)), 4, file + ": line 3");
 }
 
+// Palpa's own patterns by name, as docs/patterns.md has them.
+TEST(CliNulls, PalpasOwnPatternsHaveNames) {
+  for (const char* name : {"carter", "gavrilov", "hasegawa", "hoshi", "inoue"}) {
+    const Result result = palpa_here({"drive", "--layout", "paper", "--pattern", name, "--constraint", "uniform",
+                                      "--backend", "cpu", "--json", "-", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "") << name << " causes no warning";
+    const nlohmann::json drive = nlohmann::json::parse(result.out);
+    EXPECT_GT(drive["pressures_pa"][0].get<double>(), 1000) << name;
+    EXPECT_EQ(drive.contains("nulls"), std::string(name) == "carter");
+  }
+  expect_failure(palpa_here({"drive", "--layout", "paper", "--pattern", "carters"}), 4, "neither a file nor a known");
+}
+
 TEST(CliNulls, ARunPlaysThem) {
   const auto folder = scratch_folder("nulls-run");
   const std::string file = (folder / "drives.bin").string();

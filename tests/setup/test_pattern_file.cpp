@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <string>
+#include <utility>
 
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::setup {
@@ -68,6 +72,30 @@ TEST(PatternFile, PlanesHaveRowsFromTheTop) {
   EXPECT_EQ(pattern.points[1].amplitude, 0.5F);
   ASSERT_EQ(pattern.nulls.size(), 1u);
   expect_at(pattern.nulls[0].position, -0.01, -0.01, 0.15);
+}
+
+/// docs/patterns.md says what they are: points that sound, and silent ones.
+TEST(PatternFile, PalpasOwnAreThere) {
+  const std::map<std::string, std::pair<std::size_t, std::size_t>> own{
+      {"carter", {8, 9}}, {"gavrilov", {8, 0}}, {"hasegawa", {14, 0}}, {"hoshi", {12, 0}}, {"inoue", {49, 0}}};
+  EXPECT_EQ(pattern_names().size(), own.size());
+  for (const std::string& name : pattern_names()) {
+    const Pattern pattern = load_pattern(test::source_file("assets/patterns/" + name + ".toml").string());
+    EXPECT_EQ(pattern.name, name);
+    ASSERT_TRUE(own.contains(name)) << name;
+    EXPECT_EQ(pattern.points.size(), own.at(name).first) << name;
+    EXPECT_EQ(pattern.nulls.size(), own.at(name).second) << name;
+    Vec3 middle(0);
+    for (const Pattern::Point& point : pattern.points) {
+      EXPECT_EQ(point.amplitude, 1) << name;
+      EXPECT_LE(glm::length(point.position), 0.013) << name;
+      middle += point.position;
+    }
+    EXPECT_LT(std::hypot(middle.x, middle.z), 1e-4) << name << " is not around the finger";
+  }
+  EXPECT_REFUSED(load_pattern("hosh"),
+                 "hosh: neither a file nor a known pattern; known: carter, gavrilov, hasegawa, hoshi, inoue");
+  EXPECT_REFUSED(load_pattern("none.toml"), "none.toml");
 }
 
 TEST(PatternFile, RefusesWhatIsNone) {

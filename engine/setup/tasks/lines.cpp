@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "setup/nulls.hpp"
+#include "setup/pattern_file.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/values.hpp"
 
@@ -43,8 +44,11 @@ void add_options(CLI::App& app, DriveLine& o) {
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", focus_help, check_focus_text);
   add_null_option(group, o.task.drive, "the layout's own frame");
-  group.text("--pattern", o.task.pattern, "FILE",
-             "TOML file of control points with wanted amplitudes, silent ones too, instead of --focus (docs/files.md)");
+  group.text(
+      "--pattern", o.task.pattern, "NAME|FILE",
+      fmt::format("control points with wanted amplitudes, silent ones too, instead of --focus: {} (for the layout "
+                  "paper) or a TOML",
+                  known_patterns()));
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
   group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
