@@ -11,9 +11,9 @@
 #include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "experiment/afferents_picture.hpp"
+#include "experiment/afferents_task.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/afferents_picture.hpp"
-#include "setup/experiment/afferents_task.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
@@ -28,7 +28,7 @@ struct AfferentsCommand {
   std::string scene, finger, csv, times, png;
   std::optional<double> crest_mn;
   double yaw_deg = 0;
-  setup::AfferentsTask task;
+  experiment::AfferentsTask task;
 };
 
 void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
@@ -64,14 +64,14 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   results.text("--png", o.png, "FILE", "draws both");
 }
 
-std::string summary_of_afferents(const setup::AfferentsResult& result, double duration_s) {
+std::string summary_of_afferents(const experiment::AfferentsResult& result, double duration_s) {
   std::string text = fmt::format("level {:.3g} of the linear pressures, crest of the force {:.3g} mN\n", result.factor,
                                  result.crest_n * 1e3);
   for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind) {
     double spikes = 0, most = 0;
-    for (const setup::ByClass& bin : result.spikes)
+    for (const experiment::ByClass& bin : result.spikes)
       spikes += bin[kind];
-    for (const setup::ByClass& site : result.rates_hz)
+    for (const experiment::ByClass& site : result.rates_hz)
       most = std::max(most, site[kind]);
     text += fmt::format(
         "{:<3}: {:.0f} afferents, {:.0f} % fire; {:.0f} spikes per second in all, at most {:.0f} at a site\n",
@@ -89,12 +89,12 @@ void run_afferents(const AfferentsCommand& given) {
     throw bad_usage("--stride: a single focus has no order");
   if (o.crest_mn) o.task.crest_n = *o.crest_mn * 1e-3;
   o.task.place.yaw_rad = o.yaw_deg * std::numbers::pi / 180;
-  setup::check(o.task);
+  check(o.task);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--times", o.times}, {"--png", o.png}});
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const std::vector<geometry::Solid> solids = setup::load_solids(o.scene);
-  setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
-  const setup::AfferentsResult result = setup::afferents(o.task, finger, o.scene, solids);
+  experiment::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
+  const experiment::AfferentsResult result = experiment::afferents(o.task, finger, o.scene, solids);
   progress.reset();
   if (!o.csv.empty()) write_file(o.csv, sites_csv(result));
   if (!o.times.empty()) write_file(o.times, times_csv(result));

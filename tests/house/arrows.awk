@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base drawing gpu geometry sensing touch array acoustics study observer session setup bench cli", floor_names)
+  split("base drawing gpu geometry sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.
@@ -75,7 +75,7 @@ function fault(text) {
   }
 
   if (name ~ /^(GLFW\/|glfw)/ && FILENAME !~ /^viewer\/.*window/) fault("only the viewer's window may know GLFW")
-  if (name ~ /^(volk\.h|vulkan\/)/ && room ~ /^(base|drawing|setup|cli|driver|assets)$/) fault(room " may not know Vulkan")
+  if (name ~ /^(volk\.h|vulkan\/)/ && room ~ /^(base|drawing|setup|experiment|cli|driver|assets)$/) fault(room " may not know Vulkan")
 
   if (house == "engine") {
     if (target ~ /^(driver|viewer|assets|tests)$/) fault("engine/ may not include " name ", which is above it")

@@ -9,8 +9,8 @@
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
+#include "experiment/observe.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/observe.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
 #include "setup/values.hpp"
@@ -45,8 +45,8 @@ struct Strength {
 };
 
 Strength strength_of(const study::StudyPlan& plan) {
-  setup::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan).loudest_db(), setup::crest_force_n(plan, finger)};
+  experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
+  return {study::predict_ear_level(plan).loudest_db(), experiment::crest_force_n(plan, finger)};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,

@@ -10,11 +10,11 @@
 #include "base/sha256.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
+#include "experiment/observe.hpp"
 #include "observer/beside.hpp"
 #include "observer/predicted/prediction_reports.hpp"
 #include "observer/prediction.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/observe.hpp"
 #include "setup/progress.hpp"
 #include "setup/study_plan.hpp"
 #include "study/comparison.hpp"
@@ -65,10 +65,10 @@ void run_study_simulate(const StudySimulateCommand& o) {
     for (study::NamedTable& table : study::tables_of(source, left_out))
       tables.push_back({method_of(table.name, source), source, std::move(table.table)});
   }
-  setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
+  experiment::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const observer::Prediction prediction =
-      observer::predict(setup::observe(plan, finger),
+      observer::predict(experiment::observe(plan, finger),
                         {.fitted = {plan.fit.method, plan.fit.accuracy, plan.fit.trials},
                          .observers = plan.counts.participants,
                          .trials_per_shape = plan.counts.trials_per_shape,

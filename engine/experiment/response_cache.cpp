@@ -1,10 +1,10 @@
-#include "setup/experiment/response_cache.hpp"
+#include "experiment/response_cache.hpp"
 
 #include <algorithm>
 #include <cstdint>
 #include <span>
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 constexpr const char* touches_kind = "touches";
@@ -122,4 +122,4 @@ void store_number(const CacheKey& key, double value) {
   store_cached(touches_kind, key, sections);
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "drawing/png.hpp"
-#include "setup/experiment/afferents_task.hpp"
+#include "experiment/afferents_task.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 drawing::Pixels afferents_picture(const AfferentsResult& result);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -7,10 +7,10 @@
 
 #include "acoustics/bodies/body_cache.hpp"
 #include "array/layouts/layout.hpp"
+#include "experiment/observed_finger.hpp"
 #include "session/previews/skin_preview.hpp"
-#include "setup/experiment/observed_finger.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// Keeps what depends on finger and array only. For one thread at a time.
 class SkinRates {
@@ -30,4 +30,4 @@ class SkinRates {
   double factor_ = 0;     ///< on the linear pressures
 };
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -1,19 +1,19 @@
-#include "setup/experiment/level.hpp"
+#include "experiment/level.hpp"
 
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
+#include "experiment/touch_patterns.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout) {
   constexpr double depth_m = 3e-3;
-  const std::string file = find_asset("cube.glb");
-  const std::vector<geometry::Solid> solids = load_solids(file);
+  const std::string file = setup::find_asset("cube.glb");
+  const std::vector<geometry::Solid> solids = setup::load_solids(file);
   const study::PlanMethod method{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}};
   const ObservedMethod observed{method, &layout};
   const Calibration calibration{touch_patterns(finger, {file, solids, depth_m}, {}, {&observed, 1})[0].crest_n};
@@ -23,4 +23,4 @@ Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout)
   return calibration;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

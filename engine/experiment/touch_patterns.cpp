@@ -1,4 +1,4 @@
-#include "setup/experiment/touch_patterns.hpp"
+#include "experiment/touch_patterns.hpp"
 
 #include <algorithm>
 #include <complex>
@@ -17,7 +17,7 @@
 #include "setup/touch_input.hpp"
 #include "setup/touch_run.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// The finger's own frame in the world.
@@ -28,7 +28,7 @@ Transform pose_of(const ObservedFinger& finger, const TouchedScene& scene, const
   skin.clear();
   for (const Vec3& p : finger.skin())
     skin.push_back(transform_point(T_world_finger, p));
-  const double dy = lowering(scene.solids, skin, scene.depth_m);
+  const double dy = setup::lowering(scene.solids, skin, scene.depth_m);
   for (Vec3& p : skin)
     p.y += dy;
   T_world_finger[3].y += dy;
@@ -36,20 +36,21 @@ Transform pose_of(const ObservedFinger& finger, const TouchedScene& scene, const
 }
 
 /// The method's plan for this skin.
-session::Plan plan_of(const ObservedMethod& observed, const TouchedScene& scene, const TouchInput& skin) {
+session::Plan plan_of(const ObservedMethod& observed, const TouchedScene& scene, const setup::TouchInput& skin) {
   const study::PlanMethod& m = observed.method;
-  TouchOptions touch;
+  setup::TouchOptions touch;
   touch.parameters.delta_m = m.delta_m;
   touch.parameters.foci = m.foci;
   touch.stride = m.stride;
   touch.dwell_s = m.dwell_s;
   touch.method.method = m.method;
   touch.modulation_hz = m.modulation_hz;
-  ComputeOptions compute;
-  compute.backend = Backend::cpu;
-  StepTimes times;
-  const OneTouch one = touch_once(compute, touch, {}, scene.file, scene.solids, skin,
-                                  {.layout = *observed.layout, .drive = drive_options({}, m.method)}, times);
+  setup::ComputeOptions compute;
+  compute.backend = setup::Backend::cpu;
+  setup::StepTimes times;
+  const setup::OneTouch one =
+      setup::touch_once(compute, touch, {}, scene.file, scene.solids, skin,
+                        {.layout = *observed.layout, .drive = setup::drive_options({}, m.method)}, times);
   if (one.touch.finger_count == 0) return {};
   const session::Plan& plan = one.session.plan();
   if (plan.cycle.too_long)
@@ -118,7 +119,7 @@ std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedSc
                                          const observer::FingerPlace& place, std::span<const ObservedMethod> methods) {
   std::vector<Vec3> world;
   const Transform T_world_finger = pose_of(finger, scene, place, world);
-  const TouchInput skin = skin_points(finger.name(), world);
+  const setup::TouchInput skin = setup::skin_points(finger.name(), world);
   std::vector<TouchPattern> patterns(methods.size());
   std::vector<bool> done(methods.size(), false);
   for (std::size_t first = 0; first < methods.size(); ++first) {
@@ -139,4 +140,4 @@ std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedSc
   return patterns;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

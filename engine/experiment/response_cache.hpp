@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "base/cache_file.hpp"
+#include "experiment/touch_patterns.hpp"
 #include "observer/responses.hpp"
-#include "setup/experiment/touch_patterns.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// The touches of a shape with a method: every depth and placement, in the order of observer::Responses.
 using ShapeResponses = std::vector<observer::TouchResponse>;
@@ -33,4 +33,4 @@ void store_responses(const CacheKey& key, const ShapeResponses& responses);
 std::optional<double> load_number(const CacheKey& key);
 void store_number(const CacheKey& key, double value);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "experiment/observed_finger.hpp"
 #include "geometry/solid.hpp"
 #include "observer/afferents/finger_place.hpp"
 #include "observer/afferents/models.hpp"
-#include "setup/experiment/observed_finger.hpp"
 #include "study/plan/plan_method.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// The defaults are the command line's.
 struct AfferentsTask {
@@ -51,4 +51,4 @@ std::string sites_csv(const AfferentsResult& result);
 /// time_s,sa1,ra,pc: spikes of all afferents of the class in the bin that begins then.
 std::string times_csv(const AfferentsResult& result);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -6,20 +6,20 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "setup/experiment/afferents_task.hpp"
-#include "setup/experiment/skin_rates.hpp"
+#include "experiment/afferents_task.hpp"
+#include "experiment/skin_rates.hpp"
 #include "setup/load.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// A ball for a fingertip, its lowest point at the world's origin, and a modulated focus there.
 session::SkinQuestion question() {
   session::SkinQuestion q;
   q.finger = test::transformed(test::sphere(3e-3, 10, 16), [](const Vec3& p) { return p + Vec3(0, 3e-3, 0); });
-  q.layout = load_posed_layout("openmpd");
+  q.layout = setup::load_posed_layout("openmpd");
   q.air = acoustics::air_of({});
   q.afferents = true;
   array::Voice& voice = q.plan.schedule.add_voice();
@@ -97,4 +97,4 @@ TEST(SkinRates, NeedALevel) {
 }
 
 }  // namespace
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "array/layouts/layout.hpp"
-#include "setup/experiment/observed_finger.hpp"
+#include "experiment/observed_finger.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// The factor on linear pressures at which the crest of a single focus on the paper's cube, 3 mm deep, is a force of
 /// `crest_n` on the finger, and that force at the linear level.
@@ -17,4 +17,4 @@ struct Calibration {
 /// With this array, posed in the world. Throws bad_input if the finger gets no force there.
 Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

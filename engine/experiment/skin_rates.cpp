@@ -1,4 +1,4 @@
-#include "setup/experiment/skin_rates.hpp"
+#include "experiment/skin_rates.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "setup/experiment/afferents_task.hpp"
-#include "setup/experiment/level.hpp"
-#include "setup/experiment/touch_patterns.hpp"
+#include "experiment/afferents_task.hpp"
+#include "experiment/level.hpp"
+#include "experiment/touch_patterns.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// The same question about a finger with its tip at its origin.
@@ -107,4 +107,4 @@ session::SkinAnswer SkinRates::answer(const session::SkinQuestion& asked, acoust
   return out;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -1,4 +1,4 @@
-#include "setup/experiment/afferents_task.hpp"
+#include "experiment/afferents_task.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/words.hpp"
+#include "experiment/level.hpp"
+#include "experiment/touch_patterns.hpp"
 #include "geometry/haptics.hpp"
-#include "setup/experiment/level.hpp"
-#include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 void check(const AfferentsTask& task) {
   const study::PlanMethod& m = task.method;
@@ -30,7 +30,7 @@ std::string AfferentsResult::class_name(std::size_t kind) const {
 
 AfferentsResult afferents(const AfferentsTask& task, ObservedFinger& finger, const std::string& scene,
                           const std::vector<geometry::Solid>& solids) {
-  const array::Layout layout = load_posed_layout(task.method.layout);
+  const array::Layout layout = setup::load_posed_layout(task.method.layout);
   AfferentsResult out{.body = finger.mesh(), .sites = finger.sites(), .rates_hz = {}, .spikes = {}};
   if (!task.linear) out.factor = calibrate_level(finger, layout).factor(task.crest_n);
   const ObservedMethod method{task.method, &layout};
@@ -123,4 +123,4 @@ std::string times_csv(const AfferentsResult& result) {
   return csv;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

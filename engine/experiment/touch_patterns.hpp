@@ -8,14 +8,14 @@
 
 #include "array/directivity.hpp"
 #include "array/layouts/layout.hpp"
+#include "experiment/observed_finger.hpp"
 #include "geometry/solid.hpp"
 #include "observer/afferents/finger_place.hpp"
 #include "observer/afferents/pressure_pattern.hpp"
 #include "session/plan/plan.hpp"
-#include "setup/experiment/observed_finger.hpp"
 #include "study/plan/plan_method.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// The object that is touched, and how deep the finger's lowest point is below the object's top.
 struct TouchedScene {
@@ -50,4 +50,4 @@ std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T
 std::vector<TouchPattern> touch_patterns(ObservedFinger& finger, const TouchedScene& scene,
                                          const observer::FingerPlace& place, std::span<const ObservedMethod> methods);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

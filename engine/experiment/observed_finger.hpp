@@ -15,7 +15,7 @@
 #include "observer/afferents/skin_sites.hpp"
 #include "setup/options.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 class ObservedFinger {
  public:
@@ -49,4 +49,4 @@ class ObservedFinger {
   std::optional<observer::SkinLoad> waves_, at_once_;
 };
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

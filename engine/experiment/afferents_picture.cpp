@@ -1,4 +1,4 @@
-#include "setup/experiment/afferents_picture.hpp"
+#include "experiment/afferents_picture.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "drawing/line_picture.hpp"
 #include "setup/finger_picture.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// The site whose skin each face of the body is; -1 beyond the sites' faces.
@@ -27,9 +27,9 @@ std::vector<std::int64_t> sites_of_faces(const AfferentsResult& result) {
   return sites;
 }
 
-drawing::Pixels rates_picture(const AfferentsResult& result, const SeenFromBelow& seen,
+drawing::Pixels rates_picture(const AfferentsResult& result, const setup::SeenFromBelow& seen,
                               const std::vector<std::int64_t>& site_of_face, std::size_t kind) {
-  std::vector<double> values(below_side * below_side, std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> values(setup::below_side * setup::below_side, std::numeric_limits<double>::quiet_NaN());
   double most = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (seen.face[i] < 0) continue;
@@ -38,7 +38,7 @@ drawing::Pixels rates_picture(const AfferentsResult& result, const SeenFromBelow
     values[i] = result.rates_hz[static_cast<std::size_t>(site)][kind];
     most = std::max(most, values[i]);
   }
-  return draw_from_below(
+  return setup::draw_from_below(
       values, result.class_name(kind) + ": rates",
       {fmt::format("{:.0f} afferents, {:.0f} % of them fire", result.afferents[kind], 100 * result.active[kind])},
       most > 0 ? most : 1, "spikes per second");
@@ -65,7 +65,7 @@ drawing::Pixels times_picture(const AfferentsResult& result, std::size_t kind) {
 }  // namespace
 
 drawing::Pixels afferents_picture(const AfferentsResult& result) {
-  const SeenFromBelow seen(result.body, Vec3(0));
+  const setup::SeenFromBelow seen(result.body, Vec3(0));
   const std::vector<std::int64_t> sites = sites_of_faces(result);
   std::vector<drawing::Pixels> pictures;
   for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind)
@@ -75,4 +75,4 @@ drawing::Pixels afferents_picture(const AfferentsResult& result) {
   return drawing::side_by_side(pictures, observer::afferent_classes);
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

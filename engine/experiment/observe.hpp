@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "experiment/observed_finger.hpp"
 #include "observer/responses.hpp"
-#include "setup/experiment/observed_finger.hpp"
 #include "study/plan/plan.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 
 /// The force at the crest of a single focus on the paper's cube, 3 mm deep, at the ceiling of the plan, with the array
 /// of the fitted method: at most what the plan assumes for full amplitude. Kept between runs. Throws as
@@ -20,4 +20,4 @@ double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger);
 /// Throws bad_input naming a missing model or layout, otherwise as touch_patterns does.
 observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger);
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

@@ -1,4 +1,4 @@
-#include "setup/experiment/observed_finger.hpp"
+#include "experiment/observed_finger.hpp"
 
 #include <cstdint>
 #include <utility>
@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "setup/body.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// The centroids of nine equal parts of each of these faces.
@@ -31,7 +31,7 @@ std::vector<Vec3> dense_points(const geometry::Mesh& mesh, const std::vector<std
 }  // namespace
 
 ObservedFinger::ObservedFinger(const std::string& file)
-    : name_(file), air_(setup::air({}, {})), mesh_(load_body(file, air_, false)) {
+    : name_(file), air_(setup::air({}, {})), mesh_(setup::load_body(file, air_, false)) {
   find_skin();
 }
 
@@ -59,4 +59,4 @@ const observer::SkinLoad& ObservedFinger::load(observer::Delays delays) {
   return *load;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment

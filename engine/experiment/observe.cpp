@@ -1,4 +1,4 @@
-#include "setup/experiment/observe.hpp"
+#include "experiment/observe.hpp"
 
 #include <fmt/format.h>
 
@@ -12,14 +12,14 @@
 #include "acoustics/felt/skin.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
+#include "experiment/level.hpp"
+#include "experiment/response_cache.hpp"
+#include "experiment/touch_patterns.hpp"
 #include "observer/placements.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/level.hpp"
-#include "setup/experiment/response_cache.hpp"
-#include "setup/experiment/touch_patterns.hpp"
 #include "setup/load.hpp"
 
-namespace palpa::setup {
+namespace palpa::experiment {
 namespace {
 
 /// Spikes of every model at every site within the counting window.
@@ -75,7 +75,7 @@ struct Loaded {
 
   explicit Loaded(const study::StudyPlan& plan) {
     for (const study::PlanShape& shape : plan.shapes) {
-      std::vector<geometry::Solid>& loaded = solids.emplace_back(load_solids(shape.model));
+      std::vector<geometry::Solid>& loaded = solids.emplace_back(setup::load_solids(shape.model));
       // The plan says how shapes are to be felt, so that methods differ by their names only.
       for (geometry::Solid& solid : loaded)
         solid.haptics = {};
@@ -85,8 +85,9 @@ struct Loaded {
       for (const study::PlanMethod& method : *list) {
         const auto found = layouts.find(method.layout);
         const array::Layout& layout =
-            found != layouts.end() ? found->second
-                                   : layouts.emplace(method.layout, load_posed_layout(method.layout)).first->second;
+            found != layouts.end()
+                ? found->second
+                : layouts.emplace(method.layout, setup::load_posed_layout(method.layout)).first->second;
         methods.push_back({method, &layout});
       }
     }
@@ -95,8 +96,8 @@ struct Loaded {
 
 /// The force of the level's reference touch, which is kept between runs.
 Calibration calibrate(ObservedFinger& finger, const array::Layout& layout) {
-  const std::string file = find_asset("cube.glb");
-  const std::vector<geometry::Solid> solids = load_solids(file);
+  const std::string file = setup::find_asset("cube.glb");
+  const std::vector<geometry::Solid> solids = setup::load_solids(file);
   const ObservedMethod observed{{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}}, &layout};
   const std::vector<double> depths{calibration_depth_m}, none;
   const std::vector<observer::FingerPlace> places(1);
@@ -158,7 +159,7 @@ void touch_shape(ObservedFinger& finger, const TouchedScene& shape, const TouchL
 }  // namespace
 
 double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
-  const array::Layout layout = load_posed_layout(plan.methods[plan.fit.method].layout);
+  const array::Layout layout = setup::load_posed_layout(plan.methods[plan.fit.method].layout);
   return crest_force_n(plan, calibrate(finger, layout));
 }
 
@@ -220,4 +221,4 @@ observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger
   return out;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::experiment
