@@ -13,11 +13,11 @@
 #include "cli/commands.hpp"
 #include "experiment/afferents_picture.hpp"
 #include "experiment/afferents_task.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::cli {
@@ -33,7 +33,7 @@ struct AfferentsCommand {
 
 void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   study::PlanMethod& m = o.task.method;
-  const setup::Group group(app, "What touches what");
+  const line::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   group.text("--finger", o.finger, "FILE",
              "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
@@ -43,7 +43,7 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   group.quantity("--x", o.task.place.x_m, Quantity::length, {-1, 1}, "where the finger is, along x");
   group.quantity("--z", o.task.place.z_m, Quantity::length, {-1, 1}, "where the finger is, along z");
   group.number("--yaw", o.yaw_deg, {-180, 180}, "DEGREES", "how far the finger is turned about its own axis");
-  const setup::Group foci(app, "Foci");
+  const line::Group foci(app, "Foci");
   foci.choice("--method", m.method, touch::method_words, "how contacts become foci");
   foci.integer("--foci", m.foci, 1, touch::max_foci, "foci per finger");
   foci.integer("--stride", m.stride, 1, 1u << 20, "step from each focus to the next [the usual one]");
@@ -52,11 +52,11 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
                 "frequency of the modulation of foci that stand still");
   foci.quantity("--delta", m.delta_m, Quantity::length, {1e-5, 0.1}, "thickness of the shell");
   foci.text("--layout", m.layout, "NAME|FILE", "the array: a built-in name or a layout's file");
-  const setup::Group level(app, "Level of pressure");
+  const line::Group level(app, "Level of pressure");
   level.number("--crest", o.crest_mn, {0.1, 1000}, "NUMBER",
                "force in mN on the finger at the crest of a single focus on the paper's cube, 3 mm deep [16]");
   level.flag("--linear", o.task.linear, "the array's linear pressures, which are not physical if they are loud");
-  const setup::Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.quantity("--duration", o.task.duration_s, Quantity::time, {0.01, 10}, "how long the touch lasts");
   results.quantity("--bin", o.task.bin_s, Quantity::time, {2e-4, 10}, "the step in which spikes are counted over time");
   results.text("--csv", o.csv, "FILE|-", "writes the map: site,x,y,z,area_cm2,sa1_hz,ra_hz,pc_hz");

@@ -12,10 +12,10 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -23,7 +23,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 
 void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
-  const setup::Group target(app, "The target");
+  const line::Group target(app, "The target");
   target.text("--target", o.target, "FILE",
               "only writes the model of the target: .stl for a printer (millimetres), or .glb for a viewer (on its "
               "mount, in the world)");
@@ -31,7 +31,7 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
                "place of the middle of the target's underside, in the array's frame [its mount on the layout]");
   target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
                 "angle of the target about its own z axis, counter-clockwise as seen from above");
-  const setup::Group frames(app, "What is seen, and where it goes");
+  const line::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
               "where depth frames come from: synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], "
               "realsense:SERIAL[,...] or bag:FILE [synthetic]");

@@ -38,7 +38,7 @@ struct Extensions {
 /// Does a subcommand's work; throws Error for every failure. Returning means exit code 0.
 using Action = std::function<void()>;
 
-/// The texts of a subcommand in its help (setup/help.hpp). No line may have more than setup::help_columns.
+/// The texts of a subcommand in its help (line/help.hpp). No line may have more than line::help_columns.
 struct CommandText {
   const char* name;            ///< "touch", or "study analyse" for a subcommand of the group "study"
   const char* summary;         ///< one line, also in `palpa --help`

@@ -14,9 +14,9 @@
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "geometry/gltf/write.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -29,12 +29,12 @@ struct DecomposeCommand {
 };
 
 void add_options_of_decompose(CLI::App& app, DecomposeCommand& o) {
-  const setup::Group group(app, "What to take apart");
+  const line::Group group(app, "What to take apart");
   group.text("--scene", o.task.scene, "FILE", "glTF model; each mesh that can be touched is cut into parts");
   setup::add_gltf_scene(group, o.task.gltf_scene);
   add_allow_outside(group, o.common);
   group.text("--out", o.out, "FILE.glb|-", "writes the parts as glTF, which other commands read as --scene");
-  const setup::Group how(app, "How");
+  const line::Group how(app, "How");
   geometry::DecomposeOptions& options = o.task.options;
   how.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
   how.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,

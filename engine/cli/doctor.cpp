@@ -12,8 +12,8 @@
 #include "geometry/parts/vhacd.hpp"
 #include "gpu/device.hpp"
 #include "gpu/software.hpp"
+#include "line/values.hpp"
 #include "setup/study_options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -24,7 +24,7 @@ struct DoctorOptions {
 };
 
 void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
-  const setup::Group group(app, "Cameras");
+  const line::Group group(app, "Cameras");
   group.text("--write-rig", o.write_rig, "FILE",
              "writes a rig with the depth cameras that are plugged in; palpa calibrate then finds their poses");
   group.text("--source", o.source, "SOURCE",

@@ -14,11 +14,11 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/lines.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {

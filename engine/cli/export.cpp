@@ -10,16 +10,16 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/export_played.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
 void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
-  const setup::Group group(app, "What to export");
+  const line::Group group(app, "What to export");
   add_frame_options(group, o, "number of frames to export; 0 exports all until the recording ends");
   group.text("--foci", o.foci, "FILE",
              "writes the foci of each frame, as .csv or .json; --foci-count sets their number");

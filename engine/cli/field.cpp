@@ -16,11 +16,11 @@
 #include "cli/commands.hpp"
 #include "cli/field_picture.hpp"
 #include "geometry/files/vtu.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/lines.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {

@@ -16,13 +16,13 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -38,7 +38,7 @@ struct LinkCommand {
 };
 
 void add_options_of_link(CLI::App& app, LinkCommand& o) {
-  const setup::Group group(app, "What to try out");
+  const line::Group group(app, "What to try out");
   group.text("what", o.what, "test",
              "the word test: sounds one transducer after the other, so that you can see, hear or measure each");
   group.text("--link", o.link, "LINK", "the board or other link to test, as for palpa run");
@@ -48,7 +48,7 @@ void add_options_of_link(CLI::App& app, LinkCommand& o) {
   constexpr std::uint32_t most = array::max_transducers - 1;
   group.integer("--first", o.first, 0, most, "first transducer to sound, by its number in the layout");
   group.integer("--last", o.last, 0, most, "last transducer to sound [the layout's last]");
-  group.quantity("--each", o.each_s, Quantity::time, setup::positive(3600), "how long each transducer sounds");
+  group.quantity("--each", o.each_s, Quantity::time, line::positive(3600), "how long each transducer sounds");
   group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "how long it is silent after each transducer");
   group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "time from one drive to the next");
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "amplitude of the transducer that sounds, 0 to 1");

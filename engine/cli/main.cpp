@@ -13,7 +13,7 @@
 #include "base/version.hpp"
 #include "cli/commands.hpp"
 #include "cli/help.hpp"
-#include "setup/parse.hpp"
+#include "line/parse.hpp"
 #include "setup/program.hpp"
 
 namespace palpa::cli {
@@ -49,7 +49,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     return;
   }
   try {
-    setup::parse(app, argc, argv);
+    line::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
     write_file("-", help_of_line(program, argc, argv));
     return;

@@ -15,12 +15,12 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "drawing/arrange.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/simulate_picture.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {

@@ -13,13 +13,13 @@
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
+#include "line/values.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/lines.hpp"
 #include "setup/tasks/touch.hpp"
 #include "setup/touch_input.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {

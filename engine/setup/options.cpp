@@ -8,7 +8,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -22,8 +22,8 @@ constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
                                                {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
-constexpr Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = positive(1);
-constexpr Range tuned_dwell_range{1e-4, 20e-3};
+constexpr line::Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = line::positive(1);
+constexpr line::Range tuned_dwell_range{1e-4, 20e-3};
 
 array::Solver solver_of(SolverChoice choice) {
   switch (choice) {
@@ -43,7 +43,7 @@ array::Solver solver_of(SolverChoice choice) {
 }  // namespace
 
 void add_common(CLI::App& app, CommonOptions& options) {
-  const Group group(app, "Common options");
+  const line::Group group(app, "Common options");
   group.text("--gpu", options.gpu, "NAME|INDEX",
              "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
   group.choice("--backend", options.backend, backend_words,
@@ -60,16 +60,16 @@ void add_common(CLI::App& app, CommonOptions& options) {
                "how strictly the Vulkan calls are checked, for developers [$PALPA_VALIDATION, or off]");
 }
 
-void add_allow_outside(const Group& group, CommonOptions& options) {
+void add_allow_outside(const line::Group& group, CommonOptions& options) {
   group.flag("--allow-outside", options.allow_outside,
              "scenes and recordings may name files outside their own folders");
 }
 
-void add_gltf_scene(const Group& group, std::optional<std::uint32_t>& number) {
+void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number) {
   group.integer("--gltf-scene", number, 0, 1u << 30, "number of the scene in that file [the file's default scene]");
 }
 
-void add_board_files(const Group& group, std::string& folder) {
+void add_board_files(const line::Group& group, std::string& folder) {
   group.text("--board-files", folder, "DIR",
              "folder with the boards' own files, which say how their transducers differ [no differences]");
 }
@@ -94,7 +94,7 @@ void check(const ComputeOptions& options) {
 }
 
 void add_solid_options(CLI::App& app, SolidOptions& options) {
-  const Group group(app, "Solids");
+  const line::Group group(app, "Solids");
   group.choice("--surface", options.surface, geometry::surface_words,
                "what counts as a solid's surface, the mesh itself or convex parts that are cut from it");
   group.integer("--parts", options.parts, 1, geometry::most_parts,
@@ -104,11 +104,11 @@ void add_solid_options(CLI::App& app, SolidOptions& options) {
 }
 
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
-  const Group group(app, "Touch");
+  const line::Group group(app, "Touch");
   touch::Parameters& p = options.parameters;
-  group.quantity("--delta", p.delta_m, Quantity::length, positive(1),
+  group.quantity("--delta", p.delta_m, Quantity::length, line::positive(1),
                  "thickness of the shell under a solid's surface: how deep a contact may be");
-  group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, positive(1),
+  group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, line::positive(1),
                  "contacts belong to one finger if they are no farther apart than this");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "the fewest contacts that count as a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
@@ -139,7 +139,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
 }
 
 void add_felt_options(CLI::App& app, FeltOptions& options) {
-  const Group group(app, "What skin feels in time");
+  const line::Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "prints the spectrum of the pressure on each finger's skin");
   group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-longest: the shortest dwell that --tune may choose [--dwell]");
@@ -154,8 +154,8 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
   }
   if (!options.shortest_dwell_s) return;
   if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
-  check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
-  check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
+  line::check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
+  line::check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
   constexpr double tenth_ms = 1e-4;
   const double first = std::ceil(*options.shortest_dwell_s / tenth_ms * (1 - 1e-12));
   if (first * tenth_ms > *options.longest_dwell_s * (1 + 1e-12)) {
@@ -168,9 +168,9 @@ void check(const TouchOptions& options) {
     const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
     if (!fault.empty()) throw bad_usage(fmt::format("--stride and {}: {}", options.foci_name, fault));
   }
-  check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
-  check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
-  if (options.spot_m) check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
+  line::check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
+  line::check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
+  if (options.spot_m) line::check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
   warn_of_dwell(options);
 }
 
@@ -180,7 +180,7 @@ void refuse_finger_width(const TouchOptions& options, const char* goes_with) {
 }
 
 void add_medium_options(CLI::App& app, MediumOptions& options) {
-  const Group group(app, "Air and tone");
+  const line::Group group(app, "Air and tone");
   group.number("--temperature", options.celsius, {array::least_celsius, array::most_celsius}, "CELSIUS",
                "temperature of the air, which sets the speed of sound [20]");
   group.quantity("--sound-speed", options.sound_speed, Quantity::speed,
@@ -201,7 +201,7 @@ array::Medium medium(const MediumOptions& options) {
 }
 
 void add_air_options(CLI::App& app, AirOptions& options) {
-  const Group group(app, "Air and tone");
+  const line::Group group(app, "Air and tone");
   group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT",
                "relative humidity of the air, which sets how much sound it absorbs");
   group.quantity("--air-pressure", options.pressure_pa, Quantity::pressure,
@@ -245,7 +245,7 @@ void refuse_idle_air(const AirOptions& options) {
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
-  const Group group(app, "Drives");
+  const line::Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
                "amplitude that a focus asks of each transducer, by its distance or all the same");
   group.choice(
@@ -255,12 +255,12 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
             "the method multi-focus gs-pat]"
           : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive, "
             "simulate and run have [naive; for the method multi-focus gs-pat]");
-  Group(app, mesh == FingerMesh::known ? "Drives" : "")
+  line::Group(app, mesh == FingerMesh::known ? "Drives" : "")
       .choice("--transfer", options.transfer, transfer_words,
               "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
   group.choice("--constraint", options.constraint, array::constraint_words,
                "how amplitudes get into the range 0 to 1 [normalise]");
-  group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),
+  group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
                  "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
   group.choice("--directivity", options.directivity, array::directivity_words,
                "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
@@ -303,7 +303,7 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
 }
 
 void add_array_options(CLI::App& app, ArrayOptions& options) {
-  Group(app, "Array")
+  line::Group(app, "Array")
       .text("--layout", options.layout, "NAME|FILE",
             fmt::format("the array: {} or a TOML; palpa then prints the pressure "
                         "at the foci [no array]",
@@ -317,7 +317,7 @@ void check(const ArrayOptions& options) {
 }
 
 void add_rig_options(CLI::App& app, RigOptions& options) {
-  const Group group(app, "Rig");
+  const line::Group group(app, "Rig");
   group.text("--rig", options.rig, "FILE", "TOML file of cameras, array and screen [the paper's rig]");
   group.text("--layout", options.layout, "NAME|FILE",
              fmt::format("array instead of the rig's: {} or a TOML [the rig's]", array::known_layouts()));

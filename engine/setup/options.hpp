@@ -22,10 +22,11 @@
 namespace CLI {
 class App;
 }
+namespace palpa::line {
+class Group;
+}
 
 namespace palpa::setup {
-
-class Group;
 
 /// Every subcommand has these.
 struct CommonOptions : ComputeOptions {
@@ -36,11 +37,11 @@ struct CommonOptions : ComputeOptions {
 };
 void add_common(CLI::App& app, CommonOptions& options);
 /// --allow-outside, of the commands that read scenes or recordings.
-void add_allow_outside(const Group& group, CommonOptions& options);
+void add_allow_outside(const line::Group& group, CommonOptions& options);
 /// --gltf-scene, beside a --scene.
-void add_gltf_scene(const Group& group, std::optional<std::uint32_t>& number);
+void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number);
 /// --board-files, beside a --link.
-void add_board_files(const Group& group, std::string& folder);
+void add_board_files(const line::Group& group, std::string& folder);
 /// Sets the log level: --log-level, otherwise "error" with --quiet, otherwise "warning". With the last two, warnings
 /// are held until the outcome is known, because a failing command writes only its error. Long computations call
 /// log::release_warnings() once their input is read.

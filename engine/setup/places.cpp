@@ -12,7 +12,7 @@
 #include "base/memory.hpp"
 #include "base/units.hpp"
 #include "geometry/files/ply.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -29,7 +29,7 @@ void check_room(std::uint64_t points) {
 }
 
 Vec3 parse_place(const char* option, const std::string& text) {
-  const auto [x, y, z] = parse_point(option, text);
+  const auto [x, y, z] = line::parse_point(option, text);
   if (std::max({std::abs(x), std::abs(y), std::abs(z)}) > farthest_m)
     throw bad_usage(fmt::format("{}: '{}' is farther than {} m away", option, text, farthest_m));
   return {x, y, z};
@@ -188,7 +188,7 @@ Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles)
 }
 
 void add_place_options(CLI::App& app, PlaceOptions& options) {
-  const Group group(app, "Where");
+  const line::Group group(app, "Where");
   group.choice("--plane", options.plane, plane_words,
                "computes on a plane; its two letters are the axes that point right and up");
   group.point("--centre", options.centre, "centre of the plane [0,0,0]");

@@ -11,8 +11,8 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "line/values.hpp"
 #include "sensing/rig.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -113,7 +113,7 @@ array::Spread read_text(std::string_view text) {
 }  // namespace
 
 void add_spread_options(CLI::App& app, SpreadOptions& options) {
-  const Group group(app, "How sure the numbers are");
+  const line::Group group(app, "How sure the numbers are");
   group.text(
       "--spread", options.text, "KEY=VALUE,...",
       fmt::format("computes everything again for random arrays and reports ranges; standard deviations: {}", example),

@@ -8,35 +8,35 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 #include "study/plan/order.hpp"
 
 namespace palpa::setup {
 
 void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
-  const Group sitting(app, "Sitting");
+  const line::Group sitting(app, "Sitting");
   sitting.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   sitting.text("--out", o.out, "DIR", "folder of the study; the participant's folder is made in it");
   sitting.text("--override", o.override_by, "TEXT",
                "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
   sitting.number("--rehearse", o.rehearse, {0, 1}, "NUMBER",
                  "a scripted participant with this share of right answers presses the keys [a person]");
-  const Group what(app, "What to run");
+  const line::Group what(app, "What to run");
   what.text("--source", o.source, "SOURCE", "where frames come from, as in palpa run [with --rehearse: synthetic]");
   what.text("--link", o.link, "LINK", "the array that sounds, as in palpa run [with --rehearse: null]");
   what.text("--rig", o.rig, "FILE", "the cameras, the array and the screen with their poses [the paper's]");
   add_board_files(what, o.board_files);
-  what.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
+  what.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, line::positive(10),
                         "how long a frame sounds if no other comes; auto: longer if frames are always late");
-  const Group windows(app, "Windows");
+  const line::Group windows(app, "Windows");
   windows.text("--monitor", o.monitor, "NAME|NUMBER",
                "monitor that the participant's window fills [the last, if there are several]");
   windows.text("--size", o.size, "WxH", "size of the participant's window in pixels; it then fills no monitor");
   windows.text("--stereo", o.stereo, "HOW",
                "how the pictures of two eyes become one: none, side-by-side, top-bottom, anaglyph, columns (an "
                "autostereoscopic display with upright slits) or rows [none]");
-  windows.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, positive(1), "distance between the eyes");
-  windows.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, positive(1),
+  windows.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, line::positive(1), "distance between the eyes");
+  windows.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, line::positive(1),
                    "with --stereo columns, the distance between slits; with rows, that of two rows [so that neighbours "
                    "differ]");
   windows.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
@@ -81,14 +81,14 @@ std::vector<std::string> words_of(const StudyRunOptions& o) {
   add("--rig", o.rig);
   add("--board-files", o.board_files);
   if (o.hold_auto || o.hold_s != StudyRunOptions().hold_s)
-    add("--hold", o.hold_auto ? "auto" : format_quantity(o.hold_s, Quantity::time));
+    add("--hold", o.hold_auto ? "auto" : line::format_quantity(o.hold_s, Quantity::time));
   add("--monitor", o.monitor);
   add("--size", o.size);
   add("--stereo", o.stereo);
   if (o.eyes_apart_m != StudyRunOptions().eyes_apart_m)
-    add("--eyes-apart", format_quantity(o.eyes_apart_m, Quantity::length));
-  if (o.barrier_pitch_m) add("--barrier-pitch", format_quantity(*o.barrier_pitch_m, Quantity::length));
-  if (o.barrier_gap_m) add("--barrier-gap", format_quantity(*o.barrier_gap_m, Quantity::length));
+    add("--eyes-apart", line::format_quantity(o.eyes_apart_m, Quantity::length));
+  if (o.barrier_pitch_m) add("--barrier-pitch", line::format_quantity(*o.barrier_pitch_m, Quantity::length));
+  if (o.barrier_gap_m) add("--barrier-gap", line::format_quantity(*o.barrier_gap_m, Quantity::length));
   if (o.barrier_phase != 0) add("--barrier-phase", fmt::format("{}", o.barrier_phase));
   add("--gpu", o.common.gpu);
   if (o.common.backend != Backend::automatic) add("--backend", word_of(backend_words, o.common.backend));

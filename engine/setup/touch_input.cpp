@@ -10,12 +10,12 @@
 #include "base/text.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/plausible.hpp"
+#include "line/values.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
@@ -150,7 +150,7 @@ TouchInput load_depths(const TouchInputOptions& options) {
 }  // namespace
 
 void add_touch_input(CLI::App& app, TouchInputOptions& options) {
-  const Group group(app, "What touches what");
+  const line::Group group(app, "What touches what");
   group.text("--scene", options.scene, "FILE", "glTF model whose meshes can be touched");
   add_gltf_scene(group, options.gltf_scene);
   group.text("--points", options.points, "FILE", "PLY file with points of the skin, in metres, world coordinates");

@@ -8,7 +8,7 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/plausible.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 void warn_of_dwell(const std::string& where, double dwell_s) {
   if (dwell_s <= longest_usual_dwell_s) return;
   log::warning(fmt::format("{} of {} is long: a focus that stays in a place for more than {} is felt as jumps", where,
-                           format_quantity(dwell_s, Quantity::time),
-                           format_quantity(longest_usual_dwell_s, Quantity::time)));
+                           line::format_quantity(dwell_s, Quantity::time),
+                           line::format_quantity(longest_usual_dwell_s, Quantity::time)));
 }
 
 }  // namespace

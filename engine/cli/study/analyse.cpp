@@ -26,7 +26,7 @@ struct AnalyseCommand {
 };
 
 void add_options_of_analyse(CLI::App& app, AnalyseCommand& o) {
-  const setup::Group group(app, "What to analyse");
+  const line::Group group(app, "What to analyse");
   group.words(
       "what", o.sources, "DIR...|COUNTS.csv",
       "folders of a study, with the participants' logs in sub-N/beh; or one file with a table of counts, actual "

@@ -20,7 +20,7 @@ struct CompareCommand {
 };
 
 void add_options_of_compare(CLI::App& app, CompareCommand& o) {
-  const setup::Group group(app, "What to compare");
+  const line::Group group(app, "What to compare");
   group.words("what", o.sources, "WHAT...",
               "the word paper, folders of studies, CSV files of counts, JSON files of palpa study analyse; a study has "
               "one table per method");

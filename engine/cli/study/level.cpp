@@ -8,9 +8,9 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::cli {
@@ -23,7 +23,7 @@ struct LevelCommand {
 };
 
 void add_options_of_level(CLI::App& app, LevelCommand& o) {
-  const setup::Group group(app, "Level");
+  const line::Group group(app, "Level");
   group.words("plan", o.plan, "PLAN", "TOML file of the study");
   group.text("--override", o.override_by, "TEXT",
              "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");

@@ -10,10 +10,10 @@
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "experiment/observe.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/plan/order.hpp"
 #include "study/sitting/ear_level.hpp"
 
@@ -28,7 +28,7 @@ struct PlanCommand {
 };
 
 void add_options_of_plan(CLI::App& app, PlanCommand& o) {
-  const setup::Group group(app, "Plan");
+  const line::Group group(app, "Plan");
   group.words("plan", o.plan, "PLAN", "TOML file of the study");
   group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   group.text("--csv", o.csv, "FILE", "writes the participant's order, one row per step");

@@ -24,17 +24,17 @@ struct PowerCommand {
 
 void add_options_of_power(CLI::App& app, PowerCommand& o) {
   study::PowerSetting& s = o.setting;
-  const setup::Group effect(app, "Effect");
+  const line::Group effect(app, "Effect");
   effect.number("--baseline", s.a, {0, 1}, "NUMBER", "mean accuracy with the first method, 0 to 1");
   effect.number("--accuracy", s.b, {0, 1}, "NUMBER", "mean accuracy with the second method, 0 to 1");
   effect.number("--spread", s.spread, {0, 0.5}, "NUMBER",
                 "standard deviation of participants' accuracies, without the chance in their trials");
   effect.number("--correlation", s.correlation, {-1, 1}, "NUMBER",
                 "correlation of a participant's accuracies with both methods");
-  const setup::Group plan(app, "Study");
+  const line::Group plan(app, "Study");
   plan.integer("--trials", s.trials, 1, 1000, "trials of each participant with each method");
-  plan.number("--alpha", s.alpha, setup::positive(0.5), "NUMBER", "a difference is found if p is at most this");
-  plan.number("--power", s.power, setup::positive(1), "NUMBER", "share of studies that are to find the difference");
+  plan.number("--alpha", s.alpha, line::positive(0.5), "NUMBER", "a difference is found if p is at most this");
+  plan.number("--power", s.power, line::positive(1), "NUMBER", "share of studies that are to find the difference");
   plan.integer("--people", s.most_people, 2, study::most_simulated_people, "the most participants that are tried");
   plan.integer("--studies", s.studies, 100, 20'000, "studies simulated for each number of participants");
   add_study_outputs(app, o.outputs, "one row per number of participants");

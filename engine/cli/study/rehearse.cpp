@@ -10,10 +10,10 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/rehearsal.hpp"
 
@@ -29,7 +29,7 @@ struct RehearseCommand {
 };
 
 void add_options_of_rehearse(CLI::App& app, RehearseCommand& o) {
-  const setup::Group group(app, "Rehearsal");
+  const line::Group group(app, "Rehearsal");
   group.words("plan", o.plan, "PLAN", "TOML file of the study");
   group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   group.text("--out", o.out, "DIR", "folder of the rehearsal; the participant's folder is made in it");

@@ -9,8 +9,8 @@
 
 #include "base/error.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/study_options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -20,7 +20,7 @@ struct RunStudyCommand : setup::StudyRunOptions {
 };
 
 void add_options_of_run(CLI::App& app, RunStudyCommand& o) {
-  const setup::Group group(app, "Study");
+  const line::Group group(app, "Study");
   group.words("plan", o.plans, "PLAN", "TOML file of the study");
   setup::add_study_run_options(app, o);
 }

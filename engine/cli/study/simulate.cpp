@@ -31,7 +31,7 @@ struct StudySimulateCommand {
 };
 
 void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
-  const setup::Group group(app, "What to predict");
+  const line::Group group(app, "What to predict");
   group.words("plan", o.plan, "PLAN", "TOML file of the study");
   group.text("--finger", o.finger, "FILE",
              "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
@@ -39,7 +39,7 @@ void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
               "results of people beside the prediction: the word paper, the folder of a study, a JSON of palpa study "
               "analyse, or a CSV of counts that has a method's name");
   add_study_outputs(app, o.outputs, "one row per variant and method");
-  const setup::Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.text("--prediction", o.prediction, "FILE|-",
                "writes the prediction alone, the text that has the reported SHA-256");
 }

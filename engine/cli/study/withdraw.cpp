@@ -11,8 +11,8 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 #include "study/plan/order.hpp"
 
 namespace palpa::cli {
@@ -25,7 +25,7 @@ struct WithdrawCommand {
 };
 
 void add_options_of_withdraw(CLI::App& app, WithdrawCommand& o) {
-  const setup::Group group(app, "Who withdraws");
+  const line::Group group(app, "Who withdraws");
   group.words("participant", o.participant, "N", "number of the participant");
   group.text("--out", o.out, "DIR", "folder of the study");
 }

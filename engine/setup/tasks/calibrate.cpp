@@ -16,10 +16,10 @@
 #include "base/output_file.hpp"
 #include "geometry/files/stl.hpp"
 #include "geometry/gltf/write.hpp"
+#include "line/values.hpp"
 #include "sensing/target.hpp"
 #include "setup/frames.hpp"
 #include "setup/target_mount.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -42,7 +42,7 @@ Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   const TargetMount mount = target_mount(placed.layout);
   Vec3 origin(mount.T_layout_target[3]);
   if (!place.at.empty()) {
-    const auto [x, y, z] = parse_point("--at", place.at);
+    const auto [x, y, z] = line::parse_point("--at", place.at);
     origin = {x, y, z};
   }
   return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);

@@ -8,9 +8,9 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "line/option_table.hpp"
 #include "session/links/record_link.hpp"
 #include "setup/load.hpp"
-#include "setup/option_table.hpp"
 #include "setup/played_foci.hpp"
 #include "setup/warnings.hpp"
 
@@ -19,7 +19,7 @@ namespace palpa::setup {
 namespace {
 
 /// Throws bad_usage for the first given option that has no effect.
-void refuse_idle(const Given& given) {
+void refuse_idle(const line::Given& given) {
   constexpr std::string_view used[] = {
       "--played",    "--drives",        "--json",   "--hold",       "--ceiling",     "--ramp",        "--rig",
       "--layout",    "--amplitude",     "--solver", "--constraint", "--directivity", "--temperature", "--sound-speed",
@@ -36,13 +36,13 @@ void refuse_idle(const Given& given) {
 
 }  // namespace
 
-void add_played(CLI::App& app, const Group& group, ExportTask& task) {
+void add_played(CLI::App& app, const line::Group& group, ExportTask& task) {
   group.text(
       "--played", task.played, "FILE",
       "instead of --scene and --source: foci that palpa export --foci FILE.json or a study wrote, whose --drives "
       "are computed again");
   app.parse_complete_callback([&app, &task] {
-    if (!task.played.empty()) refuse_idle(given_on(app));
+    if (!task.played.empty()) refuse_idle(line::given_on(app));
   });
 }
 

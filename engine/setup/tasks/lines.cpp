@@ -7,8 +7,8 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
+#include "line/values.hpp"
 #include "setup/tasks/foci.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -23,7 +23,7 @@ std::string layout_help() {
 
 void add_options(CLI::App& app, TouchLine& o) {
   add_touch_input(app, o.input);
-  const Group group(app, "What touches what");
+  const line::Group group(app, "What touches what");
   add_allow_outside(group, o.common);
   group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
   add_touch_options(app, o.task.touch);
@@ -38,7 +38,7 @@ void settle(TouchLine& o) {
 }
 
 void add_options(CLI::App& app, DriveLine& o) {
-  const Group group(app, "What to drive");
+  const line::Group group(app, "What to drive");
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", focus_help, check_focus_text);
   group.text("--touch", o.task.touch, "FILE",
@@ -60,12 +60,12 @@ void settle(DriveLine& o) {
 }
 
 void add_options(CLI::App& app, FieldLine& o) {
-  const Group group(app, "What sounds");
+  const line::Group group(app, "What sounds");
   group.text("--layout", o.task.layout, "NAME|FILE", layout_help());
   group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", focus_help), check_focus_text);
   add_place_options(app, o.task.place);
-  const Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
                "writes every point: x,y,z,re,im in metres and Pa; with --spread also p05,p50,p95 of |p|");
   results.text("--vtu", o.vtu, "FILE", "writes the same for ParaView, with amplitude and phase");
@@ -81,7 +81,7 @@ void settle(FieldLine& o) {
 }
 
 void add_options(CLI::App& app, SimulateLine& o) {
-  const Group group(app, "What touches what");
+  const line::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
   add_gltf_scene(group, o.gltf_scene);
   group.text("--finger", o.finger, "FILE",
@@ -95,7 +95,7 @@ void add_options(CLI::App& app, SimulateLine& o) {
   group.flag("--figure6", o.figure6,
              "simulates the paper's four objects with the paper's finger and every method, instead of --scene");
   group.flag("--force", o.force, "also takes a finger whose faces are too coarse for the wavelength");
-  const Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-", "writes every face: face,x,y,z,area,langevin,squared, time averages in Pa");
   results.text("--vtu", o.vtu, "FILE", "writes the same on the finger, for ParaView");
   results.text("--png", o.png, "FILE", "draws the finger from below, with its foci and its pressure");

@@ -16,11 +16,11 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/parallel.hpp"
+#include "line/values.hpp"
 #include "setup/body.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/tasks/force_check.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -36,10 +36,10 @@ void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
 IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
   IncidentSound sound;
   if (!task.plane_wave.empty()) {
-    const auto [x, y, z] = parse_direction("--plane-wave", task.plane_wave);
+    const auto [x, y, z] = line::parse_direction("--plane-wave", task.plane_wave);
     sound = PlaneWave{{x, y, z}};
   } else if (!task.point_source.empty()) {
-    const auto [x, y, z] = parse_point("--point-source", task.point_source);
+    const auto [x, y, z] = line::parse_point("--point-source", task.point_source);
     acoustics::check_source(body, {x, y, z}, task.force);
     sound = PointSource{{x, y, z}};
   } else {
@@ -60,8 +60,9 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
     if (!(length > 0 && std::isfinite(length))) throw bad_usage("a plane wave needs a direction whose length is not 0");
   } else if (const auto* const point = std::get_if<PointSource>(&sound)) {
     const Vec3& p = point->position;
-    if (!(std::abs(p.x) <= farthest_point_m && std::abs(p.y) <= farthest_point_m && std::abs(p.z) <= farthest_point_m))
-      throw bad_usage(fmt::format("the point source is not within {} m", farthest_point_m));
+    if (!(std::abs(p.x) <= line::farthest_point_m && std::abs(p.y) <= line::farthest_point_m &&
+          std::abs(p.z) <= line::farthest_point_m))
+      throw bad_usage(fmt::format("the point source is not within {} m", line::farthest_point_m));
     acoustics::check_source(body, p, force);
   } else if (const auto* const array = std::get_if<ArraySound>(&sound)) {
     warn_of_frequency(array->layout, air.medium);

@@ -10,8 +10,8 @@
 namespace palpa::viewer {
 namespace {
 
-const setup::Given line{{"--scene", {"a.glb"}}, {"--gltf-scene", {"1"}}, {"--noise-free", {}},
-                        {"--delta", {"2mm"}},   {"--dark", {}},          {"--json", {"of-the-viewer.json"}}};
+const line::Given line{{"--scene", {"a.glb"}}, {"--gltf-scene", {"1"}}, {"--noise-free", {}},
+                       {"--delta", {"2mm"}},   {"--dark", {}},          {"--json", {"of-the-viewer.json"}}};
 
 TEST(LiveEdit, HasWhatARunHasOfTheLine) {
   const LiveEdit edit(line);
@@ -21,7 +21,7 @@ TEST(LiveEdit, HasWhatARunHasOfTheLine) {
   EXPECT_TRUE(edit.options().noise_free);
   EXPECT_TRUE(edit.options().watched);
   EXPECT_EQ(edit.command(), "palpa run --scene a.glb --gltf-scene 1 --noise-free --delta 2mm");
-  EXPECT_ERROR(LiveEdit(setup::Given{{"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
+  EXPECT_ERROR(LiveEdit(line::Given{{"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
 }
 
 TEST(LiveEdit, AnotherSceneTakesNothingOverFromTheOneBefore) {
@@ -48,12 +48,12 @@ TEST(LiveEdit, ARecordingHasTheNoiseThatItHas) {
 }
 
 TEST(LiveEdit, ATouchLeavesItsSpectrumBehind) {
-  LiveEdit edit(setup::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}});
+  LiveEdit edit(line::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}});
   EXPECT_ERROR(edit.check(), Exit::usage, "--spot goes with");
   edit.leave_touch();
   edit.check();
   EXPECT_EQ(edit.command(), "palpa run --scene a.glb");
-  LiveEdit tuned(setup::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--tune", {}}});
+  LiveEdit tuned(line::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--tune", {}}});
   tuned.leave_touch();
   EXPECT_EQ(tuned.options().touch.spot_m, 4e-3);
 }

@@ -9,7 +9,7 @@ namespace palpa::viewer {
 namespace {
 
 TEST(LiveLine, GoesThereAndBack) {
-  const setup::Given given{{"--scene", {"a b.glb"}}, {"--delta", {"2mm"}}, {"--every-frame", {}}, {"--dark", {}}};
+  const line::Given given{{"--scene", {"a b.glb"}}, {"--delta", {"2mm"}}, {"--every-frame", {}}, {"--dark", {}}};
   EXPECT_EQ(run_command(given), "palpa run --scene 'a b.glb' --every-frame --delta 2mm");
   const setup::LiveOptions options = live_options(given);
   EXPECT_EQ(options.scene, "a b.glb");
@@ -29,7 +29,7 @@ TEST(LiveLine, WhatACommandTellsIsNoneOfTheViewersOwn) {
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {
   bool method = false, delta = false;
-  for (const setup::OptionInfo& info : live_table()) {
+  for (const line::OptionInfo& info : live_table()) {
     if (info.name == "--method") method = info.words.size() == 4 && info.initial == "cross-section";
     if (info.name == "--delta")
       delta = info.initial == "1.5mm" && info.type == "LENGTH" && info.help.ends_with("may be");

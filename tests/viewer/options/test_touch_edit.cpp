@@ -9,9 +9,9 @@
 namespace palpa::viewer {
 namespace {
 
-const setup::Given line{{"--scene", {"a.glb"}},  {"--gltf-scene", {"1"}}, {"--depth", {"frame.toml"}},
-                        {"--layout", {"paper"}}, {"--slice", {"yz"}},     {"--foci", {"7"}},
-                        {"--backend", {"cpu"}},  {"--no-panels", {}}};
+const line::Given line{{"--scene", {"a.glb"}},  {"--gltf-scene", {"1"}}, {"--depth", {"frame.toml"}},
+                       {"--layout", {"paper"}}, {"--slice", {"yz"}},     {"--foci", {"7"}},
+                       {"--backend", {"cpu"}},  {"--no-panels", {}}};
 
 /// The values are those of the command line.
 void expect_of_its_line(const TouchEdit& edit) {

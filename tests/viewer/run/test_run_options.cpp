@@ -15,7 +15,7 @@ namespace {
 TEST(RunOptions, ArePalpaRunsOwn) {
   std::set<std::string> shown;
   for (const auto* table : {&live_table(), &copied_table()})
-    for (const setup::OptionInfo& info : *table)
+    for (const line::OptionInfo& info : *table)
       EXPECT_TRUE(shown.insert(info.name).second) << info.name << " stands twice";
 
   std::set<std::string> helped;

@@ -1,4 +1,4 @@
-#include "setup/run_line.hpp"
+#include "cli/run_line.hpp"
 
 #include <fmt/core.h>
 #include <sys/ioctl.h>
@@ -14,7 +14,7 @@
 #include "session/threads.hpp"
 #include "setup/progress.hpp"
 
-namespace palpa::setup {
+namespace palpa::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -134,14 +134,14 @@ void RunLine::show() {
     const Clock::time_point now = Clock::now();
     const RunState state = take_state(std::chrono::duration<double>(now - std::exchange(last, now)).count());
     lock.unlock();
-    if (is_in_foreground()) {
+    if (setup::is_in_foreground()) {
       log::draw(fmt::format("\r{}\x1b[K", run_line(state, columns_of_terminal() - 1)));
       drawn = true;
     }
     lock.lock();
   }
   // Carriage return, then erase to the end of the line.
-  if (drawn && is_in_foreground()) log::draw("\r\x1b[K");
+  if (drawn && setup::is_in_foreground()) log::draw("\r\x1b[K");
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::cli

@@ -1,4 +1,4 @@
-#include "setup/parse.hpp"
+#include "line/parse.hpp"
 
 #include <fmt/core.h>
 
@@ -11,7 +11,7 @@
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
-namespace palpa::setup {
+namespace palpa::line {
 namespace {
 
 std::string name_of(const CLI::App& app, const CLI::App& command) {
@@ -128,4 +128,4 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   }
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

@@ -1,4 +1,4 @@
-#include "setup/option_table.hpp"
+#include "line/option_table.hpp"
 
 #include <CLI/App.hpp>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-namespace palpa::setup {
+namespace palpa::line {
 namespace {
 
 /// Removes " [initial]", added by Group::add, from the end of a help text.
@@ -121,4 +121,4 @@ std::string command_line(std::string_view command, const std::vector<OptionInfo>
   return line;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace palpa::setup {
+namespace palpa::cli {
 
 enum class Key { left, right, up, down, away, nearer, finer, back, save, leave, wait };
 
@@ -50,4 +50,4 @@ class RawTerminal {
   void forget();
 };
 
-}  // namespace palpa::setup
+}  // namespace palpa::cli

@@ -1,4 +1,4 @@
-#include "setup/help.hpp"
+#include "line/help.hpp"
 
 #include <fmt/core.h>
 
@@ -8,10 +8,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "setup/options.hpp"
-#include "setup/values.hpp"
-
-namespace palpa::setup {
+namespace palpa::line {
 namespace {
 
 constexpr std::size_t text_column = 28;
@@ -32,24 +29,8 @@ std::string row_of(const OptionInfo& option) {
   return help_row(option.flag ? option.name : option.name + " " + option.type, text);
 }
 
-/// The table of the options that every command has. The parser keeps references to the options' values, so these live
-/// as long.
-struct Common {
-  Common() {
-    add_common(app, options);
-    add_allow_outside(Group(app, "Common options"), options);
-  }
-  CommonOptions options;
-  CLI::App app;
-};
-
-const std::vector<OptionInfo>& common_table() {
-  static const std::vector<OptionInfo> table = option_table(Common().app);
-  return table;
-}
-
-bool is_common(const OptionInfo& option) {
-  return std::ranges::find(common_table(), option.name, &OptionInfo::name) != common_table().end();
+bool is_common(const HelpText& text, const OptionInfo& option) {
+  return std::ranges::find(text.common, option.name, &OptionInfo::name) != text.common.end();
 }
 
 std::string positional_rows(const CLI::App& app) {
@@ -61,41 +42,30 @@ std::string positional_rows(const CLI::App& app) {
 }
 
 /// The options that people use, in the order of `usual`; all of the command's own if it is empty.
-std::string usual_rows(const std::vector<OptionInfo>& table, const std::string& usual) {
+std::string usual_rows(const std::vector<OptionInfo>& own, const std::string& usual) {
+  if (usual.empty()) return help_rows(own);
   std::string rows;
   for (const std::string& name : words_in(usual)) {
-    const auto found = std::ranges::find(table, name, &OptionInfo::name);
-    if (found != table.end()) rows += row_of(*found);
-  }
-  for (const OptionInfo& option : table) {
-    if (usual.empty() && !is_common(option)) rows += row_of(option);
+    const auto found = std::ranges::find(own, name, &OptionInfo::name);
+    if (found != own.end()) rows += row_of(*found);
   }
   return rows;
 }
 
 /// Under the headings of the command's groups, in the order of the groups' first options.
-std::string all_rows(const std::vector<OptionInfo>& table, bool with_common) {
+std::string all_rows(const std::vector<OptionInfo>& own) {
   std::vector<std::string> headings;
-  for (const OptionInfo& option : table) {
-    if (is_common(option) && !with_common) continue;
+  for (const OptionInfo& option : own) {
     if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
   }
   std::string rows;
   for (const std::string& heading : headings) {
     rows += fmt::format("{}{}:\n", rows.empty() ? "" : "\n", heading);
-    for (const OptionInfo& option : table) {
-      if (option.heading == heading && (with_common || !is_common(option))) rows += row_of(option);
+    for (const OptionInfo& option : own) {
+      if (option.heading == heading) rows += row_of(option);
     }
   }
   return rows;
-}
-
-std::string common_names(const std::vector<OptionInfo>& table) {
-  std::string names;
-  for (const OptionInfo& option : table) {
-    if (is_common(option)) names += (names.empty() ? "" : " ") + option.name;
-  }
-  return names;
 }
 
 }  // namespace
@@ -120,26 +90,31 @@ std::string help_row(std::string_view name, std::string_view text) {
   return row + lines.substr(row.size());
 }
 
-std::string common_help() {
+std::string help_rows(const std::vector<OptionInfo>& options) {
   std::string rows;
-  for (const OptionInfo& option : common_table())
+  for (const OptionInfo& option : options)
     rows += row_of(option);
   return rows;
 }
 
 std::string help_page(const CLI::App& app, const HelpText& text, HelpLength length) {
-  const std::vector<OptionInfo> table = option_table(app);
+  std::vector<OptionInfo> own = option_table(app);
+  std::string named;
+  std::erase_if(own, [&](const OptionInfo& option) {
+    const bool common = is_common(text, option);
+    if (common) named += (named.empty() ? "" : " ") + option.name;
+    return common;
+  });
   const bool all = length == HelpLength::all;
   std::string page = wrapped(fmt::format("{}: {}", text.name, text.summary), 0);
   page += fmt::format("\nUsage: {}{}{} [OPTION ...]\n\n", text.name, text.arguments.empty() ? "" : " ", text.arguments);
   page += positional_rows(app);
-  page += all ? all_rows(table, text.common.empty()) : usual_rows(table, text.usual);
+  page += all ? all_rows(own) : usual_rows(own, text.usual);
   page += fmt::format("\nExamples:\n{}\n", text.examples);
   if (!text.notes.empty()) page += "\n" + wrapped(text.notes, 0);
   page += "\n";
   if (!all) page += fmt::format("Every option: {} --help all\n", text.name);
-  if (!text.common.empty())
-    page += wrapped(fmt::format("Common options ({}): {}", text.common, common_names(table)), 0);
+  if (!named.empty()) page += wrapped(fmt::format("Common options ({}): {}", text.common_page, named), 0);
   return page;
 }
 
@@ -156,4 +131,4 @@ HelpLength help_length(int argc, const char* const* argv) {
   return word_after_help(argc, argv) == "all" ? HelpLength::all : HelpLength::usual;
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

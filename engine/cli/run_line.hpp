@@ -11,7 +11,7 @@
 #include "session/plan/planner.hpp"
 #include "session/watch/sound_watch.hpp"
 
-namespace palpa::setup {
+namespace palpa::cli {
 
 /// What the line says.
 struct RunState {
@@ -63,4 +63,4 @@ class RunLine {
   std::thread thread_;
 };
 
-}  // namespace palpa::setup
+}  // namespace palpa::cli

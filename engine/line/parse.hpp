@@ -7,7 +7,7 @@ namespace CLI {
 class App;
 }
 
-namespace palpa::setup {
+namespace palpa::line {
 
 /// The innermost subcommand on the line that was parsed; `app`, the program, if the line has none.
 CLI::App& chosen_command(CLI::App& app);
@@ -21,4 +21,4 @@ std::string unknown_subcommand(const CLI::App& app, const std::string& word);
 /// values, and the --help with more information. Also throws the parser's own CLI::CallForHelp and CLI::CallForVersion.
 void parse(CLI::App& app, int argc, const char* const* argv);
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

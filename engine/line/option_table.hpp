@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace palpa::setup {
+namespace palpa::line {
 
 struct OptionInfo {
   std::string name;                ///< "--delta"
@@ -44,4 +44,4 @@ void read_given(CLI::App& app, const Given& given);
 /// `command` and the given options, in the table's order, as text for a shell; quoted with "'" if necessary.
 std::string command_line(std::string_view command, const std::vector<OptionInfo>& table, const Given& given);
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

@@ -1,4 +1,4 @@
-#include "setup/keys.hpp"
+#include "cli/keys.hpp"
 
 #include <fmt/format.h>
 #include <termios.h>
@@ -16,7 +16,7 @@
 #include "base/text.hpp"
 #include "setup/interrupt.hpp"
 
-namespace palpa::setup {
+namespace palpa::cli {
 namespace {
 
 constexpr char escape = '\x1b';
@@ -138,13 +138,13 @@ RawTerminal::RawTerminal(const std::string& fault) {
   raw.c_iflag &= ~static_cast<tcflag_t>(IXON);  // Ctrl-S would stop the display
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
-  Interrupt::at_the_end(restore_terminal);
+  setup::Interrupt::at_the_end(restore_terminal);
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
 
 RawTerminal::~RawTerminal() {
   restore_terminal();
-  Interrupt::at_the_end(nullptr);
+  setup::Interrupt::at_the_end(nullptr);
 }
 
 void RawTerminal::forget() {
@@ -157,4 +157,4 @@ std::string RawTerminal::read() {
   return got > 0 ? std::string(bytes.data(), static_cast<std::size_t>(got)) : std::string();
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::cli

@@ -1,4 +1,4 @@
-#include "setup/values.hpp"
+#include "line/values.hpp"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 
-namespace palpa::setup {
+namespace palpa::line {
 namespace {
 
 /// The text of a value in a message. Control characters and very long values must not break its single line.
@@ -330,4 +330,4 @@ void check_quantity(const std::string& option, double value, Quantity quantity, 
   if (!within(value, range)) refuse_quantity(option, format_quantity(value, quantity), quantity, range);
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

@@ -1,4 +1,4 @@
-#include "setup/completion.hpp"
+#include "line/completion.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-namespace palpa::setup {
+namespace palpa::line {
 namespace {
 
 /// The part of a subcommand's name behind the program's: "study analyse".
@@ -209,4 +209,4 @@ std::string completion(Shell shell, const std::string& program, const std::vecto
   return {};
 }
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

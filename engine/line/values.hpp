@@ -20,7 +20,7 @@ namespace CLI {
 class App;
 }
 
-namespace palpa::setup {
+namespace palpa::line {
 
 /// Bounds of a number, both included; `open` excludes the lower bound.
 struct Range {
@@ -134,4 +134,4 @@ std::array<double, 3> parse_point(const std::string& option, const std::string& 
 /// A direction "x,y,z", scaled if its squares would overflow or underflow. Throws bad_usage for 0,0,0.
 std::array<double, 3> parse_direction(const std::string& option, const std::string& text);
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

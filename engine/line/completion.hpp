@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "setup/help.hpp"
-#include "setup/option_table.hpp"
+#include "line/help.hpp"
+#include "line/option_table.hpp"
 
-namespace palpa::setup {
+namespace palpa::line {
 
 /// One command of a program. A program without subcommands is one command with the program's name.
 struct CompletedCommand {
@@ -24,4 +24,4 @@ std::optional<Shell> shell_of(std::string_view word);
 /// files.
 std::string completion(Shell shell, const std::string& program, const std::vector<CompletedCommand>& commands);
 
-}  // namespace palpa::setup
+}  // namespace palpa::line

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "setup/option_table.hpp"
+#include "line/option_table.hpp"
 
-namespace palpa::setup {
+namespace palpa::line {
 
 /// No line of a page is longer, in columns. Examples are printed as they are, so they must keep to it.
 inline constexpr std::size_t help_columns = 100;
@@ -29,15 +29,16 @@ struct HelpText {
   std::string usual;      ///< names of the options that people use, separated by spaces; empty: all of its own
   std::string examples;   ///< lines, each indented by two spaces
   std::string notes;      ///< a sentence or two below the examples; may be empty
-  std::string common;     ///< where the common options are described, "palpa help all"; empty: on this page
+  /// Options that this page only names, because another one describes them: "palpa help all". May be empty.
+  std::vector<OptionInfo> common{};
+  std::string common_page{};
 };
 
-/// The page of `app`, whose options must have been added with Groups. The usual length shows the common options (those
-/// of CommonOptions) only by name, if `text.common` says where to find them.
+/// The page of `app`, whose options must have been added with Groups.
 std::string help_page(const CLI::App& app, const HelpText& text, HelpLength length);
 
-/// The descriptions of the common options.
-std::string common_help();
+/// The descriptions of these options.
+std::string help_rows(const std::vector<OptionInfo>& options);
 
 /// Lines "  name   text", the text in a column of its own.
 std::string help_row(std::string_view name, std::string_view text);
@@ -49,4 +50,4 @@ std::string word_after_help(int argc, const char* const* argv);
 /// What follows --help on a command line: HelpLength::all for the word "all" (or --help=all), else usual.
 HelpLength help_length(int argc, const char* const* argv);
 
-}  // namespace palpa::setup
+}  // namespace palpa::line
