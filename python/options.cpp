@@ -18,6 +18,7 @@
 #include "base/text.hpp"
 #include "layout.hpp"
 #include "line/option_table.hpp"
+#include "line/together.hpp"
 #include "module.hpp"
 #include "own.hpp"
 #include "placed.hpp"
@@ -174,6 +175,7 @@ line::Given OptionTable::given_by(const py::kwargs& arguments) const {
 }
 
 void OptionTable::read(const line::Given& given) {
+  if (const std::string fault = line::misfit(*app_, given); !fault.empty()) throw bad_usage(fault);
   line::read_given(*app_, given);
 }
 

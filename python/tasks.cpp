@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,18 +41,12 @@ struct PartsObject {
 struct DecomposeArguments {
   setup::CommonOptions common;
   setup::DecomposeTask task;
-  std::optional<double> error_percent;
 };
 void add_decompose_options(CLI::App& app, DecomposeArguments& o) {
   const line::Group group(app, "How");
   setup::add_gltf_scene(group, o.task.gltf_scene);
   setup::add_allow_outside(group, o.common);
-  geometry::DecomposeOptions& options = o.task.options;
-  group.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
-  group.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
-              "number of voxels that V-HACD divides a mesh into");
-  group.number("--error", o.error_percent, {0, 100, true}, "PERCENT",
-               "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
+  setup::add_decompose_options(group, o.task.options);
   group.integer("--seed", o.common.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
 }
 
@@ -72,7 +65,6 @@ std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs
   } else {
     o.task.scene = file_of("scene", scene);
   }
-  o.task.options.error_percent = o.error_percent.value_or(o.task.options.error_percent);
   o.task.seed = o.common.seed;
   allow_outside_references(o.common.allow_outside);
   return owned(cancellable([&] { return PartsObject{setup::decompose(o.task)}; }));
@@ -137,7 +129,7 @@ struct CalibrateArguments {
   setup::CalibrateTask task;
 };
 /// The frames of a calibration's task.
-void add_frames(const line::Group& group, auto& task, std::uint64_t most, const char* frames) {
+void add_frames(const line::Group& group, setup::StillTask& task, std::uint64_t most, const char* frames) {
   group.text("--source", task.source, "SOURCE",
              "where depth frames come from [a rehearsal: the rig's own cameras, rendered]");
   group.integer("--frames", task.frames, 0, most, frames);

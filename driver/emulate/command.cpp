@@ -53,7 +53,6 @@ void check(const Options& o, const Kind& kind) {
   if (!o.files.empty() && !o.view) throw bad_usage("--board-files goes with --view, which shows what the boards play");
   if (!o.layout.empty() && kind.name == "openmpd" && !o.view)
     throw bad_usage("--layout goes with --view: --serial sets the number of OpenMPD boards");
-  setup::refuse_gpu_options(o.common, "palpa emulate uses no GPU");
 }
 
 void run(const Options& o) {
@@ -115,7 +114,7 @@ void add_emulate(cli::Program& program) {
                                 "autd3:127.0.0.1:8080 in another terminal, with the same --layout if you give one. "
                                 "Ctrl-C ends it.",
                                 "BOARD"},
-                               add_options, run);
+                               add_options, run, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::driver::emulate

@@ -13,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "experiment/afferents_picture.hpp"
 #include "experiment/afferents_task.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
@@ -56,6 +57,7 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   level.number("--crest", o.crest_mn, {0.1, 1000}, "NUMBER",
                "force in mN on the finger at the crest of a single focus on the paper's cube, 3 mm deep [16]");
   level.flag("--linear", o.task.linear, "the array's linear pressures, which are not physical if they are loud");
+  line::exclude(app, "--linear", {"--crest"});
   const line::Group results(app, "Results");
   results.quantity("--duration", o.task.duration_s, Quantity::time, {0.01, 10}, "how long the touch lasts");
   results.quantity("--bin", o.task.bin_s, Quantity::time, {2e-4, 10}, "the step in which spikes are counted over time");
@@ -82,9 +84,7 @@ std::string summary_of_afferents(const experiment::AfferentsResult& result, doub
 
 void run_afferents(const AfferentsCommand& given) {
   AfferentsCommand o = given;
-  setup::refuse_gpu_options(o.common, "palpa afferents computes on the processor");
   if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched");
-  if (o.task.linear && o.crest_mn) throw bad_usage("--crest sets the level that --linear leaves out: give one of them");
   if (o.task.method.method == touch::Method::single_focus && o.task.method.stride)
     throw bad_usage("--stride: a single focus has no order");
   if (o.crest_mn) o.task.crest_n = *o.crest_mn * 1e-3;
@@ -114,7 +114,7 @@ void add_afferents(Program& program) {
        "--scene --penetration --method --foci --layout --crest --duration --csv --times --png",
        "The afferents are those of TouchSim, with the densities of a fingertip. Positions are the finger's own: its "
        "tip is the origin. docs/afferents.md explains the model."},
-      add_options_of_afferents, run_afferents);
+      add_options_of_afferents, run_afferents, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

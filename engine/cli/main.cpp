@@ -77,8 +77,9 @@ CLI::App& add_command(Program& program, const CommandText& text) {
   return *program.app.get_subcommand(name.substr(0, space))->add_subcommand(name.substr(space + 1), text.summary);
 }
 
-void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action) {
-  setup::add_common(command, common);
+void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action,
+                    setup::Computes computes) {
+  setup::add_common(command, common, computes);
   command.callback([&program, &common, action = std::move(action)] {
     program.action = action;
     program.common = &common;

@@ -21,6 +21,7 @@
 #include "base/start_thread.hpp"
 #include "cli/calibrate.hpp"
 #include "cli/keys.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "session/threads.hpp"
 #include "setup/assets.hpp"
@@ -205,17 +206,14 @@ class Typing {
 
 void check_nudge(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
-  if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn place the target, which --nudge does not use");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
 
 std::string nudge_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
   JsonWriter json;
-  json.begin_object().member("offset_m", offset).member("saved", saved).key("T_world_layout").begin_array();
-  const Transform& T = *rig.array->T_world_layout;
-  for (int row = 0; row < 4; ++row)
-    json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
-  json.end_array().end_object();
+  json.begin_object().member("offset_m", offset).member("saved", saved);
+  setup::add_pose(json, "T_world_layout", *rig.array->T_world_layout);
+  json.end_object();
   return json.take();
 }
 
@@ -249,18 +247,7 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
                  "how long the newest frame sounds if no other comes");
   setup::add_safety(group, o.safety);
   setup::add_medium_options(app, o.drive.medium);
-}
-
-void refuse_nudge_options(const CalibrateCommand& o) {
-  const CalibrateCommand usual;
-  for (const auto& [name, given] :
-       {std::pair("--scene", !o.scene.empty()), std::pair("--link", o.link != usual.link),
-        std::pair("--board-files", !o.board_files.empty()), std::pair("--keys", !o.keys.empty()),
-        std::pair("--hold", o.hold_s != usual.hold_s), std::pair("--ceiling", o.safety.ceiling != usual.safety.ceiling),
-        std::pair("--ramp", o.safety.ramp_s != usual.safety.ramp_s),
-        std::pair("--temperature, --sound-speed or --frequency", !(o.drive.medium == usual.drive.medium))}) {
-    if (given) throw bad_usage(fmt::format("{} goes with --nudge", name));
-  }
+  line::need(app, line::under(app, {"With --nudge", "Air and tone"}), "--nudge");
 }
 
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {

@@ -94,7 +94,6 @@ std::string summary_of_scatter(const setup::ScatterResult& result) {
 
 void run_scatter(const ScatterCommand& o) {
   check(o.task);
-  setup::refuse_gpu_options(o.common, "palpa scatter computes on the processor");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const setup::ScatterResult result = scatter(o.task, log::release_warnings);
@@ -121,7 +120,7 @@ void add_scatter(Program& program) {
        "--mesh --plane-wave --point-source --layout --drive --plane --size --line --points --csv",
        "Pressures are total pressures, peak values (time factor e^-iwt). Force and torque are those of the radiation "
        "pressure, the torque about the origin."},
-      add_options_of_scatter, run_scatter);
+      add_options_of_scatter, run_scatter, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -53,7 +53,6 @@ std::vector<OptionInfo> option_table(const CLI::App& app) {
   std::vector<OptionInfo> table;
   for (const CLI::Option* option : app.get_options()) {
     if (option == app.get_help_ptr() || option == app.get_version_ptr() || option->get_lnames().empty()) continue;
-    if (option->get_group().empty()) continue;  // not shown in the help
     OptionInfo info;
     info.name = "--" + option->get_lnames().front();
     info.heading = option->get_group();
@@ -107,6 +106,16 @@ void read_given(CLI::App& app, const Given& given) {
       throw bad_usage(one_line(error.what()));
     }
   }
+}
+
+std::vector<std::string> words_of(const Given& given) {
+  std::vector<std::string> words;
+  for (const auto& [name, values] : given) {
+    if (values.empty()) words.push_back(name);
+    for (const std::string& value : values)
+      words.push_back(name + "=" + value);
+  }
+  return words;
 }
 
 std::string command_line(std::string_view command, const std::vector<OptionInfo>& table, const Given& given) {

@@ -10,6 +10,8 @@
 #include "base/error.hpp"
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
+#include "line/option_table.hpp"
+#include "line/together.hpp"
 
 namespace palpa::line {
 namespace {
@@ -123,6 +125,10 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::RequiredError&) {
     // For a word that is not a subcommand, the parser first reports the missing subcommand.
     fail(app.remaining(true).empty() ? "a subcommand is required" : unexpected(app, argc, argv));
+  } catch (const CLI::RequiresError&) {
+    fail(misfit(chosen_command(app), given_on(chosen_command(app))));
+  } catch (const CLI::ExcludesError&) {
+    fail(misfit(chosen_command(app), given_on(chosen_command(app))));
   } catch (const CLI::ParseError& error) {
     fail(one_line(error.what()));
   }

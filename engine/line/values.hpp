@@ -36,7 +36,6 @@ constexpr Range positive(double high = 1e300) {
 /// The options under one heading of a subcommand's help. Targets must outlive the parsing. The value of a target when
 /// the option is added is the default and is shown in the help. If the target has no value then, the help text may end
 /// with the default in brackets: "the array that sounds [the rig's]". An invalid value throws bad_usage during parsing.
-/// Without a heading, the options are not shown in the help.
 class Group {
  public:
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}

@@ -123,17 +123,11 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
 }  // namespace
 
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  std::erase_if(sources, [&](const session::SourceKind& own) {
-    return std::ranges::any_of(more, [&](const session::SourceKind& kind) { return kind.name == own.name; });
-  });
-  sources.insert(sources.end(), more.begin(), more.end());
-  return sources;
+  return added_to(session::builtin_sources(), more);
 }
 
 void add_frame_options(const line::Group& group, FrameOptions& o, const char* until) {
-  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  add_gltf_scene(group, o.gltf_scene);
+  add_scene(group, o.scene, o.gltf_scene);
   group.text("--source", o.source, "SOURCE",
              "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
              "realsense:SERIAL[,...] or bag:FILE");

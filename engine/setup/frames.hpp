@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -60,6 +61,13 @@ struct FrameOptions {
   session::OwnSolver own_solver{};  ///< instead of --solver
 };
 
+/// The kinds, and of palpa's `own` those with other names.
+template <typename Kind>
+std::vector<Kind> added_to(std::vector<Kind> own, std::span<const Kind> kinds) {
+  std::erase_if(own, [&](const Kind& one) { return std::ranges::find(kinds, one.name, &Kind::name) != kinds.end(); });
+  own.insert(own.end(), kinds.begin(), kinds.end());
+  return own;
+}
 /// palpa's own sources and the given ones, which replace those of the same name.
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> sources);
 

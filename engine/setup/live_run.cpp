@@ -97,12 +97,7 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
 }
 
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
-  std::vector<session::LinkKind> all = session::builtin_links();
-  std::erase_if(all, [&](const session::LinkKind& own) {
-    return std::ranges::any_of(links, [&](const session::LinkKind& kind) { return kind.name == own.name; });
-  });
-  all.insert(all.end(), links.begin(), links.end());
-  return all;
+  return added_to(session::builtin_links(), links);
 }
 
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,

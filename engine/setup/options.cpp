@@ -8,6 +8,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "setup/warnings.hpp"
 
@@ -42,10 +43,12 @@ array::Solver solver_of(SolverChoice choice) {
 
 }  // namespace
 
-void add_common(CLI::App& app, CommonOptions& options) {
+void add_common(CLI::App& app, CommonOptions& options, Computes computes) {
   const line::Group group(app, "Common options");
-  group.text("--gpu", options.gpu, "NAME|INDEX",
-             "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
+  if (computes == Computes::anywhere) {
+    group.text("--gpu", options.gpu, "NAME|INDEX",
+               "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
+  }
   group.choice("--backend", options.backend, backend_words,
                "what computes, a GPU or the processor; auto takes a GPU if there is one; $PALPA_BACKEND sets another "
                "default");
@@ -56,6 +59,7 @@ void add_common(CLI::App& app, CommonOptions& options) {
                "the least important messages that are printed on stderr [warning]");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0},
                 "the start of all random numbers; the same seed gives the same results");
+  if (computes == Computes::on_processor) return;
   group.choice("--validation", options.validation, gpu::validation_words,
                "how strictly the Vulkan calls are checked, for developers [$PALPA_VALIDATION, or off]");
 }
@@ -63,6 +67,15 @@ void add_common(CLI::App& app, CommonOptions& options) {
 void add_allow_outside(const line::Group& group, CommonOptions& options) {
   group.flag("--allow-outside", options.allow_outside,
              "scenes and recordings may name files outside their own folders");
+}
+
+void add_scene(const line::Group& group, std::string& scene, std::optional<std::uint32_t>& number) {
+  group.text("--scene", scene, "FILE", "glTF model whose meshes can be touched");
+  add_gltf_scene(group, number);
+}
+
+void add_layout(const line::Group& group, std::string& layout, const char* what, const char* more) {
+  group.text("--layout", layout, "NAME|FILE", fmt::format("{}: {} or a TOML{}", what, array::known_layouts(), more));
 }
 
 void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number) {
@@ -84,13 +97,10 @@ bool shows_summary(const CommonOptions& options, const Outputs& outputs) {
   return !options.quiet && !outputs.on_stdout();
 }
 
-void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {
-  const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
-  if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));
-}
-
 void check(const ComputeOptions& options) {
-  if (options.backend == Backend::cpu) refuse_gpu_options(options, "--backend cpu uses no GPU");
+  const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
+  if (given && options.backend == Backend::cpu)
+    throw bad_usage(fmt::format("{}: --backend cpu uses no GPU; leave it out", given));
 }
 
 void add_solid_options(CLI::App& app, SolidOptions& options) {
@@ -145,6 +155,9 @@ void add_felt_options(CLI::App& app, FeltOptions& options) {
                  "with --tune-longest: the shortest dwell that --tune may choose [--dwell]");
   group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-shortest: the longest dwell that --tune may choose [--dwell]");
+  line::need(app, {"--tune-shortest", "--tune-longest"}, "--tune");
+  line::need(app, {"--tune-shortest"}, "--tune-longest");
+  line::need(app, {"--tune-longest"}, "--tune-shortest");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
@@ -153,7 +166,6 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
     throw bad_usage("--tune-shortest and --tune-longest go together: give both ends of the range");
   }
   if (!options.shortest_dwell_s) return;
-  if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
   line::check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
   line::check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
   constexpr double tenth_ms = 1e-4;
@@ -188,12 +200,10 @@ void add_medium_options(CLI::App& app, MediumOptions& options) {
                  "speed of sound, instead of --temperature [343.2m/s, that of 20 degrees]");
   group.quantity("--frequency", options.frequency, Quantity::frequency, {array::least_frequency, array::most_frequency},
                  "frequency of the transducers' sound");
+  line::exclude(app, "--temperature", {"--sound-speed"});
 }
 
 array::Medium medium(const MediumOptions& options) {
-  if (options.celsius && options.sound_speed) {
-    throw bad_usage("--temperature and --sound-speed both set the speed of sound: give one of them");
-  }
   array::Medium air;
   air.sound_speed = options.sound_speed ? *options.sound_speed : array::sound_speed_at(options.celsius.value_or(20.0));
   air.frequency = options.frequency;
@@ -210,9 +220,11 @@ void add_air_options(CLI::App& app, AirOptions& options) {
   if (options.absorption) {
     group.flag("--no-absorption", options.not_normally,
                "air absorbs no sound; without this option, it absorbs sound as in ISO 9613-1");
+    line::exclude(app, "--humidity", {"--no-absorption"});
   } else {
     group.flag("--absorption", options.not_normally,
                "air absorbs sound as in ISO 9613-1; without this option, it absorbs none");
+    line::need(app, {"--humidity"}, "--absorption");
   }
 }
 
@@ -221,27 +233,6 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   const acoustics::Weather weather{options.celsius.value_or(20.0), rest.humidity_percent, rest.pressure_pa};
   const acoustics::Air air = acoustics::air_of(weather, tone.frequency, tone.sound_speed);
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
-}
-
-namespace {
-
-/// Throws bad_usage if the option is given although the air absorbs nothing.
-void refuse_without_absorption(const AirOptions& options, const char* name, bool given) {
-  if (!given || options.absorption != options.not_normally) return;
-  throw bad_usage(std::string(name) + (options.absorption ? " sets how much air absorbs, and --no-absorption that it "
-                                                            "absorbs nothing: give one of them"
-                                                          : " goes with --absorption: it sets how much air absorbs"));
-}
-
-}  // namespace
-
-void refuse_idle_humidity(const AirOptions& options) {
-  refuse_without_absorption(options, "--humidity", options.humidity_percent != AirOptions().humidity_percent);
-}
-
-void refuse_idle_air(const AirOptions& options) {
-  refuse_idle_humidity(options);
-  refuse_without_absorption(options, "--air-pressure", options.pressure_pa != AirOptions().pressure_pa);
 }
 
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
@@ -255,9 +246,10 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
             "the method multi-focus gs-pat]"
           : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive, "
             "simulate and run have [naive; for the method multi-focus gs-pat]");
-  line::Group(app, mesh == FingerMesh::known ? "Drives" : "")
-      .choice("--transfer", options.transfer, transfer_words,
-              "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
+  if (mesh == FingerMesh::known) {
+    group.choice("--transfer", options.transfer, transfer_words,
+                 "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
+  }
   group.choice("--constraint", options.constraint, array::constraint_words,
                "how amplitudes get into the range 0 to 1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
@@ -303,24 +295,16 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
 }
 
 void add_array_options(CLI::App& app, ArrayOptions& options) {
-  line::Group(app, "Array")
-      .text("--layout", options.layout, "NAME|FILE",
-            fmt::format("the array: {} or a TOML; palpa then prints the pressure "
-                        "at the foci [no array]",
-                        array::known_layouts()));
+  add_layout(line::Group(app, "Array"), options.layout, "the array",
+             "; palpa then prints the pressure at the foci [no array]");
   add_drive_options(app, options.drive);
-}
-
-void check(const ArrayOptions& options) {
-  if (options.layout.empty() && options.drive != DriveOptionsGroup())
-    throw bad_usage("options for driving an array go with --layout: give the array, such as paper");
+  line::need(app, line::under(app, {"Drives", "Air and tone"}), "--layout");
 }
 
 void add_rig_options(CLI::App& app, RigOptions& options) {
   const line::Group group(app, "Rig");
   group.text("--rig", options.rig, "FILE", "TOML file of cameras, array and screen [the paper's rig]");
-  group.text("--layout", options.layout, "NAME|FILE",
-             fmt::format("array instead of the rig's: {} or a TOML [the rig's]", array::known_layouts()));
+  add_layout(group, options.layout, "array instead of the rig's", " [the rig's]");
 }
 
 }  // namespace palpa::setup

@@ -12,6 +12,7 @@
 #include "base/memory.hpp"
 #include "base/units.hpp"
 #include "geometry/files/ply.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 
 namespace palpa::setup {
@@ -119,12 +120,6 @@ Places file_of(const PlaceOptions& o) {
   return places;
 }
 
-void refuse_stray(const PlaceOptions& o) {
-  if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
-    throw bad_usage("--centre, --size and --pixels go with --plane");
-  if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
-}
-
 }  // namespace
 
 Places plane_places(const Grid& given) {
@@ -205,6 +200,8 @@ void add_place_options(CLI::App& app, PlaceOptions& options) {
                 fmt::format("number of points on the line [{}]", usual_samples));
   group.text("--points", options.points, "FILE",
              "computes at the points of a PLY file, or at the vertices of its surface");
+  line::need(app, {"--centre", "--size", "--pixels"}, "--plane");
+  line::need(app, {"--samples"}, "--line");
 }
 
 void check(const PlaceOptions& o) {
@@ -212,13 +209,8 @@ void check(const PlaceOptions& o) {
   if (kinds == 0)
     throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
   if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
-  refuse_stray(o);
   if (o.plane) grid_of(o);
   if (!o.line[0].empty()) ends_of(o);
-}
-
-void refuse_without_place(const PlaceOptions& options) {
-  if (!options.given()) refuse_stray(options);
 }
 
 Places load_places(const PlaceOptions& options) {

@@ -151,8 +151,7 @@ TouchInput load_depths(const TouchInputOptions& options) {
 
 void add_touch_input(CLI::App& app, TouchInputOptions& options) {
   const line::Group group(app, "What touches what");
-  group.text("--scene", options.scene, "FILE", "glTF model whose meshes can be touched");
-  add_gltf_scene(group, options.gltf_scene);
+  add_scene(group, options.scene, options.gltf_scene);
   group.text("--points", options.points, "FILE", "PLY file with points of the skin, in metres, world coordinates");
   group.texts("--depth", options.depths, "FILE",
               "16-bit depth image (PNG), instead of --points; give it again for more cameras");

@@ -10,7 +10,7 @@ namespace palpa::viewer {
 LiveEdit::LiveEdit(const line::Given& line) : options_(values_of(line)), line_(line::known_to(live_table(), line)) {}
 
 void LiveEdit::check() const {
-  setup::check(options_);
+  check_live(line_, options_);
 }
 
 void LiveEdit::open_scene(const std::string& file) {

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <string_view>
 
+#include "base/error.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "viewer/live/held_finger.hpp"
 
@@ -42,21 +44,26 @@ class Reader {
     return options_;
   }
   std::vector<line::OptionInfo> table() const { return line::option_table(app_); }
+  std::string misfit(const line::Given& given) const { return line::misfit(app_, given); }
 
  private:
   CLI::App app_{"", "palpa-viewer"};
   LineOptions options_;  ///< the app's options are read into this
 };
 
+Reader& reader() {
+  static Reader one;
+  return one;
+}
+
 LineOptions read(const line::Given& given) {
-  static Reader reader;
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
-  return reader.read(given);
+  return reader().read(given);
 }
 
 const std::vector<line::OptionInfo>& whole_table() {
-  static const std::vector<line::OptionInfo> table = Reader().table();
+  static const std::vector<line::OptionInfo> table = reader().table();
   return table;
 }
 
@@ -85,9 +92,15 @@ setup::LiveOptions values_of(const line::Given& given) {
   return options;
 }
 
+void check_live(const line::Given& given, const setup::LiveOptions& options) {
+  if (const std::string fault = reader().misfit(line::known_to(live_table(), given)); !fault.empty())
+    throw bad_usage(fault);
+  check(options);
+}
+
 setup::LiveOptions live_options(const line::Given& given) {
   setup::LiveOptions options = values_of(given);
-  check(options);
+  check_live(given, options);
   return options;
 }
 

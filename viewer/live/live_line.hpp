@@ -18,7 +18,9 @@ const std::vector<line::OptionInfo>& copied_table();
 /// The values of live_table()'s options. It is not checked whether they go together. Throws bad_usage for a text that
 /// is not a value of its option.
 setup::LiveOptions values_of(const line::Given& given);
-/// The same, and throws bad_usage if the options do not go together.
+/// Throws bad_usage if the given options, which have these values, do not go together.
+void check_live(const line::Given& given, const setup::LiveOptions& options);
+/// The values, checked.
 setup::LiveOptions live_options(const line::Given& given);
 /// Throws bad_usage for a text that is not a value of its option in copied_table().
 void check_copied(const line::Given& copied);

@@ -13,10 +13,10 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
-#include "setup/study_options.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 
@@ -89,8 +89,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
   const line::Group array(app, "Array");
-  array.text("--layout", o.layout, "NAME|FILE",
-             fmt::format("array to draw: {} or a TOML [no array]", array::known_layouts()));
+  setup::add_layout(array, o.layout, "array to draw", " [no array]");
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
@@ -146,14 +145,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   participant.text("--monitor", o.monitor, "NAME|NUMBER", "monitor of that second window [the last]");
   participant.text("--screen", o.screen, "FILE", "rig TOML with a screen [--rig's, or the paper's]");
   participant.choice("--stereo", o.stereo, stereo_words, "how the pictures of two eyes become one");
-  participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, line::positive(1),
-                       "distance between the eyes");
-  participant.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, line::positive(1),
-                       "with --stereo columns, the distance between slits; with rows, that of two rows [so that "
-                       "neighbours differ]");
-  participant.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
-                       "distance from the screen to its barrier [so that neighbours differ]");
-  participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
+  setup::add_eyes_options(participant, o);
 
   const line::Group hands(app, "Mouse and keys, panels");
   hands.text("--interact", o.interact, "FILE",
@@ -269,6 +261,8 @@ void refuse_idle(const ViewerOptions& o) {
 }  // namespace
 
 void check(const ViewerOptions& o) {
+  static const Reader reader;
+  if (const std::string fault = line::misfit(reader.app, o.given); !fault.empty()) throw bad_usage(fault);
   const bool panels = o.headless ? o.panels && !o.interact.empty() : !o.no_panels;
   const bool may_be_empty = panels && !o.is_live() && !has_skin(o);  // then a file is opened in the window
   if (o.input.scene.empty() && o.layout.empty() && !may_be_empty) {

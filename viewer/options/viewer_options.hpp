@@ -11,6 +11,7 @@
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
+#include "setup/study_options.hpp"
 #include "setup/touch_input.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
@@ -26,7 +27,7 @@ struct AskedSlice {
   double size_m = 60e-3;
 };
 
-struct ViewerOptions {
+struct ViewerOptions : setup::EyesOptions {
   setup::CommonOptions common;
   setup::TouchInputOptions input;  ///< all of it may be absent if there is a layout
   setup::TouchOptions touch;
@@ -58,9 +59,6 @@ struct ViewerOptions {
   std::string monitor;  ///< name or number of the participant's monitor; empty: the last
   std::string screen;   ///< rig whose screen is used; empty: that of --rig, else the paper's
   Stereo stereo = Stereo::none;
-  double eyes_apart_m = 63e-3;
-  std::optional<double> barrier_pitch_m, barrier_gap_m;
-  double barrier_phase = 0;
 
   bool headless = false;
   std::optional<std::uint32_t> frames;

@@ -18,13 +18,13 @@ namespace {
 
 struct LevelCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan;
+  std::string plan;
   std::string override_by;
 };
 
 void add_options_of_level(CLI::App& app, LevelCommand& o) {
   const line::Group group(app, "Level");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
   group.text("--override", o.override_by, "TEXT",
              "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
 }
@@ -61,10 +61,8 @@ std::string level_json(const study::StudyPlan& plan, const study::EarLevel& leve
 }
 
 void run_level(const LevelCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study level computes on the processor");
-  if (o.plan.size() != 1) throw bad_usage("give palpa study level one plan, such as assets/studies/paper.toml");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   const study::EarLevel level = study::predict_ear_level(plan);
   if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
     throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
@@ -83,7 +81,7 @@ void add_study_level(Program& program) {
                                 "--override",
                                 "It fails if the level is above the limit of the plan. A prediction does not "
                                 "replace a measurement: measure the level before the first participant comes."},
-                               add_options_of_level, run_level);
+                               add_options_of_level, run_level, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -52,7 +52,6 @@ void warn_of_bounds(const char* option, double mean, double spread) {
 }
 
 void run_power(const PowerCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study power computes on the processor");
   study::PowerSetting setting = o.setting;
   setting.seed = o.common.seed;
   if (std::uint64_t{setting.studies} * setting.most_people * setting.trials > study::most_simulated_trials) {
@@ -82,7 +81,7 @@ void add_study_power(Program& program) {
        "--baseline --accuracy --spread --correlation --trials --alpha --power --people --html --csv",
        "The defaults are the paper's accuracies, trials and correlation; its spread is not known. --seed chooses the "
        "simulated studies."},
-      add_options_of_power, run_power);
+      add_options_of_power, run_power, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -25,14 +25,14 @@ namespace {
 
 struct StudySimulateCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan, beside;
-  std::string finger, prediction;
+  std::vector<std::string> beside;
+  std::string plan, finger, prediction;
   StudyOutputs outputs;
 };
 
 void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
   const line::Group group(app, "What to predict");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
   group.text("--finger", o.finger, "FILE",
              "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
   group.texts("--beside", o.beside, "WHAT",
@@ -51,12 +51,10 @@ std::string method_of(const std::string& table, const std::string& source) {
 }
 
 void run_study_simulate(const StudySimulateCommand& o) {
-  if (o.plan.size() != 1) throw bad_usage("give palpa study simulate one plan, such as assets/studies/paper.toml");
-  setup::refuse_gpu_options(o.common, "palpa study simulate computes on the processor");
   std::vector<Output> declared = outputs_of(o.common, o.outputs);
   declared.push_back({"--prediction", o.prediction});
   const Outputs outputs(declared);
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   study::refuse_without_fit(plan);
   // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
   std::vector<std::string> left_out;
@@ -100,7 +98,7 @@ void add_study_simulate(Program& program) {
        "The observer's only fitted number is in the plan. Touches are computed once and kept. --seed chooses the "
        "simulated studies. docs/observer.md says what the prediction is worth.",
        "PLAN"},
-      add_options_of_study_simulate, run_study_simulate);
+      add_options_of_study_simulate, run_study_simulate, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

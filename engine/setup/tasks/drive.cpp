@@ -189,8 +189,6 @@ void check(const DriveTask& task) {
   if (!asks.empty() && !task.spread.text.empty())
     throw bad_usage("--spread computes in free air and --transfer finger on a finger: give one of them");
   if (task.touch.empty()) {
-    if (task.slot || !task.rig.empty())
-      throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
     if (task.layout.empty() && !task.placed)
       throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
     if (task.foci.empty()) {
@@ -241,10 +239,8 @@ std::string to_json(const DriveResult& result) {
   json.end_array();
   if (result.spread) {
     begin_spread(json, result.spread->draws);
-    json.key("pressures_pa").begin_array();
-    for (const Percentiles& pressure : result.spread->pressures_pa)
-      add(json, pressure);
-    json.end_array().key("weakest_to_strongest");
+    add(json, "pressures_pa", result.spread->pressures_pa);
+    json.key("weakest_to_strongest");
     add(json, result.spread->evenness);
     json.end_object();
   }

@@ -192,8 +192,6 @@ void check(const ScatterTask& task) {
   if (task.drive_file.empty() != task.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
   if (task.directivity && task.drive_file.empty())
     throw bad_usage("--directivity goes with --drive: it belongs to an array's transducers");
-  refuse_idle_humidity(task.air);
-  refuse_without_place(task.place);
 }
 
 bool ScatterResult::beyond_linear() const {
@@ -203,7 +201,7 @@ bool ScatterResult::beyond_linear() const {
 std::string to_json(const ScatterResult& result) {
   JsonWriter json;
   json.begin_object().member("faces", std::uint64_t{result.body.triangles.size()}).member("force_N", result.load.force);
-  add_far_force(json, result.far_force);
+  json.member("force_far_N", result.far_force);
   json.member("torque_Nm", result.load.torque).member("density_kg_m3", result.air.density_kg_m3);
   add_solution(json, result.effort);
   json.key("timing_ms").begin_object();
