@@ -200,7 +200,7 @@ struct PlayedArguments {
 };
 void add_played_options(CLI::App& app, PlayedArguments& o) {
   const line::Group group(app, "What to export");
-  setup::add_hold(group, o.task);
+  setup::add_hold(group, o.task.hold_s, o.task.hold_auto);
   setup::add_safety(group, o.task.safety);
   setup::add_rig_options(app, o.task.rig);
   setup::add_drive_options(app, o.task.drive);

@@ -36,8 +36,7 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   study::PlanMethod& m = o.task.method;
   const line::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
+  setup::add_finger(group, o.finger, " [the paper's]");
   setup::add_allow_outside(group, o.common);
   group.quantity("--penetration", o.task.penetration_m, Quantity::length, {1e-6, 1},
                  "how far the finger's lowest point is below the solids' top");

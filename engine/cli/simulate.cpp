@@ -32,8 +32,7 @@ constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices},
 void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   const line::Group group(app, "What touches what");
   setup::add_scene(group, o.scene, o.gltf_scene);
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y");
+  setup::add_finger(group, o.finger);
   setup::add_allow_outside(group, o.common);
   group.quantity("--penetration", o.task.penetration_m, Quantity::length,
                  {-setup::most_penetration_m, setup::most_penetration_m},

@@ -9,14 +9,13 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace palpa::line {
 namespace {
 
-/// The text of a value in a message. Control characters and very long values must not break its single line.
 std::string shown(const std::string& text) {
-  constexpr std::size_t most = 60;
-  return text.size() <= most ? text : text.substr(0, most) + "...";
+  return printable(text, 60);
 }
 
 std::string range_words(const Range& range, const std::function<std::string(double)>& format) {
@@ -53,9 +52,8 @@ double take_number(const std::string& name, const std::string& text, const Range
   return *value;
 }
 
-template <typename T>
-T take_integer(const std::string& name, const std::string& text, T low, T high) {
-  T value = 0;
+std::uint64_t take_integer(const std::string& name, const std::string& text, std::uint64_t low, std::uint64_t high) {
+  std::uint64_t value = 0;
   const char* end = text.data() + text.size();
   const auto [rest, fault] = std::from_chars(text.data(), end, value);
   if (fault != std::errc{} || rest != end || value < low || value > high) {
@@ -163,16 +161,10 @@ void Group::add(const std::string& name, const std::string& type, const std::str
   app_->add_option_function<std::string>(name, take, text)->type_name(type)->group(heading_);
 }
 
-void Group::quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
+void Group::quantity(const std::string& name, const Target<double>& target, Quantity quantity, const Range& range,
                      const std::string& help) const {
-  add(name, quantity_type(quantity), format_quantity(target, quantity), help,
-      [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
-}
-
-void Group::quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
-                     const std::string& help) const {
-  add(name, quantity_type(quantity), target ? format_quantity(*target, quantity) : "", help,
-      [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
+  add(name, quantity_type(quantity), target.initial ? format_quantity(*target.initial, quantity) : "", help,
+      [=](const auto& text) { target.set(take_quantity(name, text, quantity, range)); });
 }
 
 void Group::quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity,
@@ -184,34 +176,16 @@ void Group::quantity_or_auto(const std::string& name, double& target, bool& auto
       });
 }
 
-void Group::number(const std::string& name, double& target, const Range& range, const std::string& type,
+void Group::number(const std::string& name, const Target<double>& target, const Range& range, const std::string& type,
                    const std::string& help) const {
-  add(name, type, fmt::format("{}", target), help,
-      [name, &target, range](const auto& text) { target = take_number(name, text, range); });
+  add(name, type, target.initial ? fmt::format("{}", *target.initial) : "", help,
+      [=](const auto& text) { target.set(take_number(name, text, range)); });
 }
 
-void Group::number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
-                   const std::string& help) const {
-  add(name, type, target ? fmt::format("{}", *target) : "", help,
-      [name, &target, range](const auto& text) { target = take_number(name, text, range); });
-}
-
-void Group::integer(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
+void Group::integer(const std::string& name, const Target<std::uint64_t>& target, std::uint64_t low, std::uint64_t high,
                     const std::string& help) const {
-  add(name, "N", fmt::format("{}", target), help,
-      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
-}
-
-void Group::integer(const std::string& name, std::uint64_t& target, std::uint64_t low, std::uint64_t high,
-                    const std::string& help) const {
-  add(name, "N", fmt::format("{}", target), help,
-      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
-}
-
-void Group::integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low,
-                    std::uint32_t high, const std::string& help) const {
-  add(name, "N", target ? fmt::format("{}", *target) : "", help,
-      [name, &target, low, high](const auto& text) { target = take_integer(name, text, low, high); });
+  add(name, "N", target.initial ? fmt::format("{}", *target.initial) : "", help,
+      [=](const auto& text) { target.set(take_integer(name, text, low, high)); });
 }
 
 void Group::count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,

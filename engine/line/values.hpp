@@ -3,11 +3,14 @@
 // own header.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -33,6 +36,18 @@ constexpr Range positive(double high = 1e300) {
   return {0, high, true};
 }
 
+/// Where the number of an option goes. Its value, if it has one, is the default.
+template <typename T>
+struct Target {
+  template <std::convertible_to<T> Own>
+  Target(Own& own) : initial(own), set([&own](T value) { own = static_cast<Own>(value); }) {}
+  template <std::convertible_to<T> Own>
+  Target(std::optional<Own>& own) : initial(own), set([&own](T value) { own = static_cast<Own>(value); }) {}
+
+  std::optional<T> initial;
+  std::function<void(T)> set;
+};
+
 /// The options under one heading of a subcommand's help. Targets must outlive the parsing. The value of a target when
 /// the option is added is the default and is shown in the help. If the target has no value then, the help text may end
 /// with the default in brackets: "the array that sounds [the rig's]". An invalid value throws bad_usage during parsing.
@@ -41,23 +56,15 @@ class Group {
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
 
   /// A number with a unit, "1.5mm"; a bare number is SI.
-  void quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
-                const std::string& help) const;
-  void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
+  void quantity(const std::string& name, const Target<double>& target, Quantity quantity, const Range& range,
                 const std::string& help) const;
   /// The same, or "auto", which leaves `target` unchanged.
   void quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity, const Range& range,
                         const std::string& help) const;
   /// A number without a unit; `type` is its placeholder in the help.
-  void number(const std::string& name, double& target, const Range& range, const std::string& type,
+  void number(const std::string& name, const Target<double>& target, const Range& range, const std::string& type,
               const std::string& help) const;
-  void number(const std::string& name, std::optional<double>& target, const Range& range, const std::string& type,
-              const std::string& help) const;
-  void integer(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
-               const std::string& help) const;
-  void integer(const std::string& name, std::uint64_t& target, std::uint64_t low, std::uint64_t high,
-               const std::string& help) const;
-  void integer(const std::string& name, std::optional<std::uint32_t>& target, std::uint32_t low, std::uint32_t high,
+  void integer(const std::string& name, const Target<std::uint64_t>& target, std::uint64_t low, std::uint64_t high,
                const std::string& help) const;
   /// A large whole number, optionally in thousands or millions: 400000, 400k, 1M.
   void count(const std::string& name, std::uint32_t& target, std::uint32_t low, std::uint32_t high,
@@ -84,32 +91,31 @@ class Group {
   template <typename T, std::size_t count>
   void choice(const std::string& name, T& target, const Word<std::type_identity_t<T>> (&words)[count],
               const std::string& help, bool* given = nullptr) const {
-    std::vector<std::string> names;
-    std::vector<T> values;
-    std::size_t initial = count;
-    for (const Word<T>& entry : words) {
-      if (entry.value == target) initial = names.size();
-      names.emplace_back(entry.word);
-      values.push_back(entry.value);
-    }
-    pick(name, std::move(names), initial, help, [&target, values, given](std::size_t i) {
-      target = values[i];
+    pick<T>(name, words, target, help, [&target, given](T value) {
+      target = value;
       if (given) *given = true;
     });
   }
   template <typename T, std::size_t count>
   void choice(const std::string& name, std::optional<T>& target, const Word<std::type_identity_t<T>> (&words)[count],
               const std::string& help) const {
+    pick<T>(name, words, target, help, [&target](T value) { target = value; });
+  }
+
+ private:
+  template <typename T>
+  void pick(const std::string& name, std::span<const Word<T>> words, const std::optional<T>& initial,
+            const std::string& help, const std::function<void(T)>& set) const {
     std::vector<std::string> names;
     std::vector<T> values;
     for (const Word<T>& entry : words) {
       names.emplace_back(entry.word);
       values.push_back(entry.value);
     }
-    pick(name, std::move(names), count, help, [&target, values](std::size_t i) { target = values[i]; });
+    const auto at = initial ? std::ranges::find(values, *initial) : values.end();
+    pick(name, std::move(names), static_cast<std::size_t>(at - values.begin()), help,
+         [values, set](std::size_t i) { set(values[i]); });
   }
-
- private:
   void pick(const std::string& name, std::vector<std::string> words, std::size_t initial, const std::string& help,
             std::function<void(std::size_t)> chosen) const;
   void add(const std::string& name, const std::string& type, const std::string& initial, const std::string& help,

@@ -143,14 +143,8 @@ void add_safety(const line::Group& group, session::Safety& safety) {
                  "time in which sound gets to full strength when a touch begins, and to silence when it ends");
 }
 
-void add_hold(const line::Group& group, FrameOptions& o) {
-  group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, line::positive(10),
-                         "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
-                         "frames are late");
-}
-
 void add_loop_options(const line::Group& group, FrameOptions& o) {
-  add_hold(group, o);
+  add_hold(group, o.hold_s, o.hold_auto);
   add_safety(group, o.safety);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.flag("--keep-boards", o.keep_boards,

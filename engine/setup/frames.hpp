@@ -75,8 +75,6 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 void add_frame_options(const line::Group& group, FrameOptions& options, const char* until);
 /// Adds only the options of the loop.
 void add_loop_options(const line::Group& group, FrameOptions& options);
-/// Adds --hold.
-void add_hold(const line::Group& group, FrameOptions& options);
 /// Adds --ceiling and --ramp.
 void add_safety(const line::Group& group, session::Safety& safety);
 /// Adds the options for following fingers.

@@ -82,6 +82,18 @@ void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& numb
   group.integer("--gltf-scene", number, 0, 1u << 30, "number of the scene in that file [the file's default scene]");
 }
 
+void add_finger(const line::Group& group, std::string& file, const char* usual) {
+  group.text(
+      "--finger", file, "FILE",
+      fmt::format("the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y{}", usual));
+}
+
+void add_hold(const line::Group& group, double& hold_s, bool& automatic) {
+  group.quantity_or_auto("--hold", hold_s, automatic, Quantity::time, line::positive(10),
+                         "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
+                         "frames are late");
+}
+
 void add_board_files(const line::Group& group, std::string& folder) {
   group.text("--board-files", folder, "DIR",
              "folder with the boards' own files, which say how their transducers differ [no differences]");

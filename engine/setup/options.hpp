@@ -46,6 +46,10 @@ void add_scene(const line::Group& group, std::string& scene, std::optional<std::
 void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number);
 /// --layout: `what` it is, and behind the known layouts what follows.
 void add_layout(const line::Group& group, std::string& layout, const char* what, const char* more = "");
+/// --finger, the mesh of one that is pressed into a scene; `usual` is used without it.
+void add_finger(const line::Group& group, std::string& file, const char* usual = "");
+/// --hold, a time or "auto".
+void add_hold(const line::Group& group, double& hold_s, bool& automatic);
 /// --board-files, beside a --link.
 void add_board_files(const line::Group& group, std::string& folder);
 /// Sets the log level: --log-level, otherwise "error" with --quiet, otherwise "warning". With the last two, warnings

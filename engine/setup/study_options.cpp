@@ -12,6 +12,11 @@
 
 namespace palpa::setup {
 
+void add_override(const line::Group& group, std::string& who) {
+  group.text("--override", who, "TEXT",
+             "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+}
+
 void add_eyes_options(const line::Group& group, EyesOptions& o) {
   group.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, line::positive(1), "distance between the eyes");
   group.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, line::positive(1),
@@ -26,8 +31,7 @@ void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
   const line::Group sitting(app, "Sitting");
   sitting.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   sitting.text("--out", o.out, "DIR", "folder of the study; the participant's folder is made in it");
-  sitting.text("--override", o.override_by, "TEXT",
-               "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+  add_override(sitting, o.override_by);
   sitting.number("--rehearse", o.rehearse, {0, 1}, "NUMBER",
                  "a scripted participant with this share of right answers presses the keys [a person]");
   const line::Group what(app, "What to run");
@@ -35,8 +39,7 @@ void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
   what.text("--link", o.link, "LINK", "the array that sounds, as in palpa run [with --rehearse: null]");
   what.text("--rig", o.rig, "FILE", "the cameras, the array and the screen with their poses [the paper's]");
   add_board_files(what, o.board_files);
-  what.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, line::positive(10),
-                        "how long a frame sounds if no other comes; auto: longer if frames are always late");
+  add_hold(what, o.hold_s, o.hold_auto);
   const line::Group windows(app, "Windows");
   windows.text("--monitor", o.monitor, "NAME|NUMBER",
                "monitor that the participant's window fills [the last, if there are several]");

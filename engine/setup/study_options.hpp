@@ -37,6 +37,8 @@ struct StudyRunOptions : EyesOptions {
   std::string stereo;  ///< how the pictures of two eyes become one, as --stereo of palpa-viewer; empty: none
 };
 
+/// Adds --override.
+void add_override(const line::Group& group, std::string& who);
 /// Adds all of them but the plan.
 void add_study_run_options(CLI::App& app, StudyRunOptions& options);
 /// Throws bad_usage if options are missing or exclude each other. Chooses source and link of a rehearsal.

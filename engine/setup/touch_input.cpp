@@ -18,16 +18,19 @@
 #include "setup/load.hpp"
 
 namespace palpa::setup {
-double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
+
+double top_of(std::span<const geometry::Solid> solids) {
   Box all;
-  for (const geometry::Solid& solid : solids) {
-    all.add(solid.bounds.low);
+  for (const geometry::Solid& solid : solids)
     all.add(solid.bounds.high);
-  }
+  return all.high.y;
+}
+
+double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
   double lowest = points.front().y;
   for (const Vec3& point : points)
     lowest = std::min(lowest, point.y);
-  return all.high.y - penetration - lowest;
+  return top_of(solids) - penetration - lowest;
 }
 
 bool warn_of_skin(const std::string& name, std::span<const Vec3> positions) {

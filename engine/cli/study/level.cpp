@@ -10,6 +10,7 @@
 #include "cli/study/commands.hpp"
 #include "line/values.hpp"
 #include "setup/options.hpp"
+#include "setup/study_options.hpp"
 #include "setup/study_plan.hpp"
 #include "study/sitting/ear_level.hpp"
 
@@ -25,8 +26,7 @@ struct LevelCommand {
 void add_options_of_level(CLI::App& app, LevelCommand& o) {
   const line::Group group(app, "Level");
   group.text("plan", o.plan, "PLAN", "TOML file of the study");
-  group.text("--override", o.override_by, "TEXT",
-             "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+  setup::add_override(group, o.override_by);
 }
 
 std::string level_text(const study::StudyPlan& plan, const study::EarLevel& level) {

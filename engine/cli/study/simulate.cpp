@@ -33,8 +33,7 @@ struct StudySimulateCommand {
 void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
   const line::Group group(app, "What to predict");
   group.text("plan", o.plan, "PLAN", "TOML file of the study");
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
+  setup::add_finger(group, o.finger, " [the paper's]");
   group.texts("--beside", o.beside, "WHAT",
               "results of people beside the prediction: the word paper, the folder of a study, a JSON of palpa study "
               "analyse, or a CSV of counts that has a method's name");

@@ -26,31 +26,18 @@
 namespace palpa::setup {
 namespace {
 
-/// An absorbing medium has no plane wave of 1 Pa everywhere.
-void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
-  if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
-    throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
-}
-
-/// Loads the task's wave and checks it against the body.
-IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
-  IncidentSound sound;
+IncidentSound load_sound(const ScatterTask& task) {
   if (!task.plane_wave.empty()) {
     const auto [x, y, z] = line::parse_direction("--plane-wave", task.plane_wave);
-    sound = PlaneWave{{x, y, z}};
-  } else if (!task.point_source.empty()) {
-    const auto [x, y, z] = line::parse_point("--point-source", task.point_source);
-    acoustics::check_source(body, {x, y, z}, task.force);
-    sound = PointSource{{x, y, z}};
-  } else {
-    array::Layout layout = array::load_layout(task.layout);
-    warn_of_frequency(layout, air.medium);
-    acoustics::check_clear_of(task.mesh, body, layout);
-    array::Drive drive = load_drive(task.drive_file, layout);
-    sound = ArraySound{std::move(layout), std::move(drive), task.directivity.value_or(array::Directivity::t4010a1)};
+    return PlaneWave{{x, y, z}};
   }
-  check_absorption(sound, air);
-  return sound;
+  if (!task.point_source.empty()) {
+    const auto [x, y, z] = line::parse_point("--point-source", task.point_source);
+    return PointSource{{x, y, z}};
+  }
+  array::Layout layout = array::load_layout(task.layout);
+  array::Drive drive = load_drive(task.drive_file, layout);
+  return ArraySound{std::move(layout), std::move(drive), task.directivity.value_or(array::Directivity::t4010a1)};
 }
 
 void check_sound(const std::string& name, const IncidentSound& sound, const acoustics::Air& air,
@@ -69,7 +56,9 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
     acoustics::check_clear_of(name, body, array->layout);
     check_drive(array->layout, array->drive);
   }
-  check_absorption(sound, air);
+  // An absorbing medium has no plane wave of 1 Pa everywhere.
+  if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
+    throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
 }
 
 /// The incident wave, of any kind.
@@ -223,7 +212,8 @@ ScatterResult scatter(const ScatterTask& task, const std::function<void()>& all_
   check(task);
   const acoustics::Air air = setup::air(task.medium, task.air);
   geometry::Mesh body = load_body(task.mesh, air, task.force);
-  const IncidentSound sound = load_sound(task, air, body);
+  const IncidentSound sound = load_sound(task);
+  check_sound(task.mesh, sound, air, body, task.force);
   Places places = task.place.given() ? load_places(task.place) : Places();
   if (all_read) all_read();
   return solve(task.mesh, std::move(body), sound, air, std::move(places.points));

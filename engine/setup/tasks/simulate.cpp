@@ -101,13 +101,6 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
   return foci;
 }
 
-double top_of(std::span<const geometry::Solid> solids) {
-  Box all;
-  for (const geometry::Solid& solid : solids)
-    all.add(solid.bounds.high);
-  return all.high.y;
-}
-
 [[noreturn]] void refuse_untouched(const std::string& scene, std::span<const geometry::Solid> solids,
                                    const TouchInput& skin) {
   std::string line = "the finger touches nothing there";
