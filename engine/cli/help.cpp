@@ -6,11 +6,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
 #include "line/completion.hpp"
+#include "line/help.hpp"
 #include "line/option_table.hpp"
 #include "line/parse.hpp"
 #include "line/values.hpp"
@@ -102,8 +105,7 @@ std::optional<std::string> completion_asked(const Program& program, const std::v
   return line::completion(*shell, "palpa", commands);
 }
 
-}  // namespace
-
+/// The page of the whole program: its subcommands; with all, also what they share.
 std::string overview(const Program& program, HelpLength length) {
   std::string page = fmt::format("palpa: {}\n\nUsage: palpa SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", summary);
   for (const CLI::App* command : commands_of(program))
@@ -111,14 +113,20 @@ std::string overview(const Program& program, HelpLength length) {
   page += "\n";
   page += fmt::format("Examples:\n{}\n{}", first_examples, more_help);
   if (length == HelpLength::usual) return page;
-  page += "\nCommon options (most subcommands take them; --allow-outside if they read scenes or recordings):\n";
+  page +=
+      "\nCommon options (--gpu and --validation of subcommands that use a GPU, --allow-outside of those that\n"
+      "read scenes or recordings):\n";
   return page + line::help_rows(common_options()) + "\n" + last_lines;
 }
 
+/// The page of the program or of a subcommand. That of a group lists its subcommands.
 std::string page_of(const Program& program, const CLI::App& command, HelpLength length) {
+  if (&command == &program.app) return overview(program, length);
   if (!inside(command).empty()) return group_page(command);
   return line::help_page(command, text_of(program, command), length);
 }
+
+}  // namespace
 
 std::optional<std::string> help_asked(const Program& program, int argc, const char* const* argv) {
   if (argc < 2) return overview(program, HelpLength::usual);
@@ -130,27 +138,23 @@ std::optional<std::string> help_asked(const Program& program, int argc, const ch
   if (!all) {
     if (std::optional<std::string> script = completion_asked(program, words)) return script;
   }
-  if (words.empty()) return overview(program, length);
-  const std::string name = fmt::format("{}", fmt::join(words, " "));
-  const CLI::App* group = nullptr;
-  for (const CLI::App* command : inside(program.app)) {
-    if (command->get_name() == name) return page_of(program, *command, length);
-    if (command->get_name() == words.front() && !inside(*command).empty()) group = command;
+  const CLI::App* found = &program.app;
+  std::istringstream names(fmt::format("{}", fmt::join(words, " ")));
+  for (std::string name; names >> name;) {
+    const std::vector<const CLI::App*> known = inside(*found);
+    const auto next = std::ranges::find(known, name, [](const CLI::App* command) { return command->get_name(); });
+    if (next == known.end()) {
+      const std::string fault = known.empty() ? "give palpa help one subcommand, and the word all or nothing"
+                                              : line::unknown_subcommand(*found, name);
+      throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
+    }
+    found = *next;
   }
-  for (const CLI::App* command : commands_of(program)) {
-    if (line::command_name(*command) == name) return page_of(program, *command, length);
-  }
-  const std::string fault = words.size() == 1 ? line::unknown_subcommand(program.app, words.front())
-                            : group && words.size() == 2
-                                ? line::unknown_subcommand(*group, words.back())
-                                : "give palpa help one subcommand, and the word all or nothing";
-  throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
+  return page_of(program, *found, length);
 }
 
 std::string help_of_line(const Program& program, int argc, const char* const* argv) {
-  const HelpLength length = line::help_length(argc, argv);
-  const CLI::App& chosen = line::chosen_command(program.app);
-  return &chosen == &program.app ? overview(program, length) : page_of(program, chosen, length);
+  return page_of(program, line::chosen_command(program.app), line::help_length(argc, argv));
 }
 
 }  // namespace palpa::cli
