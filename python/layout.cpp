@@ -155,6 +155,12 @@ std::shared_ptr<DriveObject> drive_on_finger(const LayoutPtr& self, std::span<co
       DriveObject{cancellable([&] { return setup::make_drive(self->layout, asked, o.drive, *sound->finger); }), self});
 }
 
+/// Nulls have a frame, as foci have.
+std::vector<std::string> asked_nulls(const LayoutObject& layout, const py::object& nulls, const py::object& radii) {
+  if (!nulls.is_none()) refuse_other_frame("nulls", nulls, layout);
+  return nulls_of(nulls, radii);
+}
+
 /// The options, except a solver that is a function.
 SolveArguments solve_arguments(Declared<SolveArguments>& options, const py::kwargs& kwargs) {
   const py::kwargs rest = py::reinterpret_steal<py::kwargs>(PyDict_Copy(kwargs.ptr()));
@@ -169,6 +175,7 @@ SolveArguments solve_arguments(Declared<SolveArguments>& options, const py::kwar
 std::shared_ptr<DriveObject> solve_by(const LayoutPtr& self, std::span<const setup::AskedFocus> asked,
                                       const SolveArguments& o) {
   if (asked.empty()) throw bad_usage("no focus is given");
+  if (!o.drive.nulls.empty()) throw bad_usage("nulls go with solver=\"gs-pat\": a function makes its own drive");
   const array::DriveOptions options = setup::drive_options(o.drive);
   array::Schedule schedule = setup::schedule_of(asked, self->layout);
   auto made = std::make_shared<DriveObject>();
@@ -200,18 +207,20 @@ std::shared_ptr<DriveObject> solve(const LayoutPtr& self, const py::object& foci
     auto made =
         std::make_shared<DriveObject>(DriveObject{setup::make_drive(self->layout, asked, o.drive, device), self});
     if (!o.spread.text.empty()) {
-      made->result.spread = setup::spread_of_drive(self->layout, made->result.drive, made->result.foci, o.drive.medium,
-                                                   o.drive.directivity, setup::parse_spread(o.spread.text),
-                                                   setup::draws_of(o.spread, o.common.seed));
+      made->result.spread =
+          setup::spread_of_drive(made->result, o.drive.medium, o.drive.directivity, setup::parse_spread(o.spread.text),
+                                 setup::draws_of(o.spread, o.common.seed));
     }
     return made;
   });
 }
 
 std::shared_ptr<DriveObject> drive_of_touch(const LayoutPtr& self, const py::object& touch,
-                                            const std::optional<std::uint32_t>& slot, const py::kwargs& kwargs) {
+                                            const std::optional<std::uint32_t>& slot, const py::object& nulls,
+                                            const py::object& radii, const py::kwargs& kwargs) {
   refuse_fork();
-  const SolveArguments o = touch_drive_options().read(kwargs);
+  SolveArguments o = touch_drive_options().read(kwargs);
+  o.drive.nulls = asked_nulls(*self, nulls, radii);
   check(o.common);
   setup::DriveTask task{.layout = self->source, .slot = slot, .drive = o.drive, .spread = o.spread};
   if (py::isinstance<TouchObject>(touch)) {
@@ -260,26 +269,27 @@ void add_layout_functions(py::module_& m) {
   made.def(
       "solve",
       [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
-         const py::kwargs& kwargs) {
-        return solve(self, foci, gains, finger, force, solve_arguments(solve_options(), kwargs));
+         const py::object& nulls, const py::object& radii, const py::kwargs& kwargs) {
+        SolveArguments o = solve_arguments(solve_options(), kwargs);
+        o.drive.nulls = asked_nulls(*self, nulls, radii);
+        return solve(self, foci, gains, finger, force, o);
       },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, solve_text.c_str());
+      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), solve_text.c_str());
   const std::string drive_text = drive_options_of().documented(drive_doc);
   made.def(
       "drive",
       [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
-         const py::kwargs& kwargs) {
-        return of_layout(
-            complex_of(
-                solve(self, foci, gains, finger, force, solve_arguments(drive_options_of(), kwargs))->result.drive),
-            self);
+         const py::object& nulls, const py::object& radii, const py::kwargs& kwargs) {
+        SolveArguments o = solve_arguments(drive_options_of(), kwargs);
+        o.drive.nulls = asked_nulls(*self, nulls, radii);
+        return of_layout(complex_of(solve(self, foci, gains, finger, force, o)->result.drive), self);
       },
       py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, drive_text.c_str());
+      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), drive_text.c_str());
   const std::string touch_text = touch_drive_options().documented(solve_touch_doc);
   made.def("solve_touch", &drive_of_touch, py::arg("touch"), py::kw_only(), py::arg("slot") = py::none(),
-           touch_text.c_str());
+           py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), touch_text.c_str());
   add_transfer(made);
   const std::string field_text = field_options().documented(field_doc);
   made.def("field", &field, py::arg("drive"), py::arg("where"), field_text.c_str());

@@ -19,6 +19,10 @@ finger : Mesh, path, (vertices, faces) or FingerSound, optional
     finger's equations, so that further drives take less time.
 force : bool, optional
     Also take a finger whose faces are too coarse for the wavelength.
+nulls : array_like, shape (n, 3) or (3,), optional
+    Places that stay silent, in metres, in the layout's own frame. The solver is then gs-pat.
+null_radius : float or array_like, shape (n,), optional
+    The radius of each null, metres, up to 5 mm. The default, 0, is the place alone.
 solver : str or callable, optional
     `solver` may also be a function: it gets the transfer matrix (n, M) of Layout.transfer and the gains (n,), and
     returns a complex vector (M,) of amplitudes up to 1.
@@ -98,6 +102,10 @@ finger : Mesh, path, (vertices, faces) or FingerSound, optional
     As for Layout.solve.
 force : bool, optional
     As for Layout.solve.
+nulls : array_like, shape (n, 3) or (3,), optional
+    As for Layout.solve.
+null_radius : float or array_like, shape (n,), optional
+    As for Layout.solve.
 
 Returns
 -------
@@ -113,6 +121,10 @@ touch : Touch or path
     A touch, or a file that `palpa touch --json` wrote, or a program with Touch.json().
 slot : int, optional
     In the touch's order, from 0.
+nulls : array_like, shape (n, 3) or (3,), optional
+    As for Layout.solve.
+null_radius : float or array_like, shape (n,), optional
+    As for Layout.solve.
 
 Returns
 -------

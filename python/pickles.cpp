@@ -99,12 +99,16 @@ static void fields(python::Archive& a, TouchValues& o) {
   a(touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total, times);
 }
 static void fields(python::Archive& a, DriveSpread& o) {
-  auto& [draws, pressures, evenness] = o;
-  a(draws, pressures, evenness);
+  auto& [draws, pressures, evenness, nulls] = o;
+  a(draws, pressures, evenness, nulls);
+}
+static void fields(python::Archive& a, NullReport& o) {
+  auto& [places, kept] = o;
+  a(places, kept);
 }
 static void fields(python::Archive& a, DriveResult& o) {
-  auto& [layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, spread] = o;
-  a(layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, spread);
+  auto& [layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread] = o;
+  a(layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread);
 }
 static void fields(python::Archive& a, Places& o) {
   auto& [points, grid, line, triangles] = o;

@@ -172,7 +172,8 @@ Locked::~Locked() {
 
 /// The interpreter ends a thread by a forced unwind. It has no object, which the sanitizer would report as a null
 /// reference.
-[[gnu::no_sanitize("undefined")]] py::object call_python(const py::object& function, const py::tuple& arguments) {
+__attribute__((no_sanitize("undefined"))) py::object call_python(const py::object& function,
+                                                                 const py::tuple& arguments) {
   PyObject* answer = nullptr;
   try {
     answer = PyObject_CallObject(function.ptr(), arguments.ptr());

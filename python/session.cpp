@@ -55,7 +55,7 @@ Declared<SessionArguments>& session_options() {
   static auto* const options =
       new Declared<SessionArguments>("Session", add_options_of_session,
                                      {"--scene", "--frames", "--gltf-scene", "--surface", "--parts", "--internal-faces",
-                                      "--json", "--quiet", "--log-level"});
+                                      "--null", "--json", "--quiet", "--log-level"});
   return *options;
 }
 
@@ -136,7 +136,7 @@ void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras)
 }
 
 SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::object& camera, bool depth,
-                        const py::kwargs& kwargs) {
+                        const py::object& nulls, const py::object& null_radius, const py::kwargs& kwargs) {
   refuse_fork();
   SessionPtr made(new SessionObject(), EndingSession());
   made->scene = scene;
@@ -145,6 +145,8 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   take_solver(rest, made->own);
   made->options = session_options().read(rest).live;
   setup::LiveOptions& o = made->options;
+  if (!nulls.is_none()) refuse_other_frame("nulls", nulls);
+  o.drive.nulls = nulls_of(nulls, null_radius);
   made->run.ceiling = o.safety.ceiling;
   o.own_method = own_method(made->own);
   o.own_solver = own_solver(made->own);
@@ -260,7 +262,7 @@ void add_session_class(py::module_& m) {
   const std::string doc = session_options().documented(session_doc);
   py::class_<SessionObject, SessionPtr>(m, "Session", doc.c_str())
       .def(py::init(&make_session), py::arg("scene").none(false), py::kw_only(), py::arg("camera") = py::none(),
-           py::arg("depth") = false)
+           py::arg("depth") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none())
       .def("touch", &touch_frame, py::arg("skin") = py::none(), py::arg("time") = 0.0, py::kw_only(),
            py::arg("depth") = py::none(), R"(Process the next frame.
 

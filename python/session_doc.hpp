@@ -18,6 +18,10 @@ depth : bool, optional
     Frames are depth images of the rig's cameras, or of `camera`, and not points.
 camera : Camera, path or list of these, optional
     These cameras, or their TOML files.
+nulls : array_like, shape (n, 3) or (3,), optional
+    Places that stay silent, in metres, world. The solver is then gs-pat.
+null_radius : float or array_like, shape (n,), optional
+    The radius of each null, metres, up to 5 mm. The default, 0, is the place alone.
 method : str or callable, optional
     `method` may also be a function: it gets a Finger and returns its foci, an array_like of shape (n, 3), metres, world.
 solver : str or callable, optional

@@ -37,6 +37,12 @@ py::object spread_of(const DriveObject& o) {
     pressures.append(range_of(p));
   made["pressures"] = pressures;
   made["evenness"] = range_of(o.result.spread->evenness);
+  if (!o.result.spread->nulls_pa.empty()) {
+    py::list nulls;
+    for (const setup::Percentiles& p : o.result.spread->nulls_pa)
+      nulls.append(range_of(p));
+    made["nulls"] = nulls;
+  }
   return made;
 }
 
@@ -107,6 +113,27 @@ void add_drive_class(py::module_& m) {
             return pairs;
           },
           "list of (int, int): foci that are closer together than the array resolves.")
+      .def_property_readonly(
+          "nulls",
+          [](const DriveObject& o) -> py::object {
+            if (!o.result.nulls) return py::none();
+            std::vector<Vec3> places;
+            for (const setup::SilentPlace& place : o.result.nulls->places)
+              places.push_back(place.null.position);
+            return of_layout(copied(places), o.layout);
+          },
+          "ndarray of float64, shape (n, 3), or None: metres, in the layout's own frame.")
+      .def_property_readonly(
+          "null_depths",
+          [](const DriveObject& o) -> py::object {
+            if (!o.result.nulls) return py::none();
+            std::vector<double> depths;
+            for (const setup::SilentPlace& place : o.result.nulls->places)
+              depths.push_back(place.depth_db);
+            return copied(std::span<const double>(depths));
+          },
+          "ndarray of float64, shape (n,), or None: decibels, the loudest sound within each null relative to the "
+          "weakest focus.")
       .def_property_readonly(
           "aimed",
           [](const DriveObject& o) -> py::object {

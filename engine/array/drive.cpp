@@ -10,6 +10,7 @@
 
 #include "array/crowd.hpp"
 #include "array/free_drives.hpp"
+#include "array/solvers/back_propagation.hpp"
 #include "array/solvers/greedy.hpp"
 #include "base/error.hpp"
 
@@ -76,14 +77,44 @@ double sum_sources(const Layout& layout, const DriveOptions& options, DriveScrat
   return sum_columns(scratch);
 }
 
-/// The same with the factors of gs_pat, from `scratch.columns`.
+/// The factors of a solver that knows only gains; `plain` are those of equal gains.
+template <typename Factors>
+void find_weights(DriveScratch& scratch, Factors factors_for) {
+  const std::size_t foci = scratch.columns.foci;
+  const bool differ = std::ranges::any_of(scratch.gains, [](double gain) { return gain != 1; });
+  scratch.factors.resize(foci);
+  scratch.targets.assign(foci, 1);
+  for (int time = differ ? 0 : 1; time < 2; ++time) {
+    const std::span<const double> gains = time == 0 ? scratch.targets : scratch.gains;
+    factors_for(gains, scratch.factors);
+    for (std::size_t j = 0; j < foci; ++j)
+      (time == 0 ? scratch.weights[j].plain : scratch.weights[j].heard) = scratch.factors[j];
+  }
+  if (differ) return;
+  for (FocusWeight& weight : scratch.weights)
+    weight.plain = weight.heard;
+}
+
+/// The same with the factors of the solver, from `scratch.columns`.
 double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
+  scratch.sums.resize(columns.transducers);
   multiply(columns, scratch.matrix);
+  if (options.solver == Solver::eigenvalue) {
+    find_weights(scratch, [&](std::span<const double> gains, std::span<Complex> factors) {
+      eigenvalue_factors(scratch.matrix, columns, gains, factors, scratch.eigenvalue);
+    });
+    return sum_columns(scratch);
+  }
+  if (options.solver == Solver::back_propagation) {
+    find_weights(scratch, [&](std::span<const double> gains, std::span<Complex> factors) {
+      propagated_factors(scratch.matrix, columns, gains, options.constraint, factors, scratch.heard);
+    });
+    return sum_columns(scratch);
+  }
   gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, care_of(options.solver), scratch.weights,
          scratch.gs_pat);
-  scratch.sums.resize(columns.transducers);
   const double largest = sum_columns(scratch);
   gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
   return largest;
@@ -98,16 +129,34 @@ void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, doubl
   }
 }
 
+/// Fills the columns of the sources, and their gains relative to the shared one.
+void fill_columns(const Layout& layout, const DriveOptions& options, double shared, DriveScratch& scratch) {
+  transfer_of(layout, options, scratch.free_field).fill(scratch.sources, options.weighting, scratch.columns);
+  scratch.gains.clear();
+  for (const Source& source : scratch.sources)
+    scratch.gains.push_back(relative_gain(source, shared));
+}
+
+void drive_with_nulls(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
+                      DriveScratch& scratch) {
+  assert(!options.transfer && options.nulls->rows().transducers == layout.transducers.size());
+  const double shared = shared_gain_of(scratch.sources);
+  fill_columns(layout, options, shared, scratch);
+  multiply(scratch.columns, scratch.matrix);
+  scratch.weights.resize(scratch.sources.size());
+  scratch.sums.resize(out.size());
+  const double largest =
+      sum_with_nulls(*options.nulls, scratch.columns, scratch.matrix, scratch.gains, options.constraint,
+                     scratch.weights, scratch.sums, scratch.gs_pat, scratch.nulls);
+  constrain(scratch.sums, largest, options.constraint, shared, out);
+}
+
 void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
                    DriveScratch& scratch) {
   const double shared = shared_gain_of(scratch.sources);
   const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
   if (solved) {
-    const Transfer& transfer = transfer_of(layout, options, scratch.free_field);
-    transfer.fill(scratch.sources, options.weighting, scratch.columns);
-    scratch.gains.clear();
-    for (const Source& source : scratch.sources)
-      scratch.gains.push_back(relative_gain(source, shared));
+    fill_columns(layout, options, shared, scratch);
     if (options.solver == Solver::greedy) return drive_greedily(out, scratch, shared);
   }
   double largest = 0;
@@ -212,6 +261,8 @@ void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const Driv
   const std::vector<Source>& sources = scratch.sources;
   if (sources.empty()) {
     std::ranges::fill(out, TransducerDrive{0, 0});
+  } else if (options.nulls) {
+    drive_with_nulls(layout, options, out, scratch);
   } else if (std::ranges::any_of(foci, [](const SlotFocus& focus) { return focus.pressure_pa.has_value(); })) {
     find_factors(layout, foci, options, scratch);
     drive_sources(layout, options, out, scratch);
@@ -284,6 +335,10 @@ void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& op
     even->rest.reserve(few);
     even->miss.reserve(few);
   }
+  scratch.eigenvalue.vector.reserve(few);
+  scratch.eigenvalue.next.reserve(few);
+  scratch.eigenvalue.system.reserve(square);
+  if (options.nulls) reserve(scratch.nulls, *options.nulls, most_foci);
 }
 
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,

@@ -23,12 +23,17 @@
 //
 // The above is the solver `naive`. The others choose how several foci share the array, and consider the influence of
 // the foci on each other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G
-// (gs_pat.hpp); `greedy` chooses the phases of the transducers directly, all at amplitude g (greedy.hpp). A slot with
-// more than most_solved_foci foci is solved by `naive` under every solver, or by crowd.hpp if foci request a pressure.
+// (gs_pat.hpp); `greedy` chooses the phases of the transducers directly, all at amplitude g (greedy.hpp). `eigenvalue`
+// and `back_propagation` find factors as the literature does, to compare (eigenvalue.hpp, back_propagation.hpp). A slot
+// with more than most_solved_foci foci is solved by `naive` under every solver, or by crowd.hpp if foci request a
+// pressure.
+//
+// With nulls (DriveOptions::nulls), every slot that sounds is solved as null_drive.hpp says, whatever the solver.
 #pragma once
 
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -38,7 +43,10 @@
 #include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
+#include "array/null_drive.hpp"
+#include "array/nulls.hpp"
 #include "array/slot_pressures.hpp"
+#include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/gs_pat.hpp"
 #include "array/transfer.hpp"
 #include "base/math.hpp"
@@ -47,9 +55,15 @@
 namespace palpa::array {
 
 /// How several foci share the array.
-enum class Solver { naive, gs_pat, greedy, loudest };
+enum class Solver { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation };
 inline constexpr Word<Solver> solver_words[] = {
-    {"naive", Solver::naive}, {"gs-pat", Solver::gs_pat}, {"greedy", Solver::greedy}, {"loudest", Solver::loudest}};
+    {"naive", Solver::naive},     {"gs-pat", Solver::gs_pat},         {"greedy", Solver::greedy},
+    {"loudest", Solver::loudest}, {"eigenvalue", Solver::eigenvalue}, {"back-propagation", Solver::back_propagation}};
+
+/// Solved on the host only, on every device.
+constexpr bool is_of_host(Solver solver) {
+  return solver == Solver::eigenvalue || solver == Solver::back_propagation;
+}
 
 /// The phases that the solver uses for foci that request pressures.
 constexpr FocusPhases phases_of(Solver solver) {
@@ -88,6 +102,9 @@ struct DriveOptions {
   /// Replaces the free field for making foci, for every solver and pressure. Must outlive everything that is made with
   /// it. On the host only: a device has only the free field.
   const Transfer* transfer = nullptr;
+  /// Places that stay silent, for the same layout as posed, the same medium and directivity. Null: none. In the free
+  /// field only, and not together with requested pressures. Slots with nulls are solved on the host, on every device.
+  std::shared_ptr<const Nulls> nulls;
 };
 
 /// The transfer for these options. Prepares `free_field` if that is the one.
@@ -114,6 +131,8 @@ struct DriveScratch {
   std::vector<SlotFocus> foci;  ///< the drivable ones, as `sources`
   std::vector<double> targets;
   std::vector<std::complex<double>> factors, heard;
+  EigenvalueScratch eigenvalue;
+  NullScratch nulls;
 };
 
 /// Allocates all memory in `scratch` that drive_for may need for `most_foci` foci, and computes what depends only on

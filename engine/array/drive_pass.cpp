@@ -142,13 +142,19 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
 void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
   const bool seeking = may_seek();
-  if (pass_foci_ >= most_foci_ && !seeking) return;
-  const std::size_t most = std::min<std::size_t>(most_slots_, seeking ? most_foci_ / 2 : most_foci_ / (pass_foci_ + 1));
+  if (pass_foci_ >= most_foci_ && !seeking && !options_.nulls && !is_of_host(options_.solver)) return;
+  const std::size_t fewest = options_.nulls ? 1 : seeking || is_of_host(options_.solver) ? 2 : pass_foci_ + 1;
+  const std::size_t most = std::min<std::size_t>(most_slots_, most_foci_ / fewest);
   most_host_slots_ = most;
   host_slots_.reserve(layout_, options_, most, most_foci_);
   host_numbers_.reserve(most);
   host_drives_.reserve(most * batch_.transducers);
   if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
+}
+
+bool DriveMemory::is_of_host_with(std::size_t foci) const {
+  if (options_.nulls) return foci > 0;
+  return is_of_host(options_.solver) && foci > 1 && foci <= most_solved_foci;
 }
 
 bool DriveMemory::may_seek() const {
@@ -202,7 +208,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (count > pass_foci_ || seeks(foci, count)) return add_host_slot(foci, {});
+  if (count > pass_foci_ || is_of_host_with(count) || seeks(foci, count)) return add_host_slot(foci, {});
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {

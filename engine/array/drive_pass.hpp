@@ -82,8 +82,9 @@ class DriveMemory {
   /// Starts a new batch.
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
-  /// device that ends long loops, drives of more than most_pass_foci() foci are the host's, and on every device those
-  /// whose phases are sought (effort_for in gs_pat.hpp).
+  /// device that ends long loops, drives of more than most_pass_foci() foci are the host's. On every device, so are
+  /// those whose phases are sought (effort_for in gs_pat.hpp), those with nulls, and those of some solvers
+  /// (is_of_host).
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.
@@ -135,6 +136,8 @@ class DriveMemory {
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
+  /// Whether the host solves slots of so many foci, whatever the foci.
+  bool is_of_host_with(std::size_t foci) const;
   /// Whether the solver seeks the phases of such slots, if foci are near each other.
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);

@@ -36,6 +36,8 @@ void measure_loop(const Context& context, std::vector<Row>& rows);
 void measure_array(const Context& context, std::vector<Row>& rows);
 /// Ten foci at once by each solver, on the device and by the twins.
 void measure_solvers(const Context& context, std::vector<Row>& rows);
+/// Foci and nulls at once, on the host, which computes them on every device.
+void measure_nulls(const Context& context, std::vector<Row>& rows);
 /// The sound of a drive on a plane, on the device and on the host.
 void measure_field(const Context& context, std::vector<Row>& rows);
 /// Scattering by spheres, by the finger and by the hand, on the host: first the accuracy, then the time.

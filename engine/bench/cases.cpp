@@ -232,7 +232,8 @@ void measure_wide_patches(const Context& context, std::vector<Row>& rows) {
   constexpr double side = 20e-3, apart = 26e-3, below_top = 0.7e-3;
   geometry::Mesh patches;
   for (int i = 0; i < 64; ++i) {
-    const Vec3 corner((i % 8 - 4) * apart, -below_top, (i / 8 - 4) * apart);
+    const int column = i % 8 - 4, row = i / 8 - 4;
+    const Vec3 corner(column * apart, -below_top, row * apart);
     const auto first = static_cast<std::uint32_t>(patches.positions.size());
     for (const Vec3& way : {Vec3(0), Vec3(side, 0, 0), Vec3(side, 0, side), Vec3(0, 0, side)})
       patches.positions.push_back(corner + way);

@@ -119,6 +119,7 @@ void run_bench(const BenchCommand& o, const Extensions& extensions) {
   if (o.suite == Suite::all || o.suite == Suite::array) {
     bench::measure_array(context, rows);
     bench::measure_solvers(context, rows);
+    bench::measure_nulls(context, rows);
   }
   if (o.suite == Suite::all || o.suite == Suite::acoustics) {
     bench::measure_field(context, rows);

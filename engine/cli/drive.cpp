@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,9 @@
 #include "line/together.hpp"
 #include "line/values.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/nulls.hpp"
 #include "setup/options.hpp"
+#include "setup/pattern_file.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/warnings.hpp"
@@ -35,6 +38,12 @@ void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   const line::Group group(app, "What to drive");
   setup::add_layout(group, o.task.layout, "the array");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help, setup::check_focus_text);
+  setup::add_null_option(group, o.task.drive, "the layout's own frame");
+  group.text(
+      "--pattern", o.task.pattern, "NAME|FILE",
+      fmt::format("control points with wanted amplitudes, silent ones too, instead of --focus: {} (for the layout "
+                  "paper) or a TOML",
+                  setup::known_patterns()));
   group.text("--touch", o.task.touch, "FILE",
              "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
   group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
@@ -48,6 +57,7 @@ void add_options_of_drive(CLI::App& app, DriveCommand& o) {
   setup::add_spread_options(app, o.task.spread);
   setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
   line::need(app, {"--slot", "--rig"}, "--touch");
+  line::exclude(app, "--pattern", {"--focus", "--null", "--touch"});
 }
 
 /// A message about foci that are closer than the array resolves. It names the two that affect each other the most.
@@ -73,6 +83,17 @@ std::string finger_line(const setup::DriveResult& result, std::size_t focus) {
   return text + "\n";
 }
 
+std::string null_line(const setup::DriveResult& result, std::size_t number) {
+  const setup::SilentPlace& place = result.nulls->places[number];
+  const Vec3& at = place.null.position;
+  const std::string within =
+      place.null.radius_m > 0 ? fmt::format(" within {:.2f} mm", place.null.radius_m * 1e3) : std::string();
+  const std::string built =
+      result.spread ? "; " + range_text(result.spread->nulls_pa[number], 0) + " Pa as built" : std::string();
+  return fmt::format("null at ({:.2f}, {:.2f}, {:.2f}) mm: at most {:.3g} Pa{}, {:.0f} dB below the weakest focus{}\n",
+                     at.x * 1e3, at.y * 1e3, at.z * 1e3, place.loudest_pa, within, -place.depth_db, built);
+}
+
 std::string summary_of_drive(const setup::DriveResult& result) {
   const std::vector<array::SlotFocus>& foci = result.foci;
   float least = 1, most = 0;
@@ -95,6 +116,8 @@ std::string summary_of_drive(const setup::DriveResult& result) {
     fmt::format_to(std::back_inserter(text), "weakest to strongest focus, relative to what was asked: {:.3f}{}\n",
                    result.pressure.evenness,
                    result.spread ? "; " + range_text(result.spread->evenness, 3) + " as built" : "");
+  for (std::size_t i = 0; result.nulls && i < result.nulls->places.size(); ++i)
+    text += null_line(result, i);
   if (result.spread) text += spread_line(result.spread->draws);
   if (!result.unresolved.empty()) text += unresolved_line(result);
   fmt::format_to(std::back_inserter(text), "amplitudes {:.3f} to {:.3f}; --csv or --json give every transducer\n",
@@ -124,7 +147,7 @@ void add_drive(Program& program) {
       {"drive", "amplitude and phase of every transducer, for one or several foci",
        "  palpa drive --layout openmpd --focus 0,0,150mm --csv drive.csv\n"
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
-       "--layout --focus --touch --slot --solver --constraint --pressure --temperature --frequency --csv",
+       "--layout --focus --null --touch --slot --solver --constraint --pressure --frequency --csv",
        "Phases are delays in radians (time factor e^-iwt). Amplitudes are 0 to 1."},
       add_options_of_drive, run_drive);
 }

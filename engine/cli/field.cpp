@@ -17,6 +17,7 @@
 #include "geometry/files/vtu.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
+#include "setup/nulls.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/progress.hpp"
@@ -39,6 +40,7 @@ void add_options_of_field(CLI::App& app, FieldCommand& o) {
   group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
   group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help),
               setup::check_focus_text);
+  setup::add_null_option(group, o.task.drive, "the layout's own frame");
   setup::add_place_options(app, o.task.place);
   const line::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
@@ -49,7 +51,7 @@ void add_options_of_field(CLI::App& app, FieldCommand& o) {
   setup::add_drive_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
   setup::add_spread_options(app, o.task.spread);
-  line::exclude(app, "--drive", {"--amplitude", "--solver", "--constraint", "--pressure"});
+  line::exclude(app, "--drive", {"--amplitude", "--solver", "--constraint", "--pressure", "--null"});
   line::exclude(app, "--no-absorption", {"--air-pressure"});
 }
 

@@ -117,6 +117,11 @@ struct Session::State {
     if (scheduler.needs_pressures() && setting.drive.solver == array::Solver::greedy)
       throw bad_usage(
           "the solver greedy drives all transducers in full: it cannot give a pressure; use gs-pat or naive");
+    if (setting.drive.nulls && (scheduler.needs_pressures() || setting.finger || setting.own_solver)) {
+      throw bad_usage(
+          "nulls are places in free air: solids and options may not ask for a pressure, a finger's transfer or a "
+          "solver of one's own");
+    }
     if (setting.own_solver && (scheduler.needs_pressures() || setting.finger)) {
       throw bad_usage(
           "a solver of one's own works in free air, and does not reach pressures: solids and options may not ask for "
@@ -163,8 +168,10 @@ LinkSetting Session::link_setting() const {
           .sound_speed_m_s = setting.drive.medium.sound_speed,
           .ramp_s = setting.safety.ramp_s,
           // Boards compute phases for their own frequency.
-          .free_field = !setting.finger && !setting.own_solver && setting.drive.transfer == nullptr &&
-                        setting.drive.medium.frequency == setting.layout.frequency_hz};
+          .free_field = !setting.finger && !setting.own_solver && !setting.drive.nulls &&
+                        setting.drive.transfer == nullptr &&
+                        setting.drive.medium.frequency == setting.layout.frequency_hz,
+          .nulls = setting.drive.nulls != nullptr};
 }
 
 void Session::warm_up() {

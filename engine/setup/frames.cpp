@@ -15,6 +15,7 @@
 #include "session/links/sources.hpp"
 #include "setup/assets.hpp"
 #include "setup/body.hpp"
+#include "setup/nulls.hpp"
 #include "setup/progress.hpp"
 #include "setup/session_setting.hpp"
 #include "setup/touch_schedule.hpp"
@@ -73,6 +74,8 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   schedule.own_method = o.own_method;
+  array::DriveOptions drive = drive_options(o.drive, o.touch.method.method, mesh);
+  prepare_nulls(o.drive, layout, drive);
   return {.scene = o.scene,
           .solids = std::move(solids),
           .cameras = std::move(cameras),
@@ -80,7 +83,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .keep_boards = o.keep_boards,
           .touch = o.touch.parameters,
           .schedule = schedule,
-          .drive = drive_options(o.drive, o.touch.method.method, mesh),
+          .drive = std::move(drive),
           .own_solver = o.own_solver,
           .finger = finger_of(o),
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
@@ -161,11 +164,12 @@ void add_session_options(CLI::App& app, FrameOptions& o, FingerMesh mesh, const 
   add_touch_options(app, o.touch, foci);
   add_drive_options(app, o.drive, mesh);
   if (mesh == FingerMesh::known) {
-    line::Group(app, "Drives")
-        .text(
-            "--finger", o.finger, "FILE",
-            "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
-            "its body along +y [assets/finger.ply]");
+    const line::Group group(app, "Drives");
+    add_null_option(group, o.drive, "the world");
+    group.text(
+        "--finger", o.finger, "FILE",
+        "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
+        "its body along +y [assets/finger.ply]");
   }
   add_following_options(app, o);
 }

@@ -16,11 +16,11 @@ namespace palpa::setup {
 
 namespace {
 
-constexpr Word<SolverChoice> solver_words[] = {{"naive", SolverChoice::naive},
-                                               {"gs-pat", SolverChoice::gs_pat},
-                                               {"greedy", SolverChoice::greedy},
-                                               {"loudest", SolverChoice::loudest},
-                                               {"adjoint", SolverChoice::adjoint}};
+constexpr Word<SolverChoice> solver_words[] = {
+    {"naive", SolverChoice::naive},           {"gs-pat", SolverChoice::gs_pat},
+    {"greedy", SolverChoice::greedy},         {"loudest", SolverChoice::loudest},
+    {"eigenvalue", SolverChoice::eigenvalue}, {"back-propagation", SolverChoice::back_propagation},
+    {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
 constexpr line::Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = line::positive(1);
@@ -34,6 +34,10 @@ array::Solver solver_of(SolverChoice choice) {
       return array::Solver::greedy;
     case SolverChoice::loudest:
       return array::Solver::loudest;
+    case SolverChoice::eigenvalue:
+      return array::Solver::eigenvalue;
+    case SolverChoice::back_propagation:
+      return array::Solver::back_propagation;
     case SolverChoice::naive:
     case SolverChoice::adjoint:
       return array::Solver::naive;
@@ -275,6 +279,7 @@ void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string&
   if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; use gs-pat or naive");
+  if (!options.nulls.empty()) throw bad_usage("--null: " + who + ", which nulls change; leave one of them out");
 }
 
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {
@@ -296,12 +301,17 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
     throw bad_usage(asks + ": this command has no finger's mesh; palpa drive --mesh, simulate and run have one");
   }
   if (options.pressure_pa) refuse_beside_pressure(options, "--pressure sets how loud foci are");
+  const bool silent = !options.nulls.empty();
+  if (silent && !asks_for_finger(options).empty())
+    throw bad_usage("--null: nulls are places in free air: leave " + asks_for_finger(options) + " out");
+  if (silent && options.solver && *options.solver != SolverChoice::gs_pat)
+    throw bad_usage("--null goes with --solver gs-pat: no other solver leaves places silent");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);
   drive.medium = medium(options.medium);
   const bool together = method == touch::Method::multi_focus;
-  drive.solver = solver_of(options.solver.value_or(together ? SolverChoice::gs_pat : SolverChoice::naive));
+  drive.solver = solver_of(options.solver.value_or(together || silent ? SolverChoice::gs_pat : SolverChoice::naive));
   drive.directivity = options.directivity;
   return drive;
 }

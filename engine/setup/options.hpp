@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "acoustics/air.hpp"
 #include "array/drive.hpp"
@@ -125,7 +126,7 @@ void add_air_options(CLI::App& app, AirOptions& options);
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
 
 /// --solver: one of the engine's solvers, or `adjoint`, which is naive with the transfer of a finger.
-enum class SolverChoice { naive, gs_pat, greedy, loudest, adjoint };
+enum class SolverChoice { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation, adjoint };
 /// --transfer: foci are computed from the transducers' sound in free air or on a finger.
 enum class TransferChoice { free, finger };
 
@@ -138,22 +139,25 @@ struct DriveOptionsGroup {
   std::optional<double> pressure_pa;            ///< at each focus, instead of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
+  std::vector<std::string> nulls;  ///< texts of --null (nulls.hpp), which only some commands have
 };
 /// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, it has no
 /// --transfer.
 enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh = FingerMesh::unknown);
-/// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and naive for all
-/// others. Throws bad_usage if a pressure is requested with a constraint or with greedy. Throws bad_usage for a
-/// finger's transfer unless the command has the finger's mesh; the command then sets DriveOptions::transfer.
+/// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
+/// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for
+/// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws
+/// bad_usage for a finger's transfer unless the command has the finger's mesh; the command then sets
+/// DriveOptions::transfer.
 array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method = touch::Method::cross_section,
                                   FingerMesh mesh = FingerMesh::unknown);
 /// The option that requests a finger's transfer; empty if none does.
 std::string asks_for_finger(const DriveOptionsGroup& options);
 
-/// Called if `who` requests a pressure: throws bad_usage if the options have a constraint or greedy.
+/// Called if `who` requests a pressure: throws bad_usage if the options have a constraint, greedy or nulls.
 void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who);
-/// Throws bad_usage if one of the solids requests a pressure and the options a constraint or greedy.
+/// Throws bad_usage if one of the solids requests a pressure and the options a constraint, greedy or nulls.
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids);
 
 /// An optional array.

@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
@@ -35,6 +37,21 @@ void check_wav(const std::string& file) {
     throw bad_input(file, "is no WAV file with a sound: masking of [run] is white, off, or a WAV file");
 }
 
+/// Whether the text of a model names the property, or has letters as codes, which may name it.
+bool may_ask_pressure(const std::string& model) {
+  constexpr std::string_view words[]{"palpa_pressure_pa", "\\u00"};
+  constexpr std::uint64_t step = 1u << 20, overlap = 32;
+  const InputFile file(model);
+  std::string bytes(step + overlap, '\0');
+  for (std::uint64_t at = 0; at < file.size(); at += step) {
+    const std::size_t count = std::min(file.size() - at, step + overlap);
+    file.read_at(at, {reinterpret_cast<unsigned char*>(bytes.data()), count});
+    const std::string_view here(bytes.data(), count);
+    if (std::ranges::any_of(words, [&](std::string_view word) { return here.find(word) != here.npos; })) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void try_files(const study::StudyPlan& plan) {
@@ -60,6 +77,8 @@ study::StudyPlan load_plan(const std::string& file) {
   study::refuse_missing_files(plan);
   for (study::PlanShape& shape : plan.shapes)
     shape.model_sha256 = sha256_of_file(shape.model).sha256;
+  for (study::PlanShape& shape : plan.shapes)
+    shape.asks_pressure = may_ask_pressure(shape.model);
   return plan;
 }
 

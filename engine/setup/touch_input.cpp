@@ -1,6 +1,6 @@
 #include "setup/touch_input.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

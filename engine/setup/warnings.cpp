@@ -2,9 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <cstddef>
+#include <glm/geometric.hpp>
 #include <string>
 
 #include "array/usual.hpp"
+#include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/plausible.hpp"
@@ -12,6 +15,9 @@
 
 namespace palpa::setup {
 namespace {
+
+/// Below this distance, a place is on a transducer, and the direction of its sound is meaningless.
+constexpr double on_transducer_m = 1e-6;
 
 void warn_of_dwell(const std::string& where, double dwell_s) {
   if (dwell_s <= longest_usual_dwell_s) return;
@@ -44,6 +50,15 @@ void warn_of_size(std::span<const geometry::Solid> solids) {
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium) {
   if (const std::string odd = array::unusual_frequency(layout, medium.frequency); !odd.empty())
     log::warning("--frequency: " + odd);
+}
+
+void refuse_place(const array::Layout& layout, const Vec3& place, const std::string& what) {
+  if (!array::drivable({.position = place}))
+    throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));
+  for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
+    if (glm::distance(layout.transducers[i].position, place) < on_transducer_m)
+      throw bad_usage(fmt::format("{} is where transducer {} stands; give a point in front of the array", what, i));
+  }
 }
 
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids) {

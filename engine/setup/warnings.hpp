@@ -6,6 +6,7 @@
 
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/surroundings.hpp"
 #include "setup/options.hpp"
@@ -24,6 +25,9 @@ void warn_of_size(std::span<const geometry::Solid> solids);
 
 /// For a drive frequency for which the layout's transducers are not made.
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium);
+
+/// Throws bad_usage, naming `what`, for a place at a transducer or farther than 100 m away.
+void refuse_place(const array::Layout& layout, const Vec3& place, const std::string& what);
 
 /// For solids on which every focus would be out of the array's reach. All values are in the world.
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids);

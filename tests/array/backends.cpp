@@ -22,8 +22,9 @@ std::vector<Drive> on_host(const Layout& layout, const std::vector<std::vector<S
 std::vector<Drive> on_device(const Layout& layout, const std::vector<std::vector<SlotFocus>>& slots,
                              const DriveOptions& options) {
   gpu::Device& device = test::test_device();
-  static const DrivePasses passes[]{
-      {device, Solver::naive}, {device, Solver::gs_pat}, {device, Solver::greedy}, {device, Solver::loudest}};
+  static const DrivePasses passes[]{{device, Solver::naive},      {device, Solver::gs_pat},
+                                    {device, Solver::greedy},     {device, Solver::loudest},
+                                    {device, Solver::eigenvalue}, {device, Solver::back_propagation}};
   std::size_t foci = 0;
   for (const auto& slot : slots)
     foci += slot.size();

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -146,9 +148,9 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
   const Result text = palpa_here({"study", "plan", paper, "--csv", path("order.csv")});
   EXPECT_NE(text.out.find("single-focus   trial           40 x 10 s"), std::string::npos) << text.out;
   EXPECT_EQ(read_text(path("order.csv")).substr(0, 26), "step,kind,method,shape\n1,f");
-  EXPECT_NEAR(first["crest_n"].get<double>(), 0.05 * 0.05 * 51.8e-3, 2e-6);
-  EXPECT_CONTAINS(text.out, "at the ceiling 0.05: ");
-  EXPECT_CONTAINS(text.out, " dB predicted at the louder ear (limit 110 dB), a force of 0.13 mN");
+  EXPECT_NEAR(first["crest_n"].get<double>(), 0.04 * 0.04 * 51.8e-3, 2e-6);
+  EXPECT_CONTAINS(text.out, "at the ceiling 0.04: ");
+  EXPECT_CONTAINS(text.out, " dB predicted at the louder ear (limit 110 dB), a force of 0.083 mN");
   // A copy of the plan has the same models.
   std::filesystem::copy_file(paper, folder_ / "copy.toml");
   EXPECT_EQ(result_of({"study", "plan", path("copy.toml")})["steps"], first["steps"]);
@@ -162,6 +164,41 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
   EXPECT_EQ(read_text(path("cube.glb")), "x");
   std::filesystem::remove(path("ball.glb"));
   expect_failure(palpa_here({"study", "plan", path("plan.toml")}), 4, "the model of 'ball' is missing");
+}
+
+/// What a microphone read replaces the prediction.
+TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
+  const auto write_plan = [&](const std::string& level, const std::string& ball = "palpa:semi-sphere.glb") {
+    write_text(folder_ / "plan.toml",
+               "[[shape]]\nname = \"cube\"\nmodel = \"palpa:cube.glb\"\n[[shape]]\nname = \"ball\"\nmodel = \"" + ball +
+                   "\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
+                   "[study]\ntrials_per_shape = 2\n[level]\n" +
+                   level);
+  };
+  write_plan("ceiling = 0.05\nlimit_db = 120\n");
+  const json predicted = result_of({"study", "level", path("plan.toml")});
+  EXPECT_EQ(predicted["level_db"], std::max(predicted["left_db"], predicted["right_db"]));
+  EXPECT_GT(predicted["bound_db"], predicted["level_db"]);
+  EXPECT_FALSE(predicted.contains("measured_db"));
+  write_plan("ceiling = 0.05\nlimit_db = 120\nmeasured_db = 98\nmeasured_ceiling = 0.025\n");
+  const json measured = result_of({"study", "level", path("plan.toml")});
+  EXPECT_NEAR(measured["level_db"].get<double>(), 98 + 20 * std::log10(2.0), 1e-9);
+  EXPECT_EQ(measured["left_db"], predicted["left_db"]);
+  const Result text = palpa_here({"study", "level", path("plan.toml")});
+  EXPECT_CONTAINS(text.out, "measured: 98.0 dB at the ceiling 0.025, so 104.0 dB at 0.05; this counts");
+  EXPECT_EQ(text.err, "");
+  write_plan("ceiling = 0.05\nlimit_db = 100\nmeasured_db = 98\nmeasured_ceiling = 0.025\n");
+  expect_failure(palpa_here({"study", "level", path("plan.toml")}), 2, "104.0 dB are measured at an ear");
+  write_plan("ceiling = 0.05\nlimit_db = 120\nmeasured_db = 40\nmeasured_ceiling = 0.05\n");
+  EXPECT_CONTAINS(palpa_here({"study", "level", path("plan.toml")}).err, "does not hear 40 kHz");
+  // A model that asks for a pressure may get full amplitudes, so several foci count. Only its text is searched here.
+  for (const char* model : {"{\"palpa_pressure_pa\": 2000}", "{\"\\u0070alpa_pressure_pa\": 2000}"}) {
+    write_text(folder_ / "asks.gltf", model);
+    write_plan("ceiling = 0.05\nlimit_db = 120\n", "asks.gltf");
+    EXPECT_GT(result_of({"study", "level", path("plan.toml")})["level_db"].get<double>(),
+              predicted["level_db"].get<double>() + 2);
+    EXPECT_CONTAINS(palpa_here({"study", "level", path("plan.toml")}).out, "with equal amplitudes");
+  }
 }
 
 /// What a plan names is read before people come.

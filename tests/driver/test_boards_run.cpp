@@ -1,12 +1,9 @@
 // `palpa run` with emulated AUTD3 units and SonicSurface boards: the real programs, with a line between them.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <chrono>
 #include <csignal>
-#include <cstdint>
 #include <fstream>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,12 +11,13 @@
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "driver/autd3/listen.hpp"
-#include "driver/sonicsurface/pty.hpp"
+#include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -64,17 +62,16 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("plans transferred"), std::string::npos) << result.err;
+  EXPECT_CONTAINS(result.err, "plans transferred");
   expect_counts(result.out);
   // Without a layout, the link's own array is one unit.
   const Result own = palpa({"link", "test", "--link", "autd3:" + address, "--last", "1", "--each", "20ms", "--rest",
                             "0", "--log-level", "info"});
   EXPECT_EQ(own.exit_code, 0) << own.err;
-  EXPECT_NE(own.err.find("palpa uses the link's own array, --layout autd3"), std::string::npos) << own.err;
+  EXPECT_CONTAINS(own.err, "palpa uses the link's own array, --layout autd3");
   emulator.signal(SIGTERM);
   EXPECT_EQ(emulator.wait(10).exit_code, 0);
-  std::ifstream file(folder / "report.json");
-  const json report = json::parse(file);
+  const json report = json::parse(read_text(folder / "report.json"));
   EXPECT_EQ(report["violation_count"], 0) << report;
   EXPECT_FALSE(report["sounds"].get<bool>());
   EXPECT_GT(report["operations"].get<int>(), 20);
@@ -96,76 +93,67 @@ Result palpa_on_free_line(const std::vector<std::string>& arguments) {
   }
 }
 
-/// A serial line with an emulated board at its end.
-class Line {
- public:
-  Line() : thread_([this] { pty_.serve(boards_, stop_, lock_); }) {}
-  ~Line() { end(); }
-  Line(const Line&) = delete;
-  Line& operator=(const Line&) = delete;
-
-  std::string link() const { return "sonicsurface:" + pty_.path(); }
-  void end() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  /// The board, with everything that it has received; call end() first.
-  const driver::sonicsurface::EmulatedBoards& boards() const { return boards_; }
-
- private:
-  driver::sonicsurface::EmulatedBoards boards_{1, false};
-  driver::sonicsurface::Pty pty_;
-  std::atomic<bool> stop_{false};
-  std::mutex lock_;
-  std::thread thread_;
-};
-
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
   PALPA_TERMINAL_OR_SKIP();
-  Line line, of_the_link_alone, of_long_dwells;
+  SonicSurfaceLine line, of_the_link_alone, of_long_dwells;
+  const auto link = [](const SonicSurfaceLine& to) { return "sonicsurface:" + to.path(); };
   const auto as_asked = [&] {
     const Result result =
-        palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
+        palpa_on_free_line(with(run_to(link(line), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     expect_counts(result.out);
-    const Result refused = palpa_on_free_line(with(run_to(line.link(), "sonicsurface"), {"--method", "cross-section"}));
+    const Result refused = palpa_on_free_line(with(run_to(link(line), "sonicsurface"), {"--method", "cross-section"}));
     expect_failure(refused, 2, "a frame takes 11.3 ms");
   };
   // Only the link names the array, and no option names a method: the small rig without its array.
   const auto rig = scratch_folder("sonicsurface-run") / "rig.toml";
   const std::string small_rig = read_text(source_file("tests/cli/support/small_rig.toml"));
-  std::ofstream(rig) << small_rig.substr(0, small_rig.find("[array]"));
+  write_text(rig, small_rig.substr(0, small_rig.find("[array]")));
   const auto as_the_link_says = [&] {
     const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--source",
                                               "synthetic", "--rig", rig.string(), "--noise-free", "--frames", "30",
-                                              "--hold", "500ms", "--link", of_the_link_alone.link()});
+                                              "--hold", "500ms", "--link", link(of_the_link_alone)});
     EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-    EXPECT_NE(chosen.err.find("takes 11.3 ms for each focus"), std::string::npos) << chosen.err;
-    EXPECT_NE(chosen.err.find("palpa plays --method single-focus"), std::string::npos) << chosen.err;
+    EXPECT_CONTAINS(chosen.err, "takes 11.3 ms for each focus");
+    EXPECT_CONTAINS(chosen.err, "palpa plays --method single-focus");
   };
   const auto slowly = [&] {
-    const Result slow = palpa(with(run_to(of_long_dwells.link(), "sonicsurface"), {"--dwell", "12ms"}));
+    const Result slow = palpa(with(run_to(link(of_long_dwells), "sonicsurface"), {"--dwell", "12ms"}));
     EXPECT_EQ(slow.exit_code, 0) << slow.err;
     EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "this dwell time can be played: " << slow.err;
   };
   side_by_side({as_asked, as_the_link_says, slowly});
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  std::uint64_t swaps = 0;
-  for (Line* const each : {&line, &of_the_link_alone, &of_long_dwells}) {
+  for (SonicSurfaceLine* const each : {&line, &of_the_link_alone, &of_long_dwells}) {
+    EXPECT_TRUE(each->falls_silent());
     each->end();
-    const driver::sonicsurface::EmulatedBoards& boards = each->boards();
-    EXPECT_TRUE(boards.all_silent() && boards.all_silent_behind());
-    EXPECT_EQ(boards.violations().count(), 0u) << boards.violations().kept()[0].what;
-    EXPECT_GT(boards.swaps(), 0u);
-    swaps += boards.swaps();
+    EXPECT_EQ(each->machine.violations().count(), 0u) << each->machine.violations().kept()[0].what;
+    EXPECT_GT(each->machine.swaps(), 8u) << "more than those of its silences";
   }
-  EXPECT_GT(swaps, 10u);
 }
 
-TEST(BoardsRun, WhatIsNotThereIsNamed) {
-  expect_failure(palpa(run_to("autd3:127.0.0.1:1", "autd3")), 1, "127.0.0.1:1 cannot be reached");
-  expect_failure(palpa({"emulate", "autd3", "--layout", "openmpd"}), 2, "not consist of AUTD3 units");
-  expect_failure(palpa({"emulate", "sonicsurface", "--layout", "autd3"}), 2, "--layout");
+TEST(BoardsRun, WhatCannotBePlayedToOrEmulatedIsNamed) {
+  const struct {
+    std::vector<std::string> arguments;
+    int code;
+    const char* part;
+  } cases[] = {
+      {run_to("autd3:127.0.0.1:1", "autd3"), 1, "127.0.0.1:1 cannot be reached"},
+      {run_to("openmpd:FT43NK5M", "openmpd"), 1, "no OpenMPD board has the serial number FT43NK5M"},
+      {{"link"}, 2, "palpa link test"},
+      {{"link", "test", "--layout", "openmpd"}, 2, "--link"},
+      {{"link", "test", "--link", "null"}, 2, "--layout"},
+      {{"link", "test", "--link", "openmpd:A,B,C"}, 2, "--layout"},
+      {{"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}, 2, "0 to 255"},
+      {{"emulate"}, 2, "the board is missing"},
+      {{"emulate", "matd"}, 2, "unknown board matd"},
+      {{"emulate", "autd3", "--layout", "openmpd"}, 2, "not consist of AUTD3 units"},
+      {{"emulate", "sonicsurface", "--layout", "autd3"}, 2, "--layout"},
+      {{"emulate", "openmpd", "--serial", "A,B,C", "--view"}, 2, "--layout"},
+      {{"emulate", "openmpd", "--board-files", "/nowhere", "--view"}, 4, "/nowhere"},
+  };
+  const RunOptions no_boards{.environment = {{"XDG_RUNTIME_DIR", scratch_folder("no-boards").string()}}};
+  for (const auto& [arguments, code, part] : cases)
+    expect_failure(palpa(arguments, no_boards), code, part);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "geometry/gltf_builder.hpp"
+#include "geometry/memory_file.hpp"
 #include "support/files.hpp"
 
 #include <cstring>
@@ -28,26 +29,27 @@ int GltfBuilder::add_view(const std::vector<unsigned char>& bytes, int stride) {
   return static_cast<int>(doc["bufferViews"].size()) - 1;
 }
 
+int GltfBuilder::add_accessor(const std::vector<unsigned char>& bytes, int component, std::size_t count,
+                              const char* type, int stride) {
+  const int view = add_view(bytes, stride);
+  doc["accessors"].push_back({{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+  return static_cast<int>(doc["accessors"].size()) - 1;
+}
+
 int GltfBuilder::add_positions(const std::vector<Vec3>& positions) {
   std::vector<float> values;
   for (const Vec3& p : positions) {
     for (int i = 0; i < 3; ++i)
       values.push_back(static_cast<float>(p[i]));
   }
-  doc["accessors"].push_back({{"bufferView", add_view(bytes_of(values))},
-                              {"componentType", 5126},
-                              {"count", positions.size()},
-                              {"type", "VEC3"}});
-  return static_cast<int>(doc["accessors"].size()) - 1;
+  return add_accessor(bytes_of(values), 5126, positions.size(), "VEC3");
 }
 
 int GltfBuilder::add_indices(const std::vector<std::uint32_t>& indices, int component) {
-  const int view = component == 5121   ? add_view(bytes_of(std::vector<std::uint8_t>(indices.begin(), indices.end())))
-                   : component == 5123 ? add_view(bytes_of(std::vector<std::uint16_t>(indices.begin(), indices.end())))
-                                       : add_view(bytes_of(indices));
-  doc["accessors"].push_back(
-      {{"bufferView", view}, {"componentType", component}, {"count", indices.size()}, {"type", "SCALAR"}});
-  return static_cast<int>(doc["accessors"].size()) - 1;
+  const auto bytes = component == 5121   ? bytes_of(std::vector<std::uint8_t>(indices.begin(), indices.end()))
+                     : component == 5123 ? bytes_of(std::vector<std::uint16_t>(indices.begin(), indices.end()))
+                                         : bytes_of(indices);
+  return add_accessor(bytes, component, indices.size(), "SCALAR");
 }
 
 int GltfBuilder::add_mesh(int positions, int indices, int mode) {
@@ -59,11 +61,8 @@ int GltfBuilder::add_mesh(int positions, int indices, int mode) {
 }
 
 int GltfBuilder::add_mesh(const Mesh& mesh) {
-  std::vector<std::uint32_t> indices;
-  for (const glm::uvec3& t : mesh.triangles)
-    indices.insert(indices.end(), {t[0], t[1], t[2]});
   const int positions = add_positions(mesh.positions);
-  return add_mesh(positions, add_indices(indices));
+  return add_mesh(positions, add_indices(corners_of(mesh)));
 }
 
 int GltfBuilder::add_node(Json node, bool root) {
@@ -71,6 +70,16 @@ int GltfBuilder::add_node(Json node, bool root) {
   const int index = static_cast<int>(doc["nodes"].size()) - 1;
   if (root) doc["scenes"][0]["nodes"].push_back(index);
   return index;
+}
+
+GltfBuilder GltfBuilder::with(const std::string& pointer, const std::string& json) const {
+  GltfBuilder changed = *this;
+  const Json::json_pointer place(pointer);
+  if (json.empty())
+    changed.doc[place.parent_pointer()].erase(place.back());
+  else
+    changed.doc[place] = Json::parse(json);
+  return changed;
 }
 
 std::string GltfBuilder::text(const std::string& uri) const {
@@ -130,6 +139,19 @@ std::filesystem::path GltfBuilder::write_glb(const std::filesystem::path& file) 
   const auto bytes = glb();
   write_bytes(file, bytes.data(), bytes.size());
   return file;
+}
+
+std::filesystem::path GltfBuilder::in_memory() const {
+  static MemoryFile file;
+  const auto bytes = glb();
+  return file.write(bytes.data(), bytes.size());
+}
+
+std::vector<std::uint32_t> corners_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> corners;
+  for (const glm::uvec3& t : mesh.triangles)
+    corners.insert(corners.end(), {t[0], t[1], t[2]});
+  return corners;
 }
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size) {

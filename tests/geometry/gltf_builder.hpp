@@ -8,6 +8,7 @@
 
 #include "geometry/mesh/mesh.hpp"
 #include "support/json.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 
@@ -19,12 +20,18 @@ class GltfBuilder {
 
   /// Each returns the new item's index. Data is appended to the one buffer, 4-byte aligned.
   int add_view(const std::vector<unsigned char>& bytes, int stride = 0);
+  /// With a view of those bytes.
+  int add_accessor(const std::vector<unsigned char>& bytes, int component, std::size_t count, const char* type,
+                   int stride = 0);
   int add_positions(const std::vector<Vec3>& positions);
   int add_indices(const std::vector<std::uint32_t>& indices, int component = 5125);
   int add_mesh(int positions, int indices = -1, int mode = 4);
   int add_mesh(const geometry::Mesh& mesh);
   /// A root node of the default scene unless `root` is false.
   int add_node(Json node, bool root = true);
+
+  /// The file with another value at a JSON pointer, given as JSON; without the value if `json` is empty.
+  GltfBuilder with(const std::string& pointer, const std::string& json) const;
 
   std::string text(const std::string& uri) const;
   std::vector<unsigned char> glb() const;
@@ -33,6 +40,8 @@ class GltfBuilder {
   std::filesystem::path write_embedded(const std::filesystem::path& file) const;
   std::filesystem::path write_with_bin(const std::filesystem::path& file) const;
   std::filesystem::path write_glb(const std::filesystem::path& file) const;
+  /// As a .glb in memory, until the next call.
+  std::filesystem::path in_memory() const;
 
   Json doc;
   std::vector<unsigned char> bin;
@@ -43,6 +52,23 @@ template <typename T>
 std::vector<unsigned char> bytes_of(const std::vector<T>& values) {
   const auto* first = reinterpret_cast<const unsigned char*>(values.data());
   return {first, first + values.size() * sizeof(T)};
+}
+
+/// The indices of a mesh's triangles.
+std::vector<std::uint32_t> corners_of(const geometry::Mesh& mesh);
+
+/// A value that spoils a file, as GltfBuilder::with() takes it, and a part of the message about it.
+struct Fault {
+  std::string pointer, json, message;
+};
+
+/// Checks the message for each of them. Their pointers begin after `prefix`; `fault_of` gets the spoilt file.
+template <typename FaultOf>
+void expect_faults(const GltfBuilder& good, const std::vector<Fault>& faults, const FaultOf& fault_of,
+                   const std::string& prefix = "") {
+  for (const Fault& fault : faults)
+    EXPECT_CONTAINS(fault_of(good.with(prefix + fault.pointer, fault.json)), fault.message)
+        << fault.pointer << fault.json;
 }
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size);

@@ -51,25 +51,19 @@ Mesh needles(std::uint32_t count) {
 GltfBuilder many_bones(int joints) {
   GltfBuilder builder;
   builder.add_mesh(box({0, 0, 0}, {0.1, 0.1, 0.1}));
-  const auto accessor = [&](int view, int component, int count, const char* type) {
-    builder.doc["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
-    return builder.doc["accessors"].size() - 1;
-  };
   std::vector<float> weights, inverse;
   for (int i = 0; i < 8; ++i)
     weights.insert(weights.end(), {1, 0, 0, 0});
   for (int i = 0; i < joints; ++i)
     inverse.insert(inverse.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
   auto& attributes = builder.doc["meshes"][0]["primitives"][0]["attributes"];
-  attributes["JOINTS_0"] = accessor(builder.add_view(std::vector<unsigned char>(32, 0)), 5121, 8, "VEC4");
-  attributes["WEIGHTS_0"] = accessor(builder.add_view(bytes_of(weights)), 5126, 8, "VEC4");
+  attributes["JOINTS_0"] = builder.add_accessor(std::vector<unsigned char>(32, 0), 5121, 8, "VEC4");
+  attributes["WEIGHTS_0"] = builder.add_accessor(bytes_of(weights), 5126, 8, "VEC4");
   GltfBuilder::Json all = GltfBuilder::Json::array();
   for (int i = 0; i < joints; ++i)
     all.push_back(builder.add_node({{"name", "joint"}}));
-  builder.doc["skins"] = GltfBuilder::Json::array(
-      {{{"joints", all},
-        {"inverseBindMatrices", accessor(builder.add_view(bytes_of(inverse)), 5126, joints, "MAT4")}}});
+  const int matrices = builder.add_accessor(bytes_of(inverse), 5126, static_cast<std::size_t>(joints), "MAT4");
+  builder.doc["skins"] = GltfBuilder::Json::array({{{"joints", all}, {"inverseBindMatrices", matrices}}});
   for (int i = 0; i < joints; ++i)
     builder.add_node({{"mesh", 0}, {"skin", 0}});
   return builder;

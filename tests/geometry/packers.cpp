@@ -15,13 +15,6 @@ namespace {
 using geometry::Mesh;
 using Json = GltfBuilder::Json;
 
-std::vector<std::uint32_t> corners_of(const Mesh& mesh) {
-  std::vector<std::uint32_t> corners;
-  for (const glm::uvec3& t : mesh.triangles)
-    corners.insert(corners.end(), {t[0], t[1], t[2]});
-  return corners;
-}
-
 template <typename T>
 void put(std::vector<unsigned char>& bytes, T value) {
   const auto more = bytes_of(std::vector<T>{value});

@@ -8,6 +8,7 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
+#include "geometry/hostile_models.hpp"
 #include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "geometry/solid.hpp"
@@ -114,39 +115,9 @@ void damage(Json& value, Random& random) {
     std::advance(child, static_cast<std::ptrdiff_t>(random() % at->size()));
     at = &*child;
   }
-  static const std::vector<Json> replacements{nullptr,
-                                              true,
-                                              -1,
-                                              0,
-                                              1,
-                                              2,
-                                              3,
-                                              4,
-                                              255,
-                                              65535,
-                                              2147483647,
-                                              2147483648U,
-                                              4294967295U,
-                                              18446744073709551615U,
-                                              1e300,
-                                              -1e300,
-                                              0.5,
-                                              1e-300,
-                                              "",
-                                              "x",
-                                              "SCALAR",
-                                              "VEC3",
-                                              "MAT4",
-                                              Json::array(),
-                                              Json::object(),
-                                              5120,
-                                              5121,
-                                              5123,
-                                              5125,
-                                              5126,
-                                              {0, 0},
-                                              {0, 1, 2},
-                                              {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+  static const Json replacements = Json::parse(R"([null, true, -1, 0, 1, 2, 3, 4, 255, 65535, 2147483647, 2147483648,
+      4294967295, 18446744073709551615, 1e300, -1e300, 0.5, 1e-300, "", "x", "SCALAR", "VEC3", "MAT4", [], {}, 5120,
+      5121, 5123, 5125, 5126, [0, 0], [0, 1, 2], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]])");
   switch (random() % 6) {
     case 0:
       if (at->is_structured() && !at->empty()) {
@@ -175,16 +146,25 @@ void damage(Json& value, Random& random) {
   }
 }
 
+// The file with a few damaged values; empty if what remains is no document.
+std::vector<unsigned char> with_damaged_values(GltfBuilder file, std::size_t hits, Random& random) {
+  file.doc["buffers"] = Json::array({{{"byteLength", file.bin.size()}}});
+  for (; hits > 0; --hits)
+    damage(file.doc, random);
+  try {
+    return file.doc.is_object() ? file.glb() : std::vector<unsigned char>{};
+  } catch (const Json::exception&) {
+    return {};
+  }
+}
+
 // One file with many kinds of content.
 GltfBuilder rich_file() {
   GltfBuilder b;
   b.add_mesh(box(Vec3(0), Vec3(1)));
   const Mesh cube = box(Vec3(2), Vec3(3));
-  std::vector<std::uint32_t> indices;
-  for (const glm::uvec3& t : cube.triangles)
-    indices.insert(indices.end(), {t[0], t[1], t[2]});
   const int positions = b.add_positions(cube.positions);
-  b.add_mesh(positions, b.add_indices(indices, 5121));
+  b.add_mesh(positions, b.add_indices(test::corners_of(cube), 5121));
   b.doc["accessors"][static_cast<std::size_t>(positions)]["sparse"] = {
       {"count", 1},
       {"indices", {{"bufferView", b.add_view({7})}, {"componentType", 5121}}},
@@ -192,21 +172,15 @@ GltfBuilder rich_file() {
   b.add_mesh(b.add_positions(test::unshared(box(Vec3(5), Vec3(6))).positions));
   b.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", 0}}});
   b.doc["meshes"][0]["weights"] = {0.25};
-  std::vector<std::uint8_t> joints(32, 0);
   std::vector<std::uint16_t> weights(32, 0);
   for (std::size_t i = 0; i < 32; i += 4)
     weights[i] = 65535;
-  const auto accessor = [&](int view, int component, int count, const char* type) {
-    b.doc["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
-    return b.doc["accessors"].size() - 1;
-  };
   auto& attributes = b.doc["meshes"][1]["primitives"][0]["attributes"];
-  attributes["JOINTS_0"] = accessor(b.add_view(joints), 5121, 8, "VEC4");
-  attributes["WEIGHTS_0"] = accessor(b.add_view(test::bytes_of(weights)), 5123, 8, "VEC4");
+  attributes["JOINTS_0"] = b.add_accessor(std::vector<unsigned char>(32, 0), 5121, 8, "VEC4");
+  attributes["WEIGHTS_0"] = b.add_accessor(test::bytes_of(weights), 5123, 8, "VEC4");
   const std::vector<float> identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  b.doc["skins"] = Json::array(
-      {{{"joints", {0}}, {"inverseBindMatrices", accessor(b.add_view(test::bytes_of(identity)), 5126, 1, "MAT4")}}});
+  const int matrices = b.add_accessor(test::bytes_of(identity), 5126, 1, "MAT4");
+  b.doc["skins"] = Json::array({{{"joints", {0}}, {"inverseBindMatrices", matrices}}});
   b.add_node(
       {{"mesh", 0}, {"name", "a"}, {"translation", {0, 0, 9}}, {"rotation", {0, 0, 0, 1}}, {"scale", {1, -1, 1}}});
   b.add_node({{"mesh", 1}, {"skin", 0}});
@@ -222,9 +196,7 @@ TEST(GeometryFuzz, TheUndamagedFileIsThreeSolids) {
   Tally tally;
   try_gltf(rich_file().glb(), tally);
   EXPECT_EQ(tally.good, 1);
-  static test::MemoryFile file;
-  const auto bytes = rich_file().glb();
-  EXPECT_EQ(make_solids(load_gltf(file.write(bytes.data(), bytes.size()))).size(), 3U);
+  EXPECT_EQ(make_solids(load_gltf(rich_file().in_memory())).size(), 3U);
 }
 
 TEST(GeometryFuzz, GltfWithDamagedBytes) {
@@ -249,62 +221,34 @@ TEST(GeometryFuzz, GltfWithDamagedValues) {
   const GltfBuilder good = rich_file();
   Tally tally;
   for (int i = 0; i < 4000; ++i) {
-    GltfBuilder bad = good;
-    bad.doc["buffers"] = Json::array({{{"byteLength", bad.bin.size()}}});
-    for (std::size_t hits = 1 + random() % 3; hits > 0; --hits)
-      damage(bad.doc, random);
-    std::vector<unsigned char> bytes;
-    try {
-      if (!bad.doc.is_object()) continue;
-      bytes = bad.glb();
-    } catch (const Json::exception&) {
-      continue;
-    }
-    try_gltf(bytes, tally);
+    const auto bytes = with_damaged_values(good, 1 + random() % 3, random);
+    if (!bytes.empty()) try_gltf(bytes, tally);
   }
   EXPECT_GT(tally.good, 200);
   EXPECT_GT(tally.refused, 1000);
 }
 
-Mesh moved(Mesh mesh, const Vec3& by, double scale = 1) {
-  for (Vec3& p : mesh.positions)
-    p = p * scale + by;
-  return mesh;
-}
-
 /// Small members of the families whose cost could grow faster than their size: nested bodies, bodies side by side along
-/// a diagonal, nodes and instances that share a mesh, a fan of needles, overlapping parts.
+/// a diagonal, a fan of needles, nodes and instances that share a mesh, overlapping parts.
 std::vector<GltfBuilder> families() {
   std::vector<GltfBuilder> all(6);
   const Mesh cube = box(Vec3(-1), Vec3(1));
-  Mesh nested, side_by_side, fan;
-  for (int i = 1; i <= 5; ++i) {
-    Mesh shell = moved(cube, {}, 0.1 * i);
-    if (i % 2 == 0) flip(shell);
-    append(nested, shell);
-    append(side_by_side, moved(box({0, 0, 0}, {0.01, 0.01, 1}), {0.02 * i, 0.02 * i, 0.02 * i}));
-  }
-  for (Vec3& p : side_by_side.positions)
-    p += p.z * Vec3(1, 1, 0);
-  constexpr std::uint32_t needles = 12;
-  for (std::uint32_t k = 0; k < needles; ++k) {
-    fan.positions.emplace_back(k % 2 == 0 ? -1.0 : 1.0, (k + 1) * 1e-13, (k + 1) * 1e-13 * (k % 3 + 1));
-    fan.triangles.emplace_back(k, (k + 1) % needles, needles);
-    fan.triangles.emplace_back((k + 1) % needles, k, needles + 1);
-  }
-  fan.positions.insert(fan.positions.end(), {{0, 0, 0}, {0, 0, 1}});
-  const Mesh* const single[]{&nested, &side_by_side, &fan};
+  const Mesh meshes[]{test::hostile::nested(5, true),
+                      test::hostile::rods(5),
+                      test::hostile::needles(12),
+                      test::ell(),
+                      test::ell(),
+                      cube};
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i].add_mesh(meshes[i]);
   for (std::size_t i = 0; i < 3; ++i)
-    all[i].add_node({{"mesh", all[i].add_mesh(*single[i])}});
-  all[3].add_mesh(test::ell());
+    all[i].add_node({{"mesh", 0}});
   for (int i = 0; i < 20; ++i)
     all[3].add_node({{"mesh", 0}, {"translation", {0.1 * i, 0, 0}}});
-  all[4].add_mesh(test::ell());
   const int places = all[4].add_positions(cube.positions);
   all[4].add_node(
       {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}}}}}}}});
   all[4].doc["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
-  all[5].add_mesh(cube);
   for (int i = 0; i < 6; ++i)
     all[5].add_node({{"mesh", 0}, {"translation", {0.3 * i, 0, 0}}, {"extras", {{"palpa_part_of", "body"}}}});
   return all;
@@ -318,17 +262,8 @@ TEST(GeometryFuzz, DamagedFamilies) {
     const auto whole = seed.glb();
     for (int i = 0; i < 300; ++i) {
       try_gltf(damaged(whole, random), tally);
-      GltfBuilder bad = seed;
-      bad.doc["buffers"] = Json::array({{{"byteLength", bad.bin.size()}}});
-      damage(bad.doc, random);
-      std::vector<unsigned char> bytes;
-      try {
-        if (!bad.doc.is_object()) continue;
-        bytes = bad.glb();
-      } catch (const Json::exception&) {
-        continue;
-      }
-      try_gltf(bytes, tally);
+      const auto bytes = with_damaged_values(seed, 1, random);
+      if (!bytes.empty()) try_gltf(bytes, tally);
     }
   }
   EXPECT_GT(tally.good, 100);
@@ -361,10 +296,7 @@ TEST(GeometryFuzz, DamagedStreams) {
   }
   Tally tally;
   for (const GltfBuilder& seed : seeds) {
-    static test::MemoryFile file;
-    const auto whole = seed.glb();
-    EXPECT_EQ(load_gltf(file.write(whole.data(), whole.size())).meshes.at(0).mesh.triangles.size(),
-              ball.triangles.size());
+    EXPECT_EQ(load_gltf(seed.in_memory()).meshes.at(0).mesh.triangles.size(), ball.triangles.size());
     for (int i = 0; i < 400; ++i) {
       GltfBuilder bad = seed;
       for (std::size_t hits = 1 + random() % 4; hits > 0; --hits) {

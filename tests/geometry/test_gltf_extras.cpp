@@ -5,7 +5,6 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/memory_file.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
@@ -18,9 +17,7 @@ using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
 Scene load_extras(const GltfBuilder& builder) {
-  static test::MemoryFile file;
-  const auto bytes = builder.glb();
-  return load_gltf(file.write(bytes.data(), bytes.size()));
+  return load_gltf(builder.in_memory());
 }
 GltfBuilder cube_with(const Json& extras) {
   GltfBuilder builder;

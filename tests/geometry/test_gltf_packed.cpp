@@ -6,7 +6,6 @@
 
 #include "geometry/gltf/draco.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "geometry/memory_file.hpp"
 #include "geometry/packers.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
@@ -22,9 +21,7 @@ using test::same_triangles;
 using Json = GltfBuilder::Json;
 
 Scene load_packed(const GltfBuilder& builder) {
-  static test::MemoryFile file;
-  const auto bytes = builder.glb();
-  return load_gltf(file.write(bytes.data(), bytes.size()));
+  return load_gltf(builder.in_memory());
 }
 std::string packed_fault_of(const GltfBuilder& builder) {
   return test::error_of([&] { load_packed(builder); });
@@ -60,12 +57,8 @@ TEST(Quantized, TheLowestIntegerIsMinusOneToo) {
   // glTF 2.0 section 3.6.2.2: -128 and -127 both mean -1.
   GltfBuilder builder;
   const std::vector<std::int8_t> corners{-128, -127, 127, 0, 0, 127, 0, 0, 0, 127, 0, 0};
-  builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(corners), 4)},
-                                      {"componentType", 5120},
-                                      {"normalized", true},
-                                      {"count", 3},
-                                      {"type", "VEC3"}});
-  builder.add_mesh(0);
+  builder.add_mesh(builder.add_accessor(test::bytes_of(corners), 5120, 3, "VEC3", 4));
+  builder.doc["accessors"][0]["normalized"] = true;
   builder.add_node({{"mesh", 0}});
   builder.doc["extensionsUsed"] = {"KHR_mesh_quantization"};
   const Mesh mesh = mesh_of(builder);
@@ -90,10 +83,7 @@ TEST(Quantized, MorphTargetsToo) {
   std::vector<std::int16_t> up;
   for (int v = 0; v < 8; ++v)
     up.insert(up.end(), {0, -510, 0, 0});
-  builder.doc["accessors"].push_back({{"bufferView", builder.add_view(test::bytes_of(up), 8)},
-                                      {"componentType", 5122},
-                                      {"count", 8},
-                                      {"type", "VEC3"}});
+  builder.add_accessor(test::bytes_of(up), 5122, 8, "VEC3", 8);
   builder.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", 2}}});
   builder.doc["meshes"][0]["weights"] = {0.5};
   // Half of -510 steps of 2 m / 255.
@@ -145,10 +135,7 @@ TEST(Draco, APlainCopyIsPreferred) {
       test::draco_file(test::draco_stream(plain, 8, false), plain.positions.size(), plain.triangles.size());
   const int positions = builder.add_positions(plain.positions);
   builder.doc["accessors"][0] = builder.doc["accessors"][static_cast<std::size_t>(positions)];
-  std::vector<std::uint32_t> corners;
-  for (const glm::uvec3& t : plain.triangles)
-    corners.insert(corners.end(), {t[0], t[1], t[2]});
-  const int indices = builder.add_indices(corners);
+  const int indices = builder.add_indices(test::corners_of(plain));
   builder.doc["accessors"][1] = builder.doc["accessors"][static_cast<std::size_t>(indices)];
   EXPECT_TRUE(mesh_of(builder).positions == plain.positions);
 }
@@ -206,32 +193,25 @@ TEST(Draco, FaultsAreNamed) {
   const auto stream = test::draco_stream(plain, 10, false);
   const std::size_t v = plain.positions.size(), t = plain.triangles.size();
   const GltfBuilder good = test::draco_file(stream, v, t);
-  const auto extension = [](GltfBuilder& b) -> Json& {
-    return b.doc["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  test::expect_faults(good,
+                      {{"/attributes/POSITION", "3", "have no attribute 3"},
+                       {"/attributes/POSITION", "", "\"POSITION\" is missing"},
+                       {"/attributes", "", "\"attributes\" is missing"},
+                       {"/bufferView", "9", "names buffer view 9"},
+                       {"", "\"packed\"", "is not a JSON object"}},
+                      packed_fault_of, "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression");
+  struct BadByte {
+    std::size_t place;
+    unsigned char value;
+    const char* fault;
   };
-  GltfBuilder bad = good;
-  extension(bad)["attributes"]["POSITION"] = 3;
-  EXPECT_CONTAINS(packed_fault_of(bad), "have no attribute 3");
-  extension(bad)["attributes"].erase("POSITION");
-  EXPECT_CONTAINS(packed_fault_of(bad), "\"POSITION\" is missing");
-  extension(bad).erase("attributes");
-  EXPECT_CONTAINS(packed_fault_of(bad), "\"attributes\" is missing");
-  extension(bad)["bufferView"] = 9;
-  EXPECT_CONTAINS(packed_fault_of(bad), "names buffer view 9");
-  extension(bad) = "packed";
-  EXPECT_CONTAINS(packed_fault_of(bad), "is not a JSON object");
-  bad = good;
-  bad.bin[0] = 'd';
-  EXPECT_CONTAINS(packed_fault_of(bad), "do not begin with draco's header");
-  bad = good;
-  bad.bin[5] = 1;
-  EXPECT_CONTAINS(packed_fault_of(bad), "bitstream version 1.2");
-  bad = good;
-  bad.bin[7] = 0;
-  EXPECT_CONTAINS(packed_fault_of(bad), "are not a triangle mesh");
-  bad = good;
-  bad.bin[8] = 9;
-  EXPECT_CONTAINS(packed_fault_of(bad), "unknown method 9");
+  for (const auto& [place, value, fault] :
+       {BadByte{0, 'd', "do not begin with draco's header"}, BadByte{5, 1, "bitstream version 1.2"},
+        BadByte{7, 0, "are not a triangle mesh"}, BadByte{8, 9, "unknown method 9"}}) {
+    GltfBuilder bad = good;
+    bad.bin[place] = value;
+    EXPECT_CONTAINS(packed_fault_of(bad), fault);
+  }
   for (std::size_t length = 12; length < stream.size(); length += 11) {
     const std::vector<unsigned char> part(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(length));
     EXPECT_NE(packed_fault_of(test::draco_file(part, v, t)), "") << length;
@@ -310,47 +290,38 @@ TEST(Meshopt, SparseDataOnTop) {
 
 TEST(Meshopt, FaultsAreNamed) {
   const GltfBuilder good = test::meshopt_file(pebble());
-  const auto fault_with = [&](std::size_t view, const char* key, const Json& value) {
-    GltfBuilder bad = good;
-    bad.doc["bufferViews"][view]["extensions"]["EXT_meshopt_compression"][key] = value;
-    return packed_fault_of(bad);
+  const auto extension = [](int view, const std::string& key) {
+    return "/bufferViews/" + std::to_string(view) + "/extensions/EXT_meshopt_compression/" + key;
   };
-  EXPECT_CONTAINS(fault_with(0, "buffer", 2), "names buffer 2");
-  EXPECT_CONTAINS(fault_with(0, "byteLength", 1'000'000), "does not fit its buffer");
-  EXPECT_CONTAINS(fault_with(0, "byteOffset", 1'000'000), "does not fit its buffer");
-  EXPECT_CONTAINS(fault_with(0, "mode", "POINTS"), "palpa knows ATTRIBUTES, TRIANGLES, INDICES");
-  EXPECT_CONTAINS(fault_with(0, "filter", "COLOR"), "palpa knows NONE");
-  EXPECT_CONTAINS(fault_with(0, "filter", "QUATERNION"), "needs 8");
-  EXPECT_CONTAINS(fault_with(1, "filter", "EXPONENTIAL"), "only attributes");
-  EXPECT_CONTAINS(fault_with(0, "byteStride", 10), "multiple of 4");
-  EXPECT_CONTAINS(fault_with(1, "byteStride", 8), "must be 2 or 4");
-  EXPECT_CONTAINS(fault_with(0, "count", 4'000'000'000U), "the buffer view has");
-  EXPECT_CONTAINS(fault_with(1, "count", 7), "three indices each");
-  EXPECT_CONTAINS(fault_with(0, "byteLength", 5), "unpacks to");
+  test::expect_faults(good,
+                      {{extension(0, "buffer"), "2", "names buffer 2"},
+                       {extension(0, "byteLength"), "1000000", "does not fit its buffer"},
+                       {extension(0, "byteOffset"), "1000000", "does not fit its buffer"},
+                       {extension(0, "mode"), "\"POINTS\"", "palpa knows ATTRIBUTES, TRIANGLES, INDICES"},
+                       {extension(0, "mode"), "", "\"mode\" is \"\""},
+                       {extension(0, "filter"), "\"COLOR\"", "palpa knows NONE"},
+                       {extension(0, "filter"), "\"QUATERNION\"", "needs 8"},
+                       {extension(1, "filter"), "\"EXPONENTIAL\"", "only attributes"},
+                       {extension(0, "byteStride"), "10", "multiple of 4"},
+                       {extension(1, "byteStride"), "8", "must be 2 or 4"},
+                       {extension(0, "count"), "4000000000", "the buffer view has"},
+                       {extension(1, "count"), "7", "three indices each"},
+                       {extension(0, "byteLength"), "5", "unpacks to"},
+                       {"/bufferViews/0/byteStride", "16", "has a byteStride of 12, but the buffer view has one of 16"},
+                       // Indices to missing vertices are found after unpacking, as in a plain file.
+                       {"/accessors/0/count", "100", "but there are only 100"}},
+                      packed_fault_of);
   GltfBuilder bad = good;
   const Json& first = bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
   bad.bin.at(first.value("byteOffset", std::size_t{0})) = 0xa7;
   EXPECT_CONTAINS(packed_fault_of(bad), "packed with version 7 of meshoptimizer's vertex codec");
-  bad = good;
-  bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"].erase("mode");
-  EXPECT_CONTAINS(packed_fault_of(bad), "\"mode\" is \"\"");
-  bad = good;
-  bad.doc["bufferViews"][0]["byteStride"] = 16;
-  EXPECT_CONTAINS(packed_fault_of(bad), "has a byteStride of 12, but the buffer view has one of 16");
-  // Indices to missing vertices are found after unpacking, as in a plain file.
-  bad = test::meshopt_file(pebble());
-  bad.doc["accessors"][0]["count"] = 100;
-  EXPECT_CONTAINS(packed_fault_of(bad), "but there are only 100");
-}
-
-TEST(Meshopt, WhatUnpacksToTooMuchIsRefused) {
-  GltfBuilder builder = test::meshopt_file(pebble());
-  auto& view = builder.doc["bufferViews"][0];
-  view["byteStride"] = 252;
-  view["extensions"]["EXT_meshopt_compression"]["byteStride"] = 252;
-  view["extensions"]["EXT_meshopt_compression"]["count"] = 2'000'000;
+  // What unpacks to too much.
+  Json& view = (bad = good).doc["bufferViews"][0];
+  Json& packed = view["extensions"]["EXT_meshopt_compression"];
+  view["byteStride"] = packed["byteStride"] = 252;
+  packed["count"] = 2'000'000;
   view["byteLength"] = std::uint64_t{252} * 2'000'000;
-  EXPECT_CONTAINS(packed_fault_of(builder), "packed and unpacked; palpa reads no more");
+  EXPECT_CONTAINS(packed_fault_of(bad), "packed and unpacked; palpa reads no more");
 }
 
 }  // namespace

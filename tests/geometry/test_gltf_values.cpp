@@ -11,11 +11,11 @@
 
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
-#include "geometry/solid.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::geometry {
 namespace {
@@ -26,8 +26,10 @@ using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
 Scene load(const GltfBuilder& builder) {
-  static const std::filesystem::path folder = test::scratch_folder("gltf-values");
-  return load_gltf(builder.write_glb(folder / "model.glb"));
+  return load_gltf(builder.in_memory());
+}
+std::string fault_of(const GltfBuilder& builder) {
+  return test::error_of([&] { load(builder); });
 }
 
 // Triangles as corner positions: what a mesh shows, independent of its indices.
@@ -70,20 +72,6 @@ TEST(GltfModes, ListsStripsAndFansAsTheSpecificationDrawsThem) {
   }
 }
 
-TEST(GltfModes, ACubeAsAStripIsASolid) {
-  // The classic strip of 14 corners.
-  const std::vector<Vec3> p{{0, 1, 1}, {1, 1, 1}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {1, 1, 1}, {1, 1, 0},
-                            {0, 1, 1}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-  GltfBuilder builder;
-  builder.add_mesh(builder.add_positions(p), -1, 5);
-  builder.add_node({{"mesh", 0}});
-  std::vector<Solid> solids;
-  test::stderr_of([&] { solids = make_solids(load(builder)); });
-  ASSERT_EQ(solids.size(), 1U);
-  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
-  EXPECT_EQ(solids[0].planes.size(), 6U);
-}
-
 TEST(GltfModes, FewerThanThreeCornersShowNothing) {
   for (const int mode : {4, 5, 6}) {
     GltfBuilder builder;
@@ -105,48 +93,44 @@ TEST(GltfAccessors, InterleavedWithOffsets) {
   }
   GltfBuilder builder;
   builder.add_view({1, 2, 3, 4, 5});
-  const int view = builder.add_view(bytes, 24);
-  builder.doc["accessors"].push_back(
-      {{"bufferView", view}, {"byteOffset", 8}, {"componentType", 5126}, {"count", 8}, {"type", "VEC3"}});
-  std::vector<std::uint32_t> indices;
-  for (const glm::uvec3& t : cube.triangles)
-    indices.insert(indices.end(), {t[0], t[1], t[2]});
-  builder.add_mesh(0, builder.add_indices(indices, 5123));
+  builder.add_accessor(bytes, 5126, 8, "VEC3", 24);
+  builder.doc["accessors"][0]["byteOffset"] = 8;
+  builder.add_mesh(0, builder.add_indices(test::corners_of(cube), 5123));
   builder.add_node({{"mesh", 0}});
   const Mesh mesh = load(builder).meshes.at(0).mesh;
   EXPECT_EQ(mesh.positions, cube.positions);
   EXPECT_EQ(mesh.triangles, cube.triangles);
 }
 
+/// Makes an accessor sparse: `values` (a buffer view) replace the elements at `places`, with indices of `component`.
+void replace(GltfBuilder& builder, std::size_t accessor, const std::vector<std::uint32_t>& places, int values,
+             int component = 5121) {
+  const int indices = builder.add_indices(places, component);
+  builder.doc["accessors"][accessor]["sparse"] = {
+      {"count", places.size()},
+      {"indices",
+       {{"bufferView", builder.doc["accessors"][static_cast<std::size_t>(indices)]["bufferView"]},
+        {"componentType", component}}},
+      {"values", {{"bufferView", values}}}};
+  builder.doc["accessors"].erase(static_cast<std::size_t>(indices));
+}
+
 TEST(GltfAccessors, SparseValuesReplace) {
+  const auto file = [](const std::vector<std::uint32_t>& places, int component, bool based) {
+    GltfBuilder builder;
+    builder.add_mesh(builder.add_positions({{9, 9, 9}, {1, 0, 0}, {9, 9, 9}}));
+    builder.add_node({{"mesh", 0}});
+    replace(builder, 0, places, builder.add_view(bytes_of(std::vector<float>{0, 0, 5, 0, 1, 0})), component);
+    if (!based) builder.doc["accessors"][0].erase("bufferView");
+    return builder;
+  };
   for (const int component : {5121, 5123, 5125}) {
     for (const bool based : {true, false}) {
-      GltfBuilder builder;
-      const int positions = builder.add_positions({{9, 9, 9}, {1, 0, 0}, {9, 9, 9}});
-      const std::vector<std::uint32_t> replaced{0, 2};
-      const int index_view = component == 5121   ? builder.add_view(bytes_of(std::vector<std::uint8_t>{0, 2}))
-                             : component == 5123 ? builder.add_view(bytes_of(std::vector<std::uint16_t>{0, 2}))
-                                                 : builder.add_view(bytes_of(replaced));
-      const int value_view = builder.add_view(bytes_of(std::vector<float>{0, 0, 5, 0, 1, 0}));
-      Json& accessor = builder.doc["accessors"][static_cast<std::size_t>(positions)];
-      if (!based) accessor.erase("bufferView");
-      accessor["sparse"] = {{"count", 2},
-                            {"indices", {{"bufferView", index_view}, {"componentType", component}}},
-                            {"values", {{"bufferView", value_view}}}};
-      builder.add_mesh(positions);
-      builder.add_node({{"mesh", 0}});
-      const Mesh mesh = load(builder).meshes.at(0).mesh;
       const std::vector<Vec3> expected{{0, 0, 5}, {based ? 1 : 0, 0, 0}, {0, 1, 0}};
-      EXPECT_EQ(mesh.positions, expected);
+      EXPECT_EQ(load(file({0, 2}, component, based)).meshes.at(0).mesh.positions, expected);
       // Descending, repeated and too large indices are faults.
-      for (const std::vector<std::uint8_t>& wrong : {std::vector<std::uint8_t>{2, 0}, {1, 1}, {0, 3}}) {
-        if (component != 5121) break;
-        GltfBuilder bad = builder;
-        const auto offset =
-            bad.doc["bufferViews"][static_cast<std::size_t>(index_view)]["byteOffset"].get<std::size_t>();
-        std::copy(wrong.begin(), wrong.end(), bad.bin.begin() + static_cast<std::ptrdiff_t>(offset));
-        EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "sparse index");
-      }
+      for (const std::vector<std::uint32_t>& wrong : {std::vector<std::uint32_t>{2, 0}, {1, 1}, {0, 3}})
+        EXPECT_CONTAINS(fault_of(file(wrong, component, based)), "accessor 0: the sparse index");
     }
   }
 }
@@ -154,36 +138,27 @@ TEST(GltfAccessors, SparseValuesReplace) {
 TEST(GltfAccessors, SparseIndicesReplaceToo) {
   GltfBuilder builder;
   const int positions = builder.add_positions(zigzag);
-  const int indices = builder.add_indices({0, 1, 6});
-  builder.doc["accessors"][static_cast<std::size_t>(indices)]["sparse"] = {
-      {"count", 1},
-      {"indices", {{"bufferView", builder.add_view({2})}, {"componentType", 5121}}},
-      {"values", {{"bufferView", builder.add_view(bytes_of(std::vector<std::uint32_t>{2}))}}}};
-  builder.add_mesh(positions, indices);
+  builder.add_mesh(positions, builder.add_indices({0, 1, 6}));
+  replace(builder, 1, {2}, builder.add_view(bytes_of(std::vector<std::uint32_t>{2})));
   builder.add_node({{"mesh", 0}});
   EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.at(0), glm::uvec3(0, 1, 2));
 }
 
 /// Turns the accessor into one without a buffer view, whose elements are zeros, except those at `places`.
-void keep_only(GltfBuilder& builder, std::size_t accessor, const std::vector<std::uint8_t>& places, int values_view) {
-  Json& it = builder.doc["accessors"][accessor];
-  it.erase("bufferView");
-  it["sparse"] = {{"count", places.size()},
-                  {"indices", {{"bufferView", builder.add_view(places)}, {"componentType", 5121}}},
-                  {"values", {{"bufferView", values_view}}}};
+void keep_only(GltfBuilder& builder, std::size_t accessor, const std::vector<std::uint32_t>& places, int values) {
+  builder.doc["accessors"][accessor].erase("bufferView");
+  replace(builder, accessor, places, values);
 }
 
 TEST(GltfAccessors, SparseWithoutABufferViewBeginsWithZeros) {
   const Mesh mesh = box(Vec3(0), Vec3(1));
   GltfBuilder builder;
   builder.add_mesh(mesh);
-  std::vector<std::uint8_t> places;
-  std::vector<std::uint32_t> values;
-  for (std::uint32_t i = 0; i < 36; ++i) {
-    const std::uint32_t vertex = mesh.triangles[i / 3][static_cast<int>(i % 3)];
-    if (vertex == 0) continue;
-    places.push_back(static_cast<std::uint8_t>(i));
-    values.push_back(vertex);
+  std::vector<std::uint32_t> places, values, corners = test::corners_of(mesh);
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    if (corners[i] == 0) continue;
+    places.push_back(i);
+    values.push_back(corners[i]);
   }
   keep_only(builder, 1, places, builder.add_view(bytes_of(values)));
   builder.doc["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
@@ -200,9 +175,9 @@ TEST(GltfAccessors, SparseWithoutABufferViewBeginsWithZeros) {
   builder.doc["accessors"][2].erase("sparse");
   EXPECT_EQ(bounds(load(builder).meshes.at(2).mesh).low, Vec3(0));
   builder.doc["accessors"][2]["count"] = 4'000'000'000U;
-  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "accessor 2: brings the buffers to more than");
+  EXPECT_CONTAINS(fault_of(builder), "accessor 2: brings the buffers to more than");
   builder.doc["accessors"][1].erase("sparse");
-  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "accessor 1: has no data");
+  EXPECT_CONTAINS(fault_of(builder), "accessor 1: has no data");
 }
 
 TEST(GltfMorph, DefaultWeightsOfMeshAndNode) {
@@ -217,8 +192,13 @@ TEST(GltfMorph, DefaultWeightsOfMeshAndNode) {
   const Scene scene = load(builder);
   EXPECT_EQ(bounds(scene.meshes.at(0).mesh).low, Vec3(0, 0.5, 0));
   EXPECT_EQ(bounds(scene.meshes.at(1).mesh).low, Vec3(2, 0, 0));
-  builder.doc["nodes"][1]["weights"] = {1};
-  EXPECT_CONTAINS(test::error_of([&] { load(builder); }), "\"weights\" has 1 values; it needs 2");
+  test::expect_faults(builder,
+                      {{"/nodes/1/weights", "[1]", "\"weights\" has 1 values; it needs 2"},
+                       {"/meshes/0/primitives/-", R"({"attributes": {"POSITION": 0}})",
+                        "has no morph targets, but the mesh's first primitive has 2"},
+                       {"/meshes/0/primitives/-", R"({"attributes": {"POSITION": 0}, "targets": [{}]})",
+                        "has 1 morph targets, but the mesh's first primitive has 2"}},
+                      fault_of);
 }
 
 // A bar of two bones: the lower half belongs to one, the upper to the other, which is turned and shifted.
@@ -232,14 +212,14 @@ class GltfSkin : public ::testing::Test {
       joints.insert(joints.end(), {0, 1, 0, 0});
       weights.insert(weights.end(), {p.y < 1 ? 3.0F : 0.0F, p.y < 1 ? 0.0F : 3.0F, 0, 0});
     }
-    accessor(builder.add_view(joints), 5121, 8, "VEC4");
-    accessor(builder.add_view(bytes_of(weights)), 5126, 8, "VEC4");
+    builder.add_accessor(joints, 5121, 8, "VEC4");
+    builder.add_accessor(bytes_of(weights), 5126, 8, "VEC4");
     // The second bone sits at y = 1 when bound.
     std::vector<float> inverse(32);
     for (std::size_t i = 0; i < 32; ++i)
       inverse[i] = i % 16 % 5 == 0 ? 1.0F : 0.0F;
     inverse[16 + 13] = -1;
-    accessor(builder.add_view(bytes_of(inverse)), 5126, 2, "MAT4");
+    builder.add_accessor(bytes_of(inverse), 5126, 2, "MAT4");
     auto& attributes = builder.doc["meshes"][0]["primitives"][0]["attributes"];
     attributes["JOINTS_0"] = 2;
     attributes["WEIGHTS_0"] = 3;
@@ -248,10 +228,6 @@ class GltfSkin : public ::testing::Test {
     builder.add_node({{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}});
     builder.add_node({{"children", {2}}, {"translation", {0, 5, 0}}});
     builder.add_node({{"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}}, false);
-  }
-  void accessor(int view, int component, int count, const char* type) {
-    builder.doc["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
   }
   GltfBuilder builder;
 };
@@ -270,11 +246,39 @@ TEST_F(GltfSkin, SparseWeightsAndBindMatricesBeginWithZeros) {
   const Mesh whole = load(builder).meshes.at(0).mesh;
   for (const std::size_t a : {3u, 4u}) {
     const int view = builder.doc["accessors"][a]["bufferView"];
-    std::vector<std::uint8_t> all(builder.doc["accessors"][a]["count"].get<std::size_t>());
-    std::iota(all.begin(), all.end(), std::uint8_t{0});
+    std::vector<std::uint32_t> all(builder.doc["accessors"][a]["count"].get<std::size_t>());
+    std::iota(all.begin(), all.end(), 0U);
     keep_only(builder, a, all, view);
   }
   EXPECT_EQ(load(builder).meshes.at(0).mesh.positions, whole.positions);
+}
+
+TEST_F(GltfSkin, ManyMayShareWhatMovesNothing) {
+  const auto seconds_with = [](GltfBuilder file, int skins) {
+    const Json skin = file.doc["skins"][0];
+    for (int i = 1; i < skins; ++i) {
+      file.doc["skins"].push_back(skin);
+      file.add_node({{"mesh", 0}, {"skin", i}});
+    }
+    const auto path = file.in_memory();
+    const double start = test::processor_s();
+    EXPECT_EQ(load_gltf(path).meshes.size(), static_cast<std::size_t>(skins));
+    return test::processor_s() - start;
+  };
+  // Matrices without a joint.
+  GltfBuilder matrices = builder;
+  keep_only(matrices, 4, {0, 1}, matrices.doc["accessors"][4]["bufferView"]);
+  matrices.doc["accessors"][4]["count"] = 4'000'000;
+  [[maybe_unused]] const double seconds = seconds_with(matrices, 100);
+#ifdef NDEBUG
+  EXPECT_LT(seconds, test::slowest);
+  // Morph targets of the weight 0, or without positions.
+  GltfBuilder targets = builder;
+  targets.doc["meshes"][0]["primitives"][0]["targets"] = Json::array_t(300'000, Json::object());
+  targets.doc["meshes"][0]["weights"] = Json::array_t(300'000, 0);
+  targets.doc["meshes"][0]["weights"].back() = 1;
+  EXPECT_LT(seconds_with(targets, 30'000), test::slowest);
+#endif
 }
 
 TEST_F(GltfSkin, WithoutBindMatricesJointsAreTheWorld) {
@@ -293,20 +297,13 @@ TEST_F(GltfSkin, OneThatNobodyWearsDoesNotMatter) {
 }
 
 TEST_F(GltfSkin, FaultsAreNamed) {
-  GltfBuilder bad = builder;
-  bad.doc["skins"][0]["joints"] = {1};
-  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "names a joint that its skin does not have");
-  bad.doc["skins"][0]["joints"] = {1, 7};
-  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "skin 0: \"joints\" names node 7");
-  bad = builder;
-  bad.doc["accessors"][4]["count"] = 1;
-  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "2 joints but only 1 inverse bind matrices");
-  bad = builder;
-  bad.doc["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0");
-  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "one is missing");
-  bad = builder;
-  bad.doc["accessors"][2]["count"] = 7;
-  EXPECT_CONTAINS(test::error_of([&] { load(bad); }), "8 positions but 7 of JOINTS_0");
+  test::expect_faults(builder,
+                      {{"/skins/0/joints", "[1]", "names a joint that its skin does not have"},
+                       {"/skins/0/joints", "[1, 7]", "skin 0: \"joints\" names node 7"},
+                       {"/accessors/4/count", "1", "2 joints but only 1 inverse bind matrices"},
+                       {"/meshes/0/primitives/0/attributes/WEIGHTS_0", "", "one is missing"},
+                       {"/accessors/2/count", "7", "8 positions but 7 of JOINTS_0"}},
+                      fault_of);
 }
 
 }  // namespace

@@ -20,14 +20,14 @@ BEGIN {
 
   # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
-  order("array", "constraint medium directivity layouts transfer turns free_field solvers .")
+  order("array", "constraint medium directivity layouts transfer split_rows turns free_field solvers .")
   order("touch", "types stage_setting room pass_watch contacts points fingers foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads beside links watch predict plan loop previews .")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
-  order("setup", ". experiment tasks")
+  order("setup", ". tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
   bad = 0

@@ -57,7 +57,8 @@ UNITS = {"LENGTH": ["m", "mm", "um", "cm"], "TIME": ["s", "ms", "us"], "FREQUENC
          "PRESSURE": ["Pa", "kPa"]}
 USUAL = {"LENGTH": ["1.5mm", "5mm", "25mm"], "TIME": ["1.5ms", "12ms", "100ms"], "FREQUENCY": ["40kHz", "200Hz"],
          "SPEED": ["343m/s"], "PRESSURE": ["2kPa", "101kPa"], "CELSIUS": ["20"], "PERCENT": ["50"], "NUMBER": ["0.5"],
-         "DEGREES": ["30"], "A": ["0.5"], "X,Y,Z": ["0,0,0.1", "0,0,0"], "X,Y,Z[,A]": ["0,0,0.1", "0,5mm,0.1,0.5"]}
+         "DEGREES": ["30"], "A": ["0.5"], "X,Y,Z": ["0,0,0.1", "0,0,0"], "X,Y,Z[,A]": ["0,0,0.1", "0,5mm,0.1,0.5"],
+         "X,Y,Z[,R]": ["0.02,0,0.1", "0,2cm,0.1,0.5mm"]}
 
 
 class Pool:

@@ -101,6 +101,15 @@ def foci(texts):
     return [point(text) for text in as_list(texts)], [float(text.split(",")[3]) if text.count(",") == 3 else 1 for text in as_list(texts)]
 
 
+def nulls(options):
+    """The arguments of --null."""
+    texts = as_list(options.pop("null", []))
+    if not texts:
+        return {}
+    return {"nulls": [point(text) for text in texts],
+            "null_radius": [metres(text.split(",")[3]) if text.count(",") == 3 else 0 for text in texts]}
+
+
 def places(options):
     if "plane" in options:
         size = [metres(part) for part in options.pop("size").split(",")]
@@ -126,10 +135,10 @@ def drive(options):
     layout = palpa.Layout(options.pop("layout"))
     if "touch" in options:
         slot = options.pop("slot", None)
-        return layout.solve_touch(options.pop("touch"), slot=None if slot is None else int(slot), **options)
+        return layout.solve_touch(options.pop("touch"), slot=None if slot is None else int(slot), **nulls(options), **options)
     where, gains = foci(options.pop("focus"))
     finger = palpa.Mesh(options.pop("mesh")) if "mesh" in options else None
-    return layout.solve(where, gains, finger=finger, **options)
+    return layout.solve(where, gains, finger=finger, **nulls(options), **options)
 
 
 def field(options):
@@ -141,7 +150,7 @@ def field(options):
         solved = {key: options.pop(key) for key in ("amplitude", "solver", "constraint", "pressure") if key in options}
         at, gains = foci(options.pop("focus"))
         air = {key: options[key] for key in ("temperature", "sound_speed", "frequency", "directivity") if key in options}
-        sound = layout.solve(at, gains, backend="cpu", **solved, **air)
+        sound = layout.solve(at, gains, backend="cpu", **nulls(options), **solved, **air)
     return layout.field(sound, where, **options)
 
 

@@ -13,6 +13,14 @@ array::Layout small_layout() {
   return layout;
 }
 
+void list_drives(const array::Layout& layout, session::Plan& plan) {
+  session::SlotWork work;
+  session::plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
+    plan.drives.resize(plan.drives.size() + layout.transducers.size());
+    array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
+  });
+}
+
 array::Schedule touching(const Vec3& centre, double modulation_hz) {
   array::Schedule schedule;
   array::Voice& voice = schedule.add_voice();
@@ -53,11 +61,7 @@ bool FakePlanner::step(session::Plan& plan, session::FrameReport& report) {
   plan.schedule = touch.finger_count ? touching(Vec3(0, 0.15, 0)) : array::Schedule();
   plan.captured_s = captured_s;
   plan.drives.clear();
-  session::SlotWork work;
-  session::plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
-    plan.drives.resize(plan.drives.size() + layout.transducers.size());
-    array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
-  });
+  list_drives(layout, plan);
   report = current;
   under_way = false;
   return true;

@@ -19,6 +19,8 @@
 namespace palpa::test {
 
 array::Layout small_layout();
+/// Lists the drives of a plan's schedule, as planners do.
+void list_drives(const array::Layout& layout, session::Plan& plan);
 /// One finger, ten foci on a circle about `centre`.
 array::Schedule touching(const Vec3& centre, double modulation_hz = 0);
 

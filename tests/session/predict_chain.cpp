@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <span>
 
 #include "array/schedule.hpp"
-#include "fakes.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/hand_films.hpp"
 #include "support/hand_skin.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -22,12 +21,7 @@ namespace {
 
 std::vector<geometry::Solid> solids_of(const std::string& scene) {
   if (scene != "plate") return geometry::make_solids(geometry::load_gltf(source_file("assets/" + scene + ".glb")));
-  geometry::Mesh mesh;
-  for (int corner = 0; corner < 8; ++corner)
-    mesh.positions.emplace_back(corner & 1 ? 0.08 : -0.08, corner & 2 ? 0 : -0.02, corner & 4 ? 0.08 : -0.08);
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return geometry::make_solids({"plate", {{"plate", std::move(mesh)}}});
+  return geometry::make_solids({"plate", {{"plate", box({-0.08, -0.02, -0.08}, {0.08, 0, 0.08})}}});
 }
 
 session::Session session_for(const ChainFilm& film, const std::vector<sensing::Camera>& cameras,
@@ -228,24 +222,6 @@ std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
     schedules.push_back(session.schedule());
   }
   return schedules;
-}
-
-LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::Link& link) {
-  const std::vector<sensing::Camera> cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras;
-  session::SessionSetting setting{.solids = solids_of("plate"), .cameras = cameras, .events = std::nullopt};
-  setting.predict.predict = session::Predict::automatic;
-  setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
-  session::Session session(std::move(setting));
-  const auto source = sensing::make_synthetic_source(cameras, finger_skin().mesh, {},
-                                                     {.motion = motion, .paced = true, .frames = frames});
-  LiveRun run;
-  Watcher watcher;
-  watcher.on_planned = [&](const session::FrameReport& report, const session::Plan& plan) {
-    run.begun += plan.schedule.voice_count > report.touch->finger_count ? 1 : 0;
-  };
-  std::atomic<bool> stop{false};
-  run.stats = session.run(*source, link, stop, {.observer = &watcher});
-  return run;
 }
 
 }  // namespace palpa::test

@@ -11,8 +11,6 @@
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/links/link.hpp"
-#include "session/watch/stats.hpp"
 
 namespace palpa::test {
 
@@ -63,12 +61,5 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
 /// captured at time_of(k). Without `knows_slots`, the session does not know which slot plays a frame first.
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
                                           const std::function<double(std::uint64_t)>& time_of, bool knows_slots = true);
-
-/// A live run of a session on the processor, with a finger that moves over the plate, in real time.
-struct LiveRun {
-  session::LoopStats stats;
-  std::size_t begun = 0;  ///< plans with more voices than fingers
-};
-LiveRun live_run(const sensing::Motion& motion, std::uint64_t frames, session::Link& link);
 
 }  // namespace palpa::test

@@ -1,6 +1,7 @@
 // The output of events: files, pipes that are read slowly or not at all, datagrams.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <sstream>
@@ -52,6 +53,12 @@ struct Fifo {
   void hang_up() {
     if (reader >= 0) close(reader);
     reader = -1;
+  }
+  /// Bytes that wait for the reader; a pipe has room for 65,536.
+  int holds() const {
+    int bytes = 0;
+    ioctl(reader, FIONREAD, &bytes);
+    return bytes;
   }
   /// Its current contents.
   std::string read_all() const {
@@ -127,15 +134,6 @@ TEST(EventSink, APipeThatNobodyReadsDelaysNothingAndLosesWholeLines) {
   EXPECT_EQ(got.front(), 0U);
 }
 
-TEST(EventSink, ItsEndWaitsForNobodyLong) {
-  Fifo fifo("event-end");
-  const auto sink = open_event_sink(fifo.file.string(), names);
-  sink->write(events(5'000));
-  sink->finish();
-  EXPECT_EQ(sink->written() + sink->dropped(), 5'000U);
-  EXPECT_GT(sink->dropped(), 1000U);
-}
-
 TEST(EventSink, ThatMayWaitLeavesNothingOut) {
   Fifo fifo("event-wait");
   std::atomic<bool> stop{false};
@@ -153,7 +151,7 @@ TEST(EventSink, ThatMayWaitStillStops) {
   std::atomic<bool> stop{false};
   const auto sink = open_event_sink(fifo.file.string(), names, &stop, true);
   std::thread stopper([&] {
-    std::this_thread::sleep_for(100ms);
+    test::begins([&] { return fifo.holds() > 32'000; });
     stop = true;
   });
   for (std::uint32_t n = 0; n < 20'000; ++n)
@@ -178,7 +176,7 @@ TEST(EventSink, AReaderThatLeavesAndAFullDiskAreErrors) {
   fifo.hang_up();
   const Error gone = test::thrown_by([&] { write_until_known(*sink); });
   EXPECT_EQ(gone.code(), Exit::failed);
-  EXPECT_NE(std::string(gone.what()).find("cannot be written: Broken pipe"), std::string::npos) << gone.what();
+  EXPECT_CONTAINS(gone.what(), "cannot be written: Broken pipe");
   const auto full = open_event_sink("/dev/full", names);
   EXPECT_EQ(test::thrown_by([&] { write_until_known(*full); }).code(), Exit::failed);
   EXPECT_EQ(test::thrown_by([] { open_event_sink("/no/such/folder/x", names); }).code(), Exit::failed);
@@ -212,7 +210,7 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
       link->send(slot, loud);
   });
   EXPECT_EQ(stalled.code(), Exit::failed);
-  EXPECT_NE(std::string(stalled.what()).find("nobody reads it"), std::string::npos) << stalled.what();
+  EXPECT_CONTAINS(stalled.what(), "nobody reads it");
   // The loop does this then; now the reader is back.
   Reading reader(fifo);
   EXPECT_NO_THROW(link->send(100, silent));

@@ -30,15 +30,6 @@ std::vector<std::uint64_t> taken(FrameQueue& queue) {
   return sequences;
 }
 
-TEST(FrameQueue, HasOnlyTheNewestFrameWithoutRoom) {
-  FrameQueue queue(0);
-  EXPECT_FALSE(queue.add(frame(1)));
-  EXPECT_TRUE(queue.add(frame(2)));
-  EXPECT_TRUE(queue.add(frame(3)));
-  EXPECT_EQ(taken(queue), std::vector<std::uint64_t>{3});
-  EXPECT_FALSE(queue.add(frame(4)));
-}
-
 TEST(FrameQueue, KeepsTheirOrderAndReplacesTheLastIfItIsFull) {
   FrameQueue queue(3 * 2 * 100 * 2 + 50);  // three frames of two images of a hundred pixels
   for (std::uint64_t round = 0; round < 3; ++round) {

@@ -148,25 +148,5 @@ TEST(Haptics, EveryFingerPlaysAsItsSolidAsks) {
   EXPECT_EQ(slots, 40U);
 }
 
-TEST(Haptics, IntensityAndModulationMultiply) {
-  geometry::Haptics own;
-  own.intensity = 0.5;
-  const auto made = solids({own});
-  touch::Touch touch;
-  touch.fingers = {finger(0, 0, 1)};
-  touch.fingers[0].point_like = true;
-  touch.finger_count = 1;
-  array::Schedule schedule;
-  Scheduler("scene.glb", made, {}, {}).make(touch, 0, schedule);
-  array::Schedule plain = schedule;
-  plain.voices[0].gain = 1;
-  std::vector<array::SlotFocus> half, whole;
-  for (std::uint64_t slot = 0; slot < 20; ++slot) {
-    array::foci_of_slot(schedule, slot, half);
-    array::foci_of_slot(plain, slot, whole);
-    EXPECT_FLOAT_EQ(half[0].gain, 0.5F * whole[0].gain);
-  }
-}
-
 }  // namespace
 }  // namespace palpa::session

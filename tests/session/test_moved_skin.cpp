@@ -4,11 +4,12 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "geometry/files/ply.hpp"
 #include "predict_chain.hpp"
 #include "sensing/rig.hpp"
 #include "session/predict/second_search.hpp"
 #include "session/predict/skin_step.hpp"
+#include "support/hand_skin.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "touch/stage.hpp"
 
@@ -17,12 +18,7 @@ namespace {
 
 /// A plate of 80 mm x 80 mm, 4 mm thick, whose top is at y = 0, and that faces downwards to the cameras as well.
 geometry::Mesh plate() {
-  geometry::Mesh mesh;
-  for (int corner = 0; corner < 8; ++corner)
-    mesh.positions.emplace_back(corner & 1 ? 0.04 : -0.04, corner & 2 ? 0 : -0.004, corner & 4 ? 0.04 : -0.04);
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
+  return test::box({-0.04, -0.004, -0.04}, {0.04, 0, 0.04});
 }
 
 /// A finger in front of the paper's cameras, in two frames, and things that do not move.
@@ -31,15 +27,12 @@ struct TwoFrames {
   sensing::RayTables tables = sensing::make_rays(cameras);
   sensing::Surroundings surroundings;
   CameraView view{cameras, tables, &surroundings};
-  geometry::Mesh finger;
   std::vector<sensing::FrameSet> frames{2};
 
   TwoFrames(const Vec3& tip, const Vec3& way, const geometry::Mesh* still, const Transform& T_world_still) {
-    geometry::Ply ply = geometry::read_ply(test::source_file("assets/finger.ply"));
-    finger = {std::move(ply.positions), std::move(ply.triangles)};
     sensing::SyntheticRig rig(cameras, {}, sensing::Noise::none, 1);
     for (int k = 0; k < 2; ++k) {
-      std::vector<sensing::Posed> posed{{&finger, test::tip_at(tip + (k == 1 ? way : Vec3(0)))}};
+      std::vector<sensing::Posed> posed{{&test::finger_skin().mesh, test::tip_at(tip + (k == 1 ? way : Vec3(0)))}};
       if (still) posed.push_back({still, T_world_still});
       rig.render(posed, static_cast<std::uint64_t>(k), frames[static_cast<std::size_t>(k)]);
     }

@@ -2,13 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
 #include "stepped_clock.hpp"
-#include "support/thrown.hpp"
+#include "support/watched_heap.hpp"
 
 namespace palpa::session {
 namespace {
@@ -21,11 +20,7 @@ struct Output {
     Plan plan;
     plan.schedule = std::move(schedule);
     plan.captured_s = captured_s;
-    SlotWork work;
-    plan_slots(plan, work, nullptr, [&](std::span<const array::SlotFocus> slot_foci, const auto&) {
-      plan.drives.resize(plan.drives.size() + layout.transducers.size());
-      array::drive_for(layout, slot_foci, {}, std::span(plan.drives).last(layout.transducers.size()));
-    });
+    test::list_drives(layout, plan);
     return plan;
   }
   array::Drive slot(const Plan& plan, std::uint64_t number, double now_s) {
@@ -34,10 +29,6 @@ struct Output {
     return {drive.begin(), drive.end()};
   }
 };
-
-float loudest(const array::Drive& drive) {
-  return test::loudest_of(drive);
-}
 
 bool same(const array::Drive& a, const array::Drive& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -62,22 +53,20 @@ TEST(Output, PlaysTheOrderOfTheSlotCounterNotOfTheFrame) {
 TEST(Output, ExpiresAfterTheHold) {
   Output out;
   const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 5.0);
-  EXPECT_EQ(loudest(out.slot(plan, 0, 5.099)), 1.0f);
-  EXPECT_EQ(loudest(out.slot(plan, 0, 5.1)), 0.0f);
+  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.099)), 1.0f);
+  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.1)), 0.0f);
 }
 
-TEST(Output, APlanWithoutATimeIsSilence) {
+TEST(Output, APlanWithoutATimeOrATouchIsSilence) {
   Output out;
-  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), std::nan(""));
-  for (const double now_s : {0.0, 5.0, 1e9})
-    EXPECT_EQ(loudest(out.slot(plan, 0, now_s)), 0.0f) << now_s;
-}
-
-TEST(Output, NothingTouchedIsSilence) {
-  Output out;
-  const Plan plan = out.plan_of(array::Schedule());
-  EXPECT_EQ(out.slot(plan, 3, 0).size(), out.layout.transducers.size());
-  EXPECT_EQ(loudest(out.slot(plan, 3, 0)), 0.0f);
+  for (const Plan& plan :
+       {out.plan_of(test::touching(Vec3(0, 0.15, 0)), std::nan("")), out.plan_of(array::Schedule())}) {
+    for (const double now_s : {0.0, 5.0, 1e9}) {
+      const array::Drive drive = out.slot(plan, 3, now_s);
+      EXPECT_EQ(drive.size(), out.layout.transducers.size());
+      EXPECT_EQ(test::loudest_of(drive), 0.0f) << now_s;
+    }
+  }
 }
 
 TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
@@ -94,27 +83,33 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
       EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
       EXPECT_EQ(b[i].phase, a[i].phase);
     }
-    least = std::min(least, loudest(b));
-    most = std::max(most, loudest(b));
+    least = std::min(least, test::loudest_of(b));
+    most = std::max(most, test::loudest_of(b));
   }
   EXPECT_LT(least, 0.2f);
   EXPECT_GT(most, 0.9f);
 }
 
-TEST(Output, FingersThatDifferInModulationAreSummedPerSlot) {
+TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {
   Output out;
-  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
-  array::Voice& second = schedule.add_voice();
-  second = test::touching(Vec3(0.06, 0.15, 0.02), 200).voices[0];
-  const Plan plan = out.plan_of(schedule);
-  EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
-  ASSERT_EQ(plan.cycle.length, 10u) << "200 Hz repeats after ten slots of 1.5 ms";
-  for (const std::uint64_t slot : {0ull, 4ull, 13ull}) {
-    std::vector<array::SlotFocus> foci;
-    array::foci_of_slot(schedule, slot, foci);
-    array::Drive expected(out.layout.transducers.size());
-    array::drive_for(out.layout, foci, {}, expected);
-    EXPECT_TRUE(same(out.slot(plan, slot, 0), expected)) << slot;
+  for (const double modulation_hz : {200.0, 199.37}) {
+    array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+    schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), modulation_hz).voices[0];
+    const Plan plan = out.plan_of(schedule);
+    EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
+    const bool repeats = modulation_hz == 200;  // after ten slots of 1.5 ms
+    EXPECT_EQ(plan.cycle.is_listed(), repeats);
+    EXPECT_EQ(plan.cycle.too_long, !repeats);
+    if (repeats) {
+      EXPECT_EQ(plan.cycle.length, 10u);
+    }
+    for (const std::uint64_t slot : repeats ? std::vector{0ull, 4ull, 13ull} : std::vector{777ull}) {
+      std::vector<array::SlotFocus> foci;
+      array::foci_of_slot(schedule, slot, foci);
+      array::Drive expected(out.layout.transducers.size());
+      array::drive_for(out.layout, foci, {}, expected);
+      EXPECT_TRUE(same(out.slot(plan, slot, 0), expected)) << slot;
+    }
   }
 }
 
@@ -128,61 +123,18 @@ TEST(Output, APlanOfNoFingerIsNotTooLongButHasNothingToDrive) {
   EXPECT_FALSE(plan.cycle.too_long);
 }
 
-TEST(Output, AScheduleWithoutAShortCycleIsComputedSlotBySlot) {
+TEST(Output, AReservedScratchNeverGrows) {
   Output out;
-  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
-  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
-  const Plan plan = out.plan_of(schedule);
-  EXPECT_FALSE(plan.cycle.is_listed());
-  EXPECT_TRUE(plan.cycle.too_long);
-  std::vector<array::SlotFocus> foci;
-  array::foci_of_slot(schedule, 777, foci);
-  array::Drive expected(out.layout.transducers.size());
-  array::drive_for(out.layout, foci, {}, expected);
-  EXPECT_TRUE(same(out.slot(plan, 777, 0), expected));
-}
-
-/// The capacity of each of a scratch's vectors.
-std::vector<std::size_t> storage_of(const SlotScratch& scratch) {
-  const array::DriveScratch& work = scratch.work;
-  std::vector<std::size_t> room;
-  const auto add = [&](const auto&... vectors) { (room.push_back(vectors.capacity()), ...); };
-  const auto add_even = [&](const array::EvenScratch& even) {
-    add(even.pressure, even.tried_pressure, even.tried, even.slopes, even.normal, even.rest, even.miss);
-  };
-  add(scratch.drive, scratch.foci, work.sources, work.sums, work.weights, work.gains, work.phases, work.foci,
-      work.targets, work.factors, work.heard, work.matrix.re, work.matrix.im);
-  add(work.columns.cosine, work.columns.sine, work.columns.loud, work.columns.asked);
-  for (const array::GsPatScratch* gs_pat : {&work.gs_pat, &work.pressures.gs_pat}) {
-    add(gs_pat->pressure, gs_pat->factors, gs_pat->start, gs_pat->claims, gs_pat->targets);
-    add_even(gs_pat->even);
-  }
-  const array::PhaseScratch& phases = work.gs_pat.phases;
-  add(phases.tried, phases.pressure, phases.tried_pressure, phases.pull, phases.alike, phases.across,
-      phases.tried_across, phases.normal, phases.rest, phases.miss, phases.tried_miss);
-  const array::SearchScratch& search = work.gs_pat.search;
-  add(work.gs_pat.shares, search.part.cosine, search.part.sine, search.part.loud, search.part.asked, search.starts,
-      search.single.entries, search.does, search.merits, search.shares, work.gs_pat.near.re, work.gs_pat.near.im);
-  for (const array::ClimbScratch* climb : {&search.climb, &work.gs_pat.climb}) {
-    add(climb->columns.re, climb->columns.im, climb->does.re, climb->does.im, climb->tried.re, climb->tried.im,
-        climb->pressure, climb->tried_pressure, climb->pull, climb->stiff_pull, climb->turn, climb->growth, climb->loud,
-        climb->tried_loud, climb->tried_shares, climb->change, climb->counts, climb->step.normal, climb->step.ones,
-        climb->step.rest, climb->step.takes, climb->step.returns);
-  }
-  add(work.pressures.gains, work.pressures.targets, work.pressures.weights);
-  add_even(work.pressures.even);
-  return room;
-}
-
-TEST(Output, AReservedScratchNeverGrowsWherePressuresAreAskedFor) {
-  Output out;
-  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat}) {
-    out.setting.drive.solver = solver;
-    for (const unsigned fingers : {2u, 7u}) {
+  for (const bool pressures : {false, true}) {
+    for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat, array::Solver::loudest}) {
+      if (pressures && solver == array::Solver::loudest) continue;
+      out.setting.drive.solver = solver;
+      out.setting.drive.constraint = pressures ? array::DriveOptions().constraint : array::Constraint::uniform;
       array::Schedule schedule;
-      for (unsigned f = 0; f < fingers; ++f) {
+      for (unsigned f = 0; f < (pressures ? 7 : 2); ++f) {
         array::Voice& voice = schedule.add_voice();
-        voice = test::touching(Vec3(0.03 * f, 0.15, 0), f == 0 ? 199.37 : 0).voices[0];
+        voice = test::touching(Vec3(0.03 * f, 0.15, 0), f == 1 ? 199.37 : 0).voices[0];
+        if (!pressures) continue;
         voice.foci_per_slot = static_cast<std::uint32_t>(voice.foci.size());
         voice.pressure_pa = voice.target_pa = 10;
         voice.reached_pa = 10;
@@ -191,56 +143,43 @@ TEST(Output, AReservedScratchNeverGrowsWherePressuresAreAskedFor) {
       ASSERT_FALSE(plan.cycle.is_listed());
       SlotScratch scratch;
       scratch.reserve(out.setting);
-      const auto before = storage_of(scratch);
-      for (const std::uint64_t slot : {0ull, 777ull}) {
-        drive_of_slot(plan, slot, 0, out.setting, scratch);
-        EXPECT_EQ(storage_of(scratch), before) << slot;
+      for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
+        const auto play_slot = [&] { drive_of_slot(plan, slot, 0, out.setting, scratch); };
+        EXPECT_EQ(test::allocations_of(play_slot), 0u) << slot;
       }
-      EXPECT_EQ(scratch.work.factors.size(), fingers * 10u);
+      EXPECT_EQ(pressures ? scratch.work.factors.size() : scratch.work.sources.size(), pressures ? 70u : 2u)
+          << "the slots were not computed";
     }
   }
 }
 
-TEST(Output, AReservedScratchNeverGrows) {
-  Output out;
-  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
-  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0.02), 199.37).voices[0];
-  const Plan plan = out.plan_of(schedule);
-  ASSERT_FALSE(plan.cycle.is_listed());
-  for (const array::Solver solver : {array::Solver::naive, array::Solver::gs_pat, array::Solver::loudest}) {
-    out.setting.drive.solver = solver;
-    out.setting.drive.constraint = array::Constraint::uniform;
-    SlotScratch scratch;
-    scratch.reserve(out.setting);
-    const auto before = storage_of(scratch);
-    for (const std::uint64_t slot : {0ull, 1ull, 777ull}) {
-      drive_of_slot(plan, slot, 0, out.setting, scratch);
-      EXPECT_EQ(storage_of(scratch), before) << slot;
-    }
-    EXPECT_EQ(scratch.work.sources.size(), 2u) << "the slots were not summed";
-  }
-}
+/// A plan of one finger that was captured at 0 s, and its output.
+struct Playing : Output {
+  test::SteppedClock clock;
+  Newest<Plan> plans;
+  const Plan* plan = nullptr;
+  OutputStats stats;
 
-/// Asks for the end with the first drive from `time_s` on.
-test::Watcher stops_at(double time_s, const Clock& clock, std::atomic<bool>& stop) {
-  test::Watcher watcher;
-  watcher.on_sent = [=, &clock, &stop](bool, const HandOver&) {
-    if (clock.now() >= time_s) stop = true;
-  };
-  return watcher;
-}
+  Playing() {
+    plans.back() = plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
+    plan = &plans.back();
+    plans.publish();
+  }
+  /// Asks for the end with the first drive from `time_s` on.
+  void play_until(double time_s, Link& link) {
+    std::atomic<bool> stop{false};
+    test::Watcher watcher;
+    watcher.on_sent = [&](bool, const HandOver&) {
+      if (clock.now() >= time_s) stop = true;
+    };
+    play(link, plans, setting, clock, Ending{stop}, stats, watcher);
+  }
+};
 
 TEST(Output, SendsSilenceLastWhenStopped) {
-  Output out;
+  Playing out;
   test::SpyLink link;
-  Newest<Plan> plans;
-  const test::SteppedClock clock;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.06, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  out.play_until(0.06, link);
   EXPECT_EQ(link.slots.size(), 42u) << "of slots 0 to 40, and the silence";
   EXPECT_GT(*std::max_element(link.loudest.begin(), link.loudest.end()), 0.9f);
   EXPECT_TRUE(link.ended_silent());
@@ -251,19 +190,11 @@ TEST(Output, SendsSilenceLastWhenStopped) {
 }
 
 TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
-  Output out;
+  Playing out;
   out.setting.hold_s = 0.03;
-  const test::SteppedClock clock;
   test::SpyLink link;
-  Newest<Plan> plans;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  const Plan& plan = plans.back();
-  const std::vector<const void*> there{&plan.schedule, plan.drives.data()};
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.08, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  const std::vector<const void*> there{&out.plan->schedule, out.plan->drives.data()};
+  out.play_until(0.08, link);
   ASSERT_EQ(link.plans.size(), 3u) << "the plan, that it expired, the end";
   const test::SpyLink::Played& played = link.plans[0];
   EXPECT_EQ(played.voices, 1u);
@@ -277,7 +208,6 @@ TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {
 }
 
 TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
-  const test::SteppedClock clock;
   struct DawdlingLink : test::SpyLink {
     const test::SteppedClock& clock;
     explicit DawdlingLink(const test::SteppedClock& by) : clock(by) {}
@@ -286,36 +216,13 @@ TEST(Output, LeavesOutSlotsThatItOversleptInsteadOfSendingThemLate) {
       SpyLink::send(slot, drive);
     }
   };
-  Output out;
+  Playing out;
   out.setting.hold_s = 10;
-  DawdlingLink link(clock);
-  Newest<Plan> plans;
-  plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 0.0);
-  plans.publish();
-  std::atomic<bool> stop{false};
-  OutputStats stats;
-  test::Watcher watcher = stops_at(0.15, clock, stop);
-  play(link, plans, out.setting, clock, Ending{stop}, stats, watcher);
+  DawdlingLink link(out.clock);
+  out.play_until(0.15, link);
   ASSERT_GT(link.slots.size(), 12u);
   EXPECT_EQ(link.slots[11] - link.slots[10], 40u) << "60 ms are 40 slots";
-  EXPECT_EQ(stats.skipped_slots, 39u);
-}
-
-TEST(Output, SendsSilenceLastWhenTheLinkBreaks) {
-  for (const bool broken : {false, true}) {
-    Output out;
-    test::SpyLink link;
-    link.fail_at = 5;
-    link.broken = broken;
-    Newest<Plan> plans;
-    plans.back() = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 1e9);
-    plans.publish();
-    std::atomic<bool> stop{false};
-    OutputStats stats;
-    EXPECT_ERROR(play(link, plans, out.setting, Clock(), Ending{stop}, stats), Exit::failed, "spy: the link broke");
-    EXPECT_TRUE(link.ended_silent()) << "broken " << broken;
-    EXPECT_TRUE(link.finished);
-  }
+  EXPECT_EQ(out.stats.skipped_slots, 39u);
 }
 
 }  // namespace

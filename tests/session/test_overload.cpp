@@ -9,12 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "fakes.hpp"
 #include "session/loop/early_start.hpp"
-#include "session/loop/loop.hpp"
 #include "session/loop/slow_solver.hpp"
 #include "session/watch/effort.hpp"
-#include "stepped_clock.hpp"
+#include "stepped_loop.hpp"
 #include "support/captured.hpp"
 
 namespace palpa::session {
@@ -77,28 +75,11 @@ struct SharedPlanner : test::FakePlanner {
   }
 };
 
-template <typename SomePlanner>
-struct Loop {
-  test::SteppedClock clock;
-  test::FakeSource source;
-  SomePlanner planner;
-  test::SpyLink link;
-  LoopSetting setting{{planner.layout, {}, 1.5e-3, 0.1}};
-  std::atomic<bool> stop{false};
-  RunOptions options;
-  LoopStats stats;
-
-  Loop() { source.clock = &clock; }
-  void run() { run_loop(source, planner, link, setting, stop, options, stats, clock); }
-  std::uint64_t plans_with_fingers() const {
-    return static_cast<std::uint64_t>(
-        std::count_if(link.plans.begin(), link.plans.end(), [](const auto& plan) { return plan.voices > 0; }));
-  }
-};
+using test::SteppedLoop;
 
 TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
   for (const bool every_frame : {false, true}) {
-    Loop<SharedPlanner> loop;
+    SteppedLoop<SharedPlanner> loop;
     loop.planner.clock = &loop.clock;
     loop.source.count = every_frame ? 60 : 400;
     loop.options.every_frame = every_frame;
@@ -110,12 +91,13 @@ TEST(Overload, AFrameIsNotStartedWhereItsDrivesComeNoSooner) {
 }
 
 TEST(Overload, PlansThatWereReplacedAreCounted) {
-  Loop<test::FakePlanner> loop;
+  SteppedLoop<> loop;
   loop.source.count = 200;
   loop.setting.output.slot_s = 0.02;  // ten frames to a slot
   loop.run();
   EXPECT_GT(loop.stats.unplayed, 0u);
-  EXPECT_EQ(loop.plans_with_fingers() + loop.stats.unplayed, loop.stats.planned);
+  const auto played = std::ranges::count_if(loop.link.plans, [](const auto& plan) { return plan.voices > 0; });
+  EXPECT_EQ(static_cast<std::uint64_t>(played) + loop.stats.unplayed, loop.stats.planned);
 }
 
 /// Ends the loop after `wanted` plans with fingers.
@@ -132,13 +114,13 @@ struct EndingLink : test::SpyLink {
 };
 
 TEST(Overload, NoPlanIsReplacedWhereEveryFrameIsLookedAt) {
-  Loop<test::FakePlanner> loop;
+  SteppedLoop<> loop;
   loop.source.count = 300;
   loop.source.period_s = 0;
   loop.options.every_frame = true;
   loop.setting.output.hold_s = 2;
   EndingLink link(loop.stop, 300);  // otherwise, the loop would wait for the hold to end
-  run_loop(loop.source, loop.planner, link, loop.setting, loop.stop, loop.options, loop.stats, loop.clock);
+  loop.run_with(link);
   EXPECT_EQ(loop.stats.planned, 300u);
   EXPECT_EQ(loop.stats.unplayed, 0u);
   EXPECT_EQ(link.got, 300u);
@@ -167,7 +149,7 @@ TEST(Overload, ASlowSolverIsToldOnceIfItKeepsLeavingOutFrames) {
 
 TEST(Overload, OnlyTheSolverLoudestIsToldToBeSlowAndOnlyIfFramesMayBeLeftOut) {
   const auto told_of = [](array::Solver solver, bool every_frame) {
-    Loop<test::FakePlanner> loop;
+    SteppedLoop<> loop;
     loop.source.count = 100;
     loop.setting.output.hold_s = 2;  // a slow solver, but no overload
     loop.setting.output.drive.solver = solver;
@@ -186,7 +168,7 @@ TEST(Overload, OnlyTheSolverLoudestIsToldToBeSlowAndOnlyIfFramesMayBeLeftOut) {
 }
 
 TEST(Overload, IsToldOnceWithBothFigures) {
-  Loop<test::FakePlanner> loop;
+  SteppedLoop<> loop;
   loop.source.count = 60;
   loop.setting.output.hold_s = 0.020;
   loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
@@ -207,7 +189,7 @@ struct SheddingPlanner : test::FakePlanner {
 };
 
 TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
-  Loop<SheddingPlanner> loop;
+  SteppedLoop<SheddingPlanner> loop;
   loop.source.count = 400;
   loop.setting.output.hold_s = 0.020;
   loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
@@ -221,31 +203,8 @@ TEST(Overload, WorkIsShedStepByStepBeforeItIsCalledHopeless) {
             std::string::npos);
 }
 
-TEST(Overload, AHoldIsLengthenedWhereThatIsAskedFor) {
-  const auto expect_hold = [](bool asked) {
-    Loop<SheddingPlanner> loop;
-    loop.source.count = 400;
-    loop.setting.output.hold_s = 0.020;
-    loop.setting.lengthens_hold = asked;
-    loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(25e-3); };
-    loop.run();
-    ASSERT_TRUE(loop.stats.shed);
-    if (asked) {
-      EXPECT_GT(loop.stats.shed->hold_s, 0.05) << "two frames of 25 ms";
-      EXPECT_GT(loop.link.most, 0.0f) << "it is heard";
-    } else {
-      EXPECT_EQ(loop.stats.shed->hold_s, 0.020);
-      EXPECT_EQ(loop.link.most, 0.0f) << "over before it sounds";
-    }
-  };
-  test::stderr_of([&] {
-    expect_hold(false);
-    expect_hold(true);
-  });
-}
-
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
-  Loop<SheddingPlanner> loop;
+  SteppedLoop<SheddingPlanner> loop;
   loop.source.count = 20;
   loop.options.every_frame = true;
   loop.setting.output.hold_s = 0.005;
@@ -254,18 +213,6 @@ TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {
   for (const Effort& effort : loop.planner.asked)
     EXPECT_TRUE(effort.whole());
   EXPECT_FALSE(loop.stats.shed);
-}
-
-TEST(Overload, AFrameThatDawdlesIsNone) {
-  Loop<test::FakePlanner> loop;
-  loop.source.count = 60;
-  loop.setting.output.hold_s = 0.1;
-  loop.planner.before = [&](std::uint64_t frame) {
-    if (frame == 20) loop.clock.sleep(0.13);
-  };
-  testing::internal::CaptureStderr();
-  loop.run();
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 }  // namespace

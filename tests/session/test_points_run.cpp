@@ -1,19 +1,16 @@
-// A session live from points that are pushed, a loudness that changes while a link plays, and a method of the caller's.
+// A session live from points that are pushed.
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <memory>
 #include <optional>
-#include <string>
-#include <thread>
-#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "session/points_run.hpp"
+#include "support/begins.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -27,7 +24,7 @@ std::vector<geometry::Solid> touchable_cube() {
 /// The finger model with its tip at this height.
 std::vector<glm::vec3> pushed_finger(double y) {
   std::vector<glm::vec3> points;
-  for (const Vec3& p : geometry::read_ply(test::source_file("assets/finger.ply")).positions)
+  for (const Vec3& p : test::finger_skin().mesh.positions)
     points.emplace_back(p + Vec3(0, y, 0));
   return points;
 }
@@ -52,8 +49,9 @@ struct PointsPlay {
     };
     watcher.on_planned = [&](const FrameReport& frame, const Plan&) {
       fingers.push_back(frame.touch->finger_count);
-      while (link.most == 0 && frame.touch->finger_count > 0 && fingers.size() > 1 && !stop)
-        std::this_thread::yield();
+      if (frame.touch->finger_count > 0 && fingers.size() > 1) {
+        EXPECT_TRUE(test::begins([&] { return link.most > 0 || stop; }));
+      }
       if (fingers.size() < 3) source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
     };
     return run_points(session, source, link, stop, {.frames = frames, .observer = &watcher});
@@ -114,39 +112,15 @@ TEST(PointsRun, TheNewestFrameWins) {
   EXPECT_FALSE(source.take(points, time_s, 0.001));
 }
 
-TEST(PointsRun, NeedsAnArray) {
-  Session session({.solids = touchable_cube()});
-  PushedPoints source;
-  test::SpyLink link;
-  std::atomic<bool> stop{false};
-  EXPECT_ERROR(run_points(session, source, link, stop), Exit::usage, "without an array cannot run from points");
-}
-
-TEST(PointsRun, ReportsNoEventsIfItsSettingHasNone) {
-  Session session({.solids = touchable_cube(), .layout = test::small_layout(), .events = std::nullopt});
+TEST(PointsRun, IsRefusedWhereItCannotWork) {
   PushedPoints source;
   test::SpyLink link;
   std::atomic<bool> stop{false};
   test::DeafSink sink;
-  EXPECT_ERROR(run_points(session, source, link, stop, {.events = &sink}), Exit::usage, "has no events");
-}
-
-TEST(OwnMethod, PlacesTheFociOfASession) {
-  SessionSetting setting{.solids = touchable_cube()};
-  setting.schedule.own_method = [](const touch::Touch&, const touch::Finger& finger, touch::Placement& out) {
-    out.foci.clear();
-    for (int i = 0; i < 4; ++i)
-      out.foci.push_back(
-          {.position = finger.section.centroid + glm::vec3(0.001F * static_cast<float>(i), 0, 0), .points = 1});
-    out.complete = true;
-    out.together = false;
-  };
-  Session session(std::move(setting));
-  ASSERT_EQ(session.touch(pushed_finger(-0.001), 0).finger_count, 1U);
-  const array::Voice& voice = session.schedule().voices[0];
-  ASSERT_EQ(voice.foci.size(), 4U);
-  EXPECT_NEAR(voice.foci[3].x - voice.foci[0].x, 0.003, 1e-6);
-  EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+  Session without_array({.solids = touchable_cube()});
+  EXPECT_ERROR(run_points(without_array, source, link, stop), Exit::usage, "without an array cannot run from points");
+  Session without_events({.solids = touchable_cube(), .layout = test::small_layout(), .events = std::nullopt});
+  EXPECT_ERROR(run_points(without_events, source, link, stop, {.events = &sink}), Exit::usage, "has no events");
 }
 
 }  // namespace

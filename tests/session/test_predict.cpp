@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
-#include <glm/common.hpp>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
@@ -14,17 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "fakes.hpp"
-#include "hand_motion.hpp"
 #include "predict_chain.hpp"
-#include "session/loop/loop.hpp"
 #include "session/plan/plan.hpp"
 #include "session/predict/capture_times.hpp"
 #include "session/predict/predictor.hpp"
 #include "session/predict/slot_clock.hpp"
+#include "stepped_loop.hpp"
 #include "support/captured.hpp"
-#include "support/exhaustive.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {
@@ -42,19 +36,14 @@ std::string text_of(const ChainErrors& errors) {
   return "seen: " + one(errors.seen) + "; predicted: " + one(errors.predicted);
 }
 
-/// Frames are computed by the twins, or on the tests' device.
-class PredictChain : public testing::TestWithParam<bool> {
- protected:
-  ChainErrors errors_of(const ChainFilm& film, double late_s) const { return chain_errors(film, late_s, GetParam()); }
-};
-INSTANTIATE_TEST_SUITE_P(Backends, PredictChain, testing::Bool(),
-                         [](const auto& backend) { return backend.param ? "Device" : "Twin"; });
-
-TEST_P(PredictChain, KeepsFociOnAFingerThatSlides) {
-  for (const bool along_z : {false, true}) {
-    if (GetParam() && along_z && !test::exhaustive()) continue;
-    const ChainErrors errors = errors_of(test::sliding_film(0.2, along_z, 0.3), 0.02);
-    SCOPED_TRACE(text_of(errors));
+TEST(PredictChain, KeepsFociOnAFingerThatSlides) {
+  struct Case {
+    const char* name;
+    bool along_z, on_device;
+  };
+  for (const Case& c : {Case{"along x", false, false}, {"along z", true, false}, {"on the device", false, true}}) {
+    const ChainErrors errors = chain_errors(test::sliding_film(0.2, c.along_z, 0.3), 0.02, c.on_device);
+    SCOPED_TRACE(c.name + (": " + text_of(errors)));
     ASSERT_GT(errors.predicted.slots, 100U);
     EXPECT_GT(errors.seen.mean_m, 4e-3);
     EXPECT_LT(errors.predicted.mean_m, 1.0e-3);
@@ -64,7 +53,7 @@ TEST_P(PredictChain, KeepsFociOnAFingerThatSlides) {
 }
 
 /// The truth is where the same session puts the foci without the sensor's noise.
-TEST(PredictChainHand, KeepsFociOnTheTrueSkinOfAHandThatSlides) {
+TEST(PredictChain, KeepsFociOnTheTrueSkinOfAHandThatSlides) {
   for (const bool along_z : {false, true}) {
     const ChainErrors errors = chain_errors(test::hand_film(0.2, along_z, 0.3), 0.02, false);
     SCOPED_TRACE(text_of(errors));
@@ -75,62 +64,30 @@ TEST(PredictChainHand, KeepsFociOnTheTrueSkinOfAHandThatSlides) {
   }
 }
 
-TEST_P(PredictChain, FollowsTheSurface) {
-  if (GetParam() && !test::exhaustive()) return;  // the device sees the same fingers, see above
-  const ChainErrors errors = errors_of(test::crossing_film(0.2), 0.02);
+TEST(PredictChain, FollowsTheSurface) {
+  const ChainErrors errors = chain_errors(test::crossing_film(0.2), 0.02, false);
   SCOPED_TRACE(text_of(errors));
   ASSERT_GT(errors.predicted.slots, 20U);
   EXPECT_LT(errors.predicted.mean_m, 0.4 * errors.seen.mean_m);
 }
 
-TEST_P(PredictChain, EndsWithAFingerThatLiftsAndBeginsNothing) {
+TEST(PredictChain, EndsWithAFingerThatLiftsAndBeginsNothing) {
   for (const double speed : {0.1, 0.3}) {
-    if (GetParam() && speed > 0.2 && !test::exhaustive()) continue;
-    const ChainErrors errors = errors_of(test::lifting_film(speed), 0.02);
+    const ChainErrors errors = chain_errors(test::lifting_film(speed), 0.02, false);
     SCOPED_TRACE(text_of(errors));
     EXPECT_LE(errors.predicted.late_s, errors.seen.late_s - 0.01) << "a frame and more sooner";
     EXPECT_EQ(errors.predicted.begun, 0U);
-    if (GetParam()) continue;  // the device sees the same fingers
-    const ChainErrors pressing = errors_of(test::lifting_film(-speed), 0.02);
-    EXPECT_EQ(pressing.predicted.begun, 0U);
+    EXPECT_EQ(chain_errors(test::lifting_film(-speed), 0.02, false).predicted.begun, 0U) << "it presses";
   }
 }
 
-TEST_P(PredictChain, ChangesNothingAtRest) {
-  if (GetParam() && !test::exhaustive()) return;  // the device sees the same fingers, see above
+TEST(PredictChain, ChangesNothingAtRest) {
   for (const double late_s : {0.01, 0.05}) {
-    const ChainErrors errors = errors_of(test::lifting_film(0), late_s);
+    const ChainErrors errors = chain_errors(test::lifting_film(0), late_s, false);
     SCOPED_TRACE(text_of(errors));
     EXPECT_LE(errors.predicted.p95_step_m, 1.02 * errors.seen.p95_step_m);
     EXPECT_LE(errors.predicted.mean_m, 1.1 * errors.seen.mean_m);
   }
-}
-
-/// A hand's own motion, laid over a plate.
-TEST(PredictChainRecorded, HalvesTheErrorOfARecordedMotion) {
-  PALPA_SHARED_OR_SKIP(data, "hand-motion");
-  const test::TipPath tip = test::marker_tips().front();
-  double fastest_s = 0, fastest = 0;
-  for (double t = tip.begin_s() + 0.5; t < tip.end_s() - 1.5; t += 0.1) {
-    double way = 0;
-    for (double s = t; s < t + 0.8; s += 0.02)
-      way += glm::distance(tip.at(s), tip.at(s + 0.02));
-    if (way > fastest) fastest = way, fastest_s = t;
-  }
-  const Vec3 middle = tip.at(fastest_s);
-  const ChainErrors errors = chain_errors({.scene = "plate",
-                                           .motion =
-                                               [&](double t) {
-                                                 // Its fastest directions are up and forward.
-                                                 const Vec3 way = tip.at(fastest_s + t) - middle;
-                                                 return test::tip_at({way.y, -0.003, glm::clamp(way.z, -0.06, 0.06)});
-                                               },
-                                           .length_s = 0.8,
-                                           .rate_hz = 75},
-                                          0.02, false);
-  SCOPED_TRACE(text_of(errors));
-  ASSERT_GT(errors.predicted.slots, 100U);
-  EXPECT_LT(errors.predicted.mean_m, 0.5 * errors.seen.mean_m);
 }
 
 TEST(PredictBadTimes, PredictNothingAndBeginNothing) {
@@ -206,51 +163,26 @@ struct AskingPlanner : test::FakePlanner {
 
 TEST(PredictLoop, SaysWhenSlotsSoundUnlessFramesWait) {
   for (const bool every_frame : {false, true}) {
-    test::FakeSource source;
-    source.count = 12;
-    source.period_s = 0.01;
-    AskingPlanner planner;
-    test::SpyLink link;
-    std::atomic<bool> stop{false};
-    LoopStats stats;
-    run_loop(source, planner, link, {.output = {planner.layout, {}, 1.5e-3, 0.1}}, stop, {.every_frame = every_frame},
-             stats);
-    ASSERT_FALSE(planner.first.empty());
+    test::SteppedLoop<AskingPlanner> loop;
+    loop.source.count = 12;
+    loop.source.period_s = 0.01;
+    loop.options.every_frame = every_frame;
+    loop.run();
+    ASSERT_FALSE(loop.planner.first.empty());
     std::uint64_t before = 0;
-    for (const auto& first : planner.first) {
+    for (const auto& first : loop.planner.first) {
       ASSERT_EQ(first.has_value(), !every_frame);
       if (!first) continue;
       EXPECT_GE(first->slot, before);
       EXPECT_GT(first->ahead_s.value(), 0);
+      EXPECT_LT(first->ahead_s.value(), 0.1) << "the hold";
       before = first->slot;
     }
-    ASSERT_TRUE(stats.prediction);
-    EXPECT_EQ(stats.prediction->latency_s.count(), stats.planned);
-    EXPECT_CONTAINS(to_json(stats), "\"prediction\"");
-    EXPECT_NEAR(stats.prediction->distance_m.quantile(0.5), 0.004, 1e-6);
+    ASSERT_TRUE(loop.stats.prediction);
+    EXPECT_EQ(loop.stats.prediction->latency_s.count(), loop.stats.planned);
+    EXPECT_CONTAINS(to_json(loop.stats), "\"prediction\"");
+    EXPECT_NEAR(loop.stats.prediction->distance_m.quantile(0.5), 0.004, 1e-6);
   }
-}
-
-/// A live run: the latency is what the frames really take.
-TEST(PredictLoop, MeasuresTheLatencyOfALiveRun) {
-  test::SpyLink link;
-  const auto stroke = [](double t) {  // to and fro at 240 mm/s
-    const double u = std::fmod(t, 0.4) / 0.4;
-    return test::tip_at({0.024 * (u < 0.5 ? 4 * u - 1 : 3 - 4 * u), -0.003, 0});
-  };
-  const test::LiveRun run = test::live_run(stroke, 70, link);
-  EXPECT_TRUE(link.ended_silent());
-  ASSERT_TRUE(run.stats.prediction);
-  const PredictStats& prediction = *run.stats.prediction;
-  // Frames that are planned before the output thread has begun its first slot have no known latency.
-  EXPECT_LE(prediction.latency_s.count(), run.stats.touching);
-  EXPECT_GE(prediction.latency_s.count() + 5, run.stats.touching);
-  EXPECT_GT(prediction.latency_s.quantile(0), 0);
-  EXPECT_LE(prediction.distance_m.quantile(1), MotionFilter::most_speed * most_ahead_s);
-  EXPECT_EQ(run.begun, 0U);
-  if (run.stats.planned < 45) return;  // a machine so busy leaves out too many frames
-  EXPECT_GT(prediction.distance_m.quantile(0.9), 0.5e-3);
-  EXPECT_LT(prediction.latency_s.quantile(0.5), 0.1);
 }
 
 TEST(Ahead, GivesEachSlotItsOwnTimeUpToTheClamp) {
@@ -353,17 +285,15 @@ TEST(PlanThatAdvances, StandsIfItsDrivesAreTooMany) {
 }
 
 TEST(SlotClock, KnowsWhenTheNextSlotSounds) {
-  const Clock clock;
+  const test::SteppedClock clock;
   SlotClock slots(clock, 1.5e-3);
   EXPECT_FALSE(slots.first(0)) << "the output has not begun";
-  slots.begin(clock.now() - 0.0101);
-  const double captured_s = clock.now() - 0.02;
-  const auto first = slots.first(captured_s);
+  slots.begin(0);
+  clock.sleep(0.0101);
+  const auto first = slots.first(-0.0099);
   ASSERT_TRUE(first);
-  EXPECT_GE(first->slot, 7U);
-  const double ahead_s = first->ahead_s.value();
-  EXPECT_GT(ahead_s, 0.02 + 0.5 * 1.5e-3 - 1e-6) << "not before now";
-  EXPECT_NEAR(ahead_s - (static_cast<double>(first->slot) - 7) * 1.5e-3, 0.0211, 2e-3);
+  EXPECT_EQ(first->slot, 7U);
+  EXPECT_NEAR(first->ahead_s.value(), 7.5 * 1.5e-3 + 0.0099, 1e-9) << "to the middle of the slot";
 }
 
 /// The warnings about frames with these capture times, one every 11 ms.

@@ -172,15 +172,6 @@ TEST(SafeLink, TheCeilingMultipliesAmplitudesAndGains) {
   EXPECT_FALSE(safe.must_fade()) << "there is no ramp";
 }
 
-TEST(SafeLink, ACeilingOfZeroIsSilence) {
-  Player p;
-  SafeLink safe(p.spy, 3, {.ceiling = 0});
-  safe.plan(p.at(p.touch, 0));
-  safe.send(0, p.loud);
-  EXPECT_EQ(p.spy.plans[0].gain, 0.0);
-  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.0f}));
-}
-
 TEST(SafeLink, TheCeilingMayChangeWhileItPlays) {
   for (const double ramp_s : {0.0, 10 * slot_s}) {
     Player p;

@@ -6,13 +6,13 @@
 #include <array>
 
 #include "array/layouts/board_mesh.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::session {
@@ -62,8 +62,7 @@ std::vector<std::uint64_t> digests_of(std::span<const Scene> some) {
     Digest digest;
     geometry::Mesh skin;
     if (std::string(scene.skin) == "finger") {
-      const geometry::Ply ply = geometry::read_ply(test::source_file("assets/finger.ply"));
-      skin = {ply.positions, ply.triangles};
+      skin = test::finger_skin().mesh;
     } else {
       const auto model = geometry::load_gltf(test::source_file(std::string("assets/") + scene.skin + ".glb"));
       for (const auto& part : model.meshes)

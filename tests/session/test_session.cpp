@@ -6,14 +6,12 @@
 #include <atomic>
 #include <cmath>
 #include <string>
-#include <thread>
 
 #include "array/layouts/board_mesh.hpp"
 #include "array/loudness.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
@@ -21,6 +19,7 @@
 #include "session/replay.hpp"
 #include "session/session.hpp"
 #include "support/device.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -35,9 +34,8 @@ std::vector<geometry::Solid> cube(double press_depth_m) {
 
 /// The finger model, its tip at `tip`.
 std::vector<glm::vec3> finger_at(const Vec3& tip) {
-  static const std::vector<Vec3> skin = geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions;
   std::vector<glm::vec3> points;
-  for (const Vec3& p : skin)
+  for (const Vec3& p : palpa::test::finger_skin().mesh.positions)
     points.emplace_back(p + tip);
   return points;
 }
@@ -98,12 +96,10 @@ TEST_P(Touching, FollowsASolidThatMoves) {
 
 TEST_P(Touching, TakesDepthFrames) {
   const sensing::Rig rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml"));
-  geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
-  const geometry::Mesh finger{std::move(ply.positions), std::move(ply.triangles)};
   sensing::SyntheticRig synthetic(rig.cameras, {}, sensing::Noise::none, 1);
   Transform T(1.0);
   T[3] = Vec4(0, -0.003, 0, 1);
-  const sensing::Posed skin{&finger, T};
+  const sensing::Posed skin{&palpa::test::finger_skin().mesh, T};
   sensing::FrameSet set;
   synthetic.render(std::span(&skin, 1), 0, set);
   Session session = make({.solids = cube(0.001), .cameras = rig.cameras});
@@ -118,7 +114,8 @@ TEST_P(Touching, TakesDepthFrames) {
   EXPECT_ERROR(session.touch(set.frames, 0.2), Exit::usage, "2 depth frames for 3 cameras");
 }
 
-TEST_P(Touching, RefusesWhatCannotSound) {
+TEST(Sessions, RefuseWhatCannotSound) {
+  const auto make = [](SessionSetting setting) { return Session(std::move(setting)); };
   auto solids = cube(0.001);
   solids[0].haptics.foci = 9;
   EXPECT_NO_THROW(make({.solids = solids}));
@@ -190,11 +187,11 @@ TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
   }
 }
 
-TEST_P(Touching, BoardsMayComputePhasesOnlyAtTheirOwnFrequency) {
+TEST(Sessions, LetBoardsComputePhasesOnlyAtTheirOwnFrequency) {
   SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("autd3")};
-  EXPECT_TRUE(make(setting).link_setting().free_field);
+  EXPECT_TRUE(Session(setting).link_setting().free_field);
   setting.drive.medium.frequency = 41e3;
-  EXPECT_FALSE(make(setting).link_setting().free_field);
+  EXPECT_FALSE(Session(setting).link_setting().free_field);
 }
 
 TEST_P(Touching, ASolverOfOnesOwnMakesEveryDrive) {
@@ -243,15 +240,6 @@ TEST(OwnSolver, ListsSlotsThatDoNotRepeatSoonEnough) {
   EXPECT_EQ(plan.drives.size(), most_cycle * layout.transducers.size());
 }
 
-TEST(SessionGrows, WithTheCloudItIsGiven) {
-  Session session(palpa::test::test_device(), {.solids = cube(0.001)});
-  std::vector<glm::vec3> many = finger_at({0, -0.001, 0});
-  const std::size_t contacts = session.touch(many, 0).contacts.size();
-  many.resize(20'000, glm::vec3(1, 1, 1));
-  EXPECT_EQ(session.touch(many, 0.01).contacts.size(), contacts);
-  EXPECT_EQ(session.touch(finger_at({0, -0.001, 0}), 0.02).contacts.size(), contacts);
-}
-
 /// A cube under the paper's cameras and array, and a finger that dips into it.
 struct Live {
   SessionSetting setting{.solids = cube(0.003),
@@ -274,8 +262,7 @@ struct Live {
     return run(session);
   }
   LoopStats run(Session& session) {
-    const geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
-    const auto source = sensing::make_synthetic_source(setting.cameras, {ply.positions, ply.triangles}, {},
+    const auto source = sensing::make_synthetic_source(setting.cameras, palpa::test::finger_skin().mesh, {},
                                                        {.paced = false, .frames = 12});
     return session.run(*source, link, stop, options);
   }
@@ -314,17 +301,10 @@ TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {
   Live live;
   Session session(palpa::test::test_device(), live.setting);
   const auto source = sensing::make_synthetic_source(live.setting.cameras, {}, {}, {.paced = false, .frames = 1});
-  std::atomic<bool> ended{false};
-  std::string said;
-  std::thread looks([&] {
-    while (!ended && said.empty()) {
-      if (const auto now = doing()) said = now->what;
-    }
-  });
-  EXPECT_EQ(replay(session, *source, live.link, live.stop).frames, 1U);
-  ended = true;
-  looks.join();
-  EXPECT_TRUE(said.starts_with("compiling shaders")) << said;
+  // A thread that is cancelled says what it was about to do.
+  const std::atomic<bool> cancelled{true};
+  const Cancellable thread(cancelled);
+  EXPECT_ERROR(replay(session, *source, live.link, live.stop), Exit::failed, "cancelled before: compiling shaders");
 }
 
 TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
@@ -353,15 +333,18 @@ TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
   live.watcher.on_planned = [](const FrameReport& report, const Plan&) {
     if (report.sequence == 8) throw failure("the disk is full");
   };
-  try {
-    live.run();
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "the disk is full");
-  }
+  EXPECT_ERROR(live.run(), Exit::failed, "the disk is full");
   ASSERT_FALSE(live.told.empty());
   EXPECT_EQ(live.told.back().kind, EventKind::release);
   EXPECT_TRUE(live.link.ended_silent());
+}
+
+TEST(SessionRuns, AndReportsWhatItPredicts) {
+  Live live;
+  live.setting.predict = {.predict = Predict::automatic, .latency_s = 0.02};
+  const LoopStats stats = live.run();
+  ASSERT_TRUE(stats.prediction);
+  EXPECT_NEAR(stats.prediction->latency_s.quantile(0.5), 0.02, 1e-3);
 }
 
 TEST(SessionRuns, OnlyWithAllThatItNeeds) {

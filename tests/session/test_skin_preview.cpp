@@ -3,17 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "base/activity.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "session/previews/skin_preview.hpp"
+#include "support/begins.hpp"
 #include "support/thrown.hpp"
 #include "support/time_limits.hpp"
 
@@ -82,9 +81,7 @@ TEST(SkinPreview, SaysWhatAnAnswerIsOf) {
   EXPECT_FALSE(preview.stale());
   EXPECT_EQ(preview.newest()->number, 0u);
   const auto wait = [&] {
-    for (int i = 0; i < 6000 && preview.stale(); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_FALSE(preview.stale());
+    EXPECT_TRUE(test::begins([&] { return !preview.stale(); }));
     return preview.newest();
   };
   EXPECT_EQ(preview.ask(question()), 1u);
@@ -118,13 +115,10 @@ TEST(SkinPreview, EndsInTheMiddleOfAnAnswer) {
     {
       SkinPreview preview;
       preview.ask(long_work);
-      bool reached = false;
-      while (!reached && preview.stale()) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ASSERT_TRUE(test::begins([&] {
         const std::optional<Doing> now = doing();
-        reached = now && now->what.starts_with(stage);
-      }
-      ASSERT_TRUE(reached) << stage;
+        return now && now->what.starts_with(stage);
+      })) << stage;
       begun = test::processor_s();
     }
     EXPECT_LT(test::processor_s() - begun, 0.25) << stage;

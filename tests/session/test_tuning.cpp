@@ -8,7 +8,9 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <glm/ext/matrix_transform.hpp>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <string>
@@ -16,12 +18,13 @@
 #include <utility>
 
 #include "fakes.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/plan/tuning_thread.hpp"
 #include "session/session.hpp"
+#include "support/begins.hpp"
+#include "support/hand_skin.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "support/time_limits.hpp"
@@ -65,7 +68,7 @@ std::uint32_t stride_of(const array::Schedule& schedule) {
 /// A finger in the cube, as a frame shows it.
 touch::Touch finger() {
   std::vector<glm::vec3> points;
-  for (const Vec3& p : geometry::read_ply(palpa::test::source_file("assets/finger.ply")).positions)
+  for (const Vec3& p : palpa::test::finger_skin().mesh.positions)
     points.emplace_back(p.x, p.y - 3e-3, p.z);
   touch::Touch touch;
   const std::vector<geometry::Solid> solids = cube();
@@ -82,36 +85,16 @@ TEST(Tuning, ChangesTheStrideWhenTheFieldIsReady) {
   scheduler.tune_beside(&field);
   scheduler.make(touch, 0, schedule);
   EXPECT_EQ(stride_of(schedule), of_spots) << "no frame waits for the field";
-  const Steady::time_point begin = Steady::now();
   double time_s = 0;
-  while (stride_of(schedule) == of_spots && since(begin) < 20) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  EXPECT_TRUE(palpa::test::begins([&] {
     scheduler.make(touch, time_s += 0.011, schedule);
-  }
-  EXPECT_EQ(stride_of(schedule), of_array);
+    return stride_of(schedule) == of_array;
+  }));
   scheduler.tune_beside(nullptr);
   for (int frame = 0; frame < 100; ++frame) {
     scheduler.make(touch, time_s += 0.011, schedule);
     EXPECT_EQ(stride_of(schedule), of_array) << "and stays, for what is known is known";
   }
-}
-
-TEST(Tuning, KeepsSpotsWithoutTheThread) {
-  const touch::Touch touch = finger();
-  const array::Layout layout = openmpd();
-  const acoustics::ArrayField field(layout, {});
-  Scheduler scheduler("cube.glb", cube(), thirteen, tuned(), &field);
-  array::Schedule schedule;
-  for (int frame = 0; frame < 100; ++frame) {
-    scheduler.make(touch, frame * 0.011, schedule);
-    EXPECT_EQ(stride_of(schedule), of_spots);
-  }
-  // A spot as wide as this array's focus gives the same stride.
-  ScheduleOptions wide = tuned();
-  wide.spot_m = 9e-3;
-  Scheduler told("cube.glb", cube(), thirteen, wide);
-  told.make(touch, 0, schedule);
-  EXPECT_EQ(stride_of(schedule), of_array);
 }
 
 /// As many transducers and foci as are allowed: their field takes seconds.
@@ -178,9 +161,7 @@ std::pair<int, int> urgency_of_a_tuning_thread() {
   std::ranges::set_difference(now, before, std::back_inserter(added));
   if (added.size() != 1) return {-1, -1};
   const auto id = static_cast<id_t>(added[0]);
-  const Steady::time_point begin = Steady::now();
-  while (getpriority(PRIO_PROCESS, id) == nice && since(begin) < 5)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  palpa::test::begins([&] { return getpriority(PRIO_PROCESS, id) != nice; });
   return {sched_getscheduler(added[0]), getpriority(PRIO_PROCESS, id)};
 }
 
@@ -232,61 +213,43 @@ TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
     return strides.wants(3, time_s) + strides.wants(4, time_s) + strides.wants(9, time_s);
   };
   EXPECT_EQ(frame(0), std::vector<std::uint32_t>(3, 1));
-  const Steady::time_point begin = Steady::now();
-  while (wanted(0.01) > 0 && since(begin) < 20) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(palpa::test::begins([&] {
     frame(0.01);
-  }
+    return wanted(0.01) == 0;
+  }));
   EXPECT_EQ(wanted(0.4), 0);
   EXPECT_EQ(frame(0.02), std::vector<std::uint32_t>(3, 3));
   EXPECT_EQ(wanted(0.6), 3) << "fingers move";
 }
 
-/// A finger that does not change, so the result for spots never changes.
-struct StillSource : sensing::DepthSource {
-  std::vector<sensing::Camera> rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras;
-  sensing::FrameSet picture;
-  std::uint64_t count, given = 0;
-
-  explicit StillSource(std::uint64_t frames) : count(frames) {
-    geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
-    const geometry::Mesh mesh{std::move(ply.positions), std::move(ply.triangles)};
-    Transform T(1.0);
-    T[3] = Vec4(0, -0.003, 0, 1);
-    const sensing::Posed skin{&mesh, T};
-    sensing::SyntheticRig(rig, {}, sensing::Noise::none, 1).render(std::span(&skin, 1), 0, picture);
-  }
-  const std::vector<sensing::Camera>& cameras() const override { return rig; }
-  bool next(sensing::FrameSet& out, double) override {
-    if (given == count) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    out = picture;
-    out.sequence = given;
-    out.time_s = 0.005 * static_cast<double>(given++);
-    return true;
-  }
-};
-
-/// A cube over this array, with that finger in it.
+/// A cube over this array, with a finger in it that does not change, so the result for spots never changes.
 struct Live {
-  StillSource source;
-  SessionSetting setting{
-      .solids = cube(), .cameras = source.rig, .layout = openmpd(), .touch = thirteen, .schedule = tuned()};
+  SessionSetting setting{.solids = cube(),
+                         .cameras = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras,
+                         .layout = openmpd(),
+                         .touch = thirteen,
+                         .schedule = tuned()};
+  std::unique_ptr<sensing::DepthSource> source;
   test::SpyLink link;
   std::atomic<bool> stop{false};
   std::vector<std::uint32_t> strides;  ///< frame by frame
   test::Watcher watcher;
   RunOptions options{.observer = &watcher};
 
-  explicit Live(std::uint64_t frames) : source(frames) {
+  Live(std::uint64_t frames, bool every_frame) {
+    const auto still = [](double) { return glm::translate(Transform(1), Vec3(0, -0.003, 0)); };
+    source = sensing::make_synthetic_source(
+        setting.cameras, palpa::test::finger_skin().mesh, {},
+        {.motion = still, .noise = sensing::Noise::none, .paced = !every_frame, .frames = frames});
+    options.every_frame = every_frame;
     watcher.on_planned = [this](const FrameReport&, const Plan& plan) { strides.push_back(stride_of(plan.schedule)); };
   }
   bool changed() const { return std::ranges::adjacent_find(strides, std::not_equal_to()) != strides.end(); }
-  LoopStats run() { return Session(setting).run(source, link, stop, options); }
+  LoopStats run() { return Session(setting).run(*source, link, stop, options); }
 };
 
 TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
-  Live live(2000);
+  Live live(2000, false);
   live.setting.hold_s = 10;  // no frame is late: with fewer foci, strides would differ
   Steady::time_point stopped;
   live.watcher.on_planned = [&, look = live.watcher.on_planned](const FrameReport& report, const Plan& plan) {
@@ -305,13 +268,12 @@ TEST(Tuning, OfALoopChangesWhileItSoundsAndEndsInTime) {
 }
 
 TEST(Tuning, OfEveryFrameIsThatOfSpots) {
-  Live live(16);
-  live.options.every_frame = true;
+  Live live(16, true);
   const LoopStats stats = live.run();
   EXPECT_FALSE(stats.tune.value().of_array);
   ASSERT_EQ(live.strides.size(), 16u);
   EXPECT_FALSE(live.changed());
-  Live spot(16);
+  Live spot(16, false);
   spot.setting.schedule.spot_m = acoustics::SpectrumOptions().fwhm_m;
   EXPECT_FALSE(spot.run().tune.value().of_array);
   EXPECT_FALSE(spot.changed()) << "the array is not asked if a spot replaces it";

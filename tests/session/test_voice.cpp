@@ -60,17 +60,6 @@ TEST(Voice, KeepsAFingersFoci) {
   EXPECT_EQ(voice.dwell_s, 1.5e-3);
 }
 
-TEST(Voice, AnEmptySectorPlaysTheNearestOtherByAngle) {
-  // 3 is as near to 2 as to 4: the lower index. 0 is nearest to 9, the long way round in index.
-  EXPECT_EQ(places(voice_of(finger_with({0, 0, 1, 0, 1, 1, 1, 1, 1, 1}))),
-            (std::vector<double>{9, 2, 2, 2, 4, 5, 6, 7, 8, 9}));
-  // 0 lies between 1 and 9.
-  EXPECT_EQ(places(voice_of(finger_with({0, 1, 1, 1, 1, 1, 1, 1, 1, 1})))[0], 1);
-  // 9 lies between 8 and 0: the lower index is 0.
-  EXPECT_EQ(places(voice_of(finger_with({1, 1, 1, 1, 1, 1, 1, 1, 1, 0})))[9], 0);
-  EXPECT_EQ(places(voice_of(finger_with({0, 0, 0, 0, 0, 0, 2, 0, 0, 0}))), std::vector<double>(10, 6.0));
-}
-
 TEST(Voice, NearestOtherAgreesWithAngles) {
   EXPECT_TRUE(rc::check([] {
     const auto points =
@@ -122,27 +111,6 @@ TEST(Voice, TogetherLeavesEmptySectorsOut) {
   EXPECT_EQ(voice.order, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(voice.foci_per_slot, 3u);
   EXPECT_EQ(voice.modulation_hz, 200) << "nothing moves";
-}
-
-TEST(Voice, AreMadeAgainWithoutAllocating) {
-  Schedule schedule;
-  std::vector<SlotFocus> foci;
-  const touch::Finger finger = finger_with(std::vector<std::uint32_t>(10, 1));
-  touch::Placement placement;
-  const void* storage[4] = {};
-  for (int frame = 0; frame < 3; ++frame) {
-    schedule.clear();
-    for (std::uint32_t id = 0; id < 5; ++id) {
-      touch::place_foci({}, finger, {}, placement);
-      make_voice(placement, id, 0, {}, schedule.add_voice());
-    }
-    foci_of_slot(schedule, 0, foci);
-    const void* now[4] = {schedule.voices[4].foci.data(), schedule.voices[4].order.data(), foci.data(),
-                          placement.foci.data()};
-    EXPECT_TRUE(frame == 0 || std::ranges::equal(now, storage));
-    std::ranges::copy(now, storage);
-  }
-  EXPECT_EQ(schedule.voice_count, 5u);
 }
 
 TEST(ByFinger, VoicesAreMatchedByTheirIds) {

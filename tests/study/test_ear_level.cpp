@@ -10,6 +10,7 @@
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::study {
 namespace {
@@ -55,6 +56,82 @@ TEST(EarLevel, FollowsTheCeilingAndTheMinutes) {
   // Each method: 4 x 10 s, 180 s, 10 s, 40 x 10 s.
   EXPECT_DOUBLE_EQ(full.sounding_s, 2 * 630);
   EXPECT_NEAR(full.equivalent_db(), full.loudest_db() - 10 * std::log10(28800.0 / 1260), 1e-9);
+}
+
+/// One transducer that faces an ear at 0.5 m: every drive is its full amplitude. It has 4.386 Pa m / r, less what air
+/// absorbs: at 0.4 m, the nearest place of the ball, 10.3 Pa, which is 111.25 dB. The nearest of the places that are
+/// tried is up to a centimetre farther away.
+TEST(EarLevel, OfOneTransducerIsWorkedOut) {
+  array::Layout one;
+  one.name = "one";
+  one.transducers = {{Vec3(0, -0.2, 0), Vec3(0, 1, 0)}};
+  const array::KnownLayout known(one);
+  StudyPlan plan = plan_on(known.name());
+  plan.level.ears = {Vec3(0, 0.3, 0), Vec3(0, 0.3, 0)};
+  const EarLevel level = predict_ear_level(plan);
+  EXPECT_NEAR(level.bound_db, 111.1, 0.16);
+  for (const double db : level.db)
+    EXPECT_NEAR(db, level.bound_db + untried_db, 1e-3);
+  // Two of them beside each other are in phase somewhere, and then have twice the pressure.
+  one.name = "two";
+  one.transducers.push_back({Vec3(0.01, -0.2, 0), Vec3(0, 1, 0)});
+  const array::KnownLayout known_two(one);
+  for (PlanMethod& method : plan.methods)
+    method.layout = known_two.name();
+  const EarLevel two = predict_ear_level(plan);
+  EXPECT_NEAR(two.bound_db - level.bound_db, 20 * std::log10(2.0), 0.05);
+  EXPECT_LE(two.predicted_db(), two.bound_db + untried_db);
+  EXPECT_GT(two.predicted_db(), two.bound_db - 1);
+}
+
+TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
+  StudyPlan plan = plan_on("openmpd");
+  const EarLevel usual = predict_ear_level(plan);
+  EXPECT_EQ(usual.foci.size(), 1u) << "normalised, single foci are the loudest";
+  EXPECT_FALSE(usual.full_amplitude);
+  plan.shapes[1].asks_pressure = true;
+  const EarLevel asking = predict_ear_level(plan);
+  EXPECT_TRUE(asking.full_amplitude);
+  EXPECT_GT(asking.foci.size(), 1u);
+  EXPECT_NEAR(usual.predicted_db(), 136.7 + untried_db, 0.1);
+  EXPECT_NEAR(asking.predicted_db(), 140.7 + untried_equal_db, 0.1);
+  EXPECT_NEAR(asking.bound_db, usual.bound_db, 1e-9);
+  EXPECT_GT(asking.bound_db, asking.predicted_db());
+  // Boards without amplitudes: a quarter of the transducers sounds at full amplitude.
+  StudyPlan on_off = plan_on("sonicsurface");
+  on_off.level.ears = plan.level.ears;
+  EXPECT_NEAR(predict_ear_level(on_off).predicted_db(), asking.predicted_db(), 0.5) << "the same places";
+  const double full_db = predict_ear_level(on_off).predicted_db();
+  on_off.level.ceiling = 0.25;
+  EXPECT_NEAR(predict_ear_level(on_off).predicted_db(), full_db + 10 * std::log10(0.25), 1e-3);
+}
+
+/// 104 dB at 2 % of the amplitude are 110.02 dB at 4 %.
+TEST(EarLevel, AReadingReplacesThePrediction) {
+  StudyPlan plan = plan_on("openmpd", 0.04);
+  plan.level.measured_db = 104;
+  plan.level.measured_ceiling = 0.02;
+  const EarLevel level = predict_ear_level(plan);
+  EXPECT_NEAR(level.loudest_db(), 110.0206, 1e-4);
+  EXPECT_NEAR(level.equivalent_db(), 110.0206 + 10 * std::log10(1260 / 28800.0), 1e-4);
+  EXPECT_EQ(level.predicted_db(), predict_ear_level(plan_on("openmpd", 0.04)).predicted_db());
+  EXPECT_EQ(doubt_of_reading(plan, level), "");
+  EXPECT_ERROR(refuse_loud(plan, level, ""), Exit::usage, "110.0 dB are measured at an ear");
+  plan.level.ceiling = 0.0399;
+  refuse_loud(plan, predict_ear_level(plan), "");
+  // A plan that nobody can hear is silent, whatever was read.
+  plan.level.ceiling = 0;
+  EXPECT_LT(predict_ear_level(plan).loudest_db(), -20);
+  plan.level.ceiling = 0.04;
+  plan.level.measured_db = 60;
+  EXPECT_NE(doubt_of_reading(plan, predict_ear_level(plan)).find("does not hear 40 kHz"), std::string::npos);
+  // Boards without amplitudes get quieter by less.
+  StudyPlan on_off = plan_on("sonicsurface", 0.025);
+  on_off.level.measured_db = 98;
+  on_off.level.measured_ceiling = 0.1;
+  EXPECT_NEAR(predict_ear_level(on_off).loudest_db(), 98 - 6.0206, 1e-4);
+  on_off.level.ceiling = 0.2;
+  EXPECT_NEAR(predict_ear_level(on_off).loudest_db(), 98 + 6.0206, 1e-4);
 }
 
 TEST(EarLevel, ThePapersArrayIsFarTooLoudAtFullAmplitude) {

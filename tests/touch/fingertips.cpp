@@ -5,10 +5,10 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::touch::test {
@@ -21,11 +21,7 @@ double radians(double degrees) {
 }
 
 const geometry::Mesh& finger() {
-  static const geometry::Mesh mesh = [] {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    return geometry::Mesh{std::move(ply.positions), std::move(ply.triangles)};
-  }();
-  return mesh;
+  return palpa::test::finger_skin().mesh;
 }
 
 Transform pose_of(const Press& press) {
@@ -45,6 +41,26 @@ Transform pose_of(const Press& press) {
   }
   T[3] = Vec4(Vec3(press.x, press.y - up * press.press_m, press.z) - foremost, 1);
   return T;
+}
+
+/// The press that each contact belongs to: the one whose finger's surface is nearest.
+std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses) {
+  std::vector<std::uint32_t> out;
+  for (const Contact& contact : touch.contacts) {
+    double nearest = 1e300;
+    std::uint32_t owner = 0;
+    for (std::uint32_t f = 0; f < presses.size(); ++f) {
+      const Transform T = pose_of(presses[f]);
+      for (const Vec3& p : finger().positions) {
+        const double apart = glm::distance(transform_point(T, p), Vec3(contact.position));
+        if (apart >= nearest) continue;
+        nearest = apart;
+        owner = f;
+      }
+    }
+    out.push_back(owner);
+  }
+  return out;
 }
 
 }  // namespace
@@ -83,25 +99,6 @@ std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& c
   sensing::FrameSet set;
   rig.render(skin, seed, set);
   return set.frames;
-}
-
-std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses) {
-  std::vector<std::uint32_t> out;
-  for (const Contact& contact : touch.contacts) {
-    double nearest = 1e300;
-    std::uint32_t owner = 0;
-    for (std::uint32_t f = 0; f < presses.size(); ++f) {
-      const Transform T = pose_of(presses[f]);
-      for (const Vec3& p : finger().positions) {
-        const double apart = glm::distance(transform_point(T, p), Vec3(contact.position));
-        if (apart >= nearest) continue;
-        nearest = apart;
-        owner = f;
-      }
-    }
-    out.push_back(owner);
-  }
-  return out;
 }
 
 std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses) {

@@ -33,9 +33,6 @@ struct Press {
 std::vector<sensing::DepthFrame> images_of(const std::vector<sensing::Camera>& cameras,
                                            const std::vector<Press>& presses, std::uint64_t seed);
 
-/// The press that each contact belongs to: the one whose finger's surface is nearest.
-std::vector<std::uint32_t> owners(const Touch& touch, const std::vector<Press>& presses);
-
 /// For each finger, the number of presses whose contacts it holds. A press with less than a tenth of the finger's
 /// contacts does not count.
 std::vector<int> presses_in_fingers(const Touch& touch, const std::vector<Press>& presses);

@@ -51,7 +51,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
 }
 
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-               const Parameters& parameters) {
+               const Parameters& parameters, int gpu_runs) {
   if (backend == Backend::cpu) {
     Touch out;
     Stage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
@@ -59,7 +59,7 @@ Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std:
   }
   const auto count = static_cast<std::uint32_t>(points.size());
   return touch_on_device(indexed(points), solids,
-                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 2);
+                         {.parameters = parameters, .most_points = count, .most_contacts = count}, gpu_runs);
 }
 
 geometry::Solid cube() {
@@ -86,23 +86,6 @@ geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count
   solid.planes.push_back({{0, -1, 0}, -centre.y});
   solid.bounds.low.y = centre.y;
   return solid;
-}
-
-geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale) {
-  geometry::Solid out = solid;
-  out.bounds = {};
-  for (geometry::Plane& plane : out.planes) {
-    const Vec3 on_plane = transform_point(T_world_solid, plane.normal * plane.offset * scale);
-    plane.normal = transform_direction(T_world_solid, plane.normal);
-    plane.offset = glm::dot(plane.normal, on_plane);
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at(corner & 1 ? solid.bounds.high.x : solid.bounds.low.x,
-                  corner & 2 ? solid.bounds.high.y : solid.bounds.low.y,
-                  corner & 4 ? solid.bounds.high.z : solid.bounds.low.z);
-    out.bounds.add(transform_point(T_world_solid, at * scale));
-  }
-  return out;
 }
 
 namespace {

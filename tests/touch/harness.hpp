@@ -33,9 +33,9 @@ class DeviceStage : public Stage {
       : Stage(test_passes(), solids, cameras, setting) {}
 };
 
-/// One touch of points whose index is their place. On the GPU, it runs twice in reused memory: both runs must agree.
+/// One touch of points whose index is their place. On the GPU, all runs in reused memory must agree.
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-               const Parameters& parameters = {});
+               const Parameters& parameters = {}, int gpu_runs = 2);
 /// The same on the device for any indices and setting; `times` gets the passes' times of the last of `runs`.
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
                       const StageSetting& setting, int runs = 1, std::vector<gpu::PassTime>* times = nullptr);
@@ -49,8 +49,6 @@ geometry::Solid cube();
 geometry::Solid ball(const Vec3& centre, double radius, std::uint32_t count, const std::string& name = "ball");
 /// The half of a ball with its flat side down.
 geometry::Solid half_ball(const Vec3& centre, double radius, std::uint32_t count);
-/// A solid moved by a rigid motion and scaled about the origin.
-geometry::Solid moved(const geometry::Solid& solid, const Transform& T_world_solid, double scale = 1);
 
 /// Points on the skin of a finger of 8 mm radius that dips `depth` below y = 0 at (x, z), about 0.35 mm apart. Leaves
 /// out points above `highest`, which long films do not need.

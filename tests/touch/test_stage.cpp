@@ -3,15 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-#include <utility>
-
 #include "base/error.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "touch/contacts/pixel_stride.hpp"
@@ -26,17 +22,12 @@ using palpa::test::source_file;
 struct Scene {
   std::vector<sensing::Camera> cameras = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras;
   std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(source_file("assets/cube.glb")));
-  geometry::Mesh finger;
 
-  Scene() {
-    geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
-    finger = {std::move(ply.positions), std::move(ply.triangles)};
-  }
   std::vector<sensing::DepthFrame> frames(double depth_m) const {
     sensing::SyntheticRig rig(cameras, {}, sensing::Noise::d415, 1);
     Transform T(1.0);
     T[3] = Vec4(0, -depth_m, 0, 1);
-    const sensing::Posed posed{&finger, T};
+    const sensing::Posed posed{&palpa::test::finger_skin().mesh, T};
     sensing::FrameSet set;
     rig.render(std::span(&posed, 1), 0, set);
     return set.frames;
@@ -99,80 +90,13 @@ TEST(Stage, AtAStrideFewerContactsMakeAFinger) {
 }
 
 TEST(Stage, AStrideNeverTakesPixelsOfOneFingerFartherApartThanTheGap) {
-  Scene scene;
-  Parameters parameters;
-  for (const double gap_m : {0.5e-3, 2e-3, 5e-3, 50e-3}) {
-    parameters.finger_gap_m = gap_m;
-    Stage host(scene.solids, scene.cameras, {.parameters = parameters});
-    const std::uint32_t most = host.most_pixel_stride();
-    EXPECT_GE(most, 1u);
-    EXPECT_LE(most, 4u);
-    if (gap_m < 1e-3) {
-      EXPECT_EQ(most, 1u);
-    }
-    if (gap_m > 10e-3) {
-      EXPECT_EQ(most, 4u);
-    }
-  }
-}
-
-TEST(Stage, PointsOnTheDeviceAreThoseOfTheTwin) {
-  const std::vector<geometry::Solid> solids{cube()};
-  DeviceStage stage(solids, {}, {.most_points = 10'000});
-  Stage host(solids);
-  for (const std::uint32_t count : {10'000u, 0u, 3000u}) {
-    const auto points = indexed(fingertip(count, 3e-3));
-    Touch expected, found;
-    host.touch(points, expected);
-    stage.touch(points, found);
-    expect_identical(expected, found);
-  }
-}
-
-class StageOn : public OnBothBackends {};
-INSTANTIATE_TEST_SUITE_P(, StageOn, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
-
-TEST_P(StageOn, KnowsHowDeepFingersPress) {
   const Scene scene;
-  const auto images = scene.frames(3e-3);
-  for (const bool deep : {false, true}) {
-    Touch touch;
-    const StageSetting setting{.parameters = {.deep = deep}};
-    if (GetParam() == Backend::cpu) {
-      Stage(scene.solids, scene.cameras, setting).touch(images, touch);
-    } else {
-      DeviceStage(scene.solids, scene.cameras, setting).touch(images, touch);
-    }
-    ASSERT_EQ(touch.finger_count, 1u);
-    if (deep) {
-      EXPECT_NEAR(touch.fingers[0].depth_m, 3e-3F, 0.7e-3F);
-      EXPECT_GT(touch.fingers[0].depth_m, 1.5e-3F);
-    } else {
-      EXPECT_GT(touch.fingers[0].depth_m, 1e-3F);
-      EXPECT_LT(touch.fingers[0].depth_m, 1.5e-3F);
-    }
-  }
-}
-
-TEST_P(StageOn, FollowsFingersWhereItIsTold) {
-  const Scene scene;
-  const auto cpu = std::make_unique<Stage>(scene.solids, scene.cameras, StageSetting{.follow = true});
-  DeviceStage gpu(scene.solids, scene.cameras, {.follow = true});
-  Touch touch;
-  const auto frame = [&](double depth, double time_s) {
-    const auto images = scene.frames(depth);
-    GetParam() == Backend::cpu ? cpu->touch(images, touch, time_s) : gpu.touch(images, touch, time_s);
+  const auto most = [&](double gap_m) {
+    return Stage(scene.solids, scene.cameras, {.parameters = {.finger_gap_m = gap_m}}).most_pixel_stride();
   };
-  frame(3e-3, 0);
-  ASSERT_EQ(touch.finger_count, 1u);
-  EXPECT_EQ(touch.fingers[0].id, 0u);
-  frame(3e-3, 1.0 / 90);
-  EXPECT_EQ(touch.fingers[0].id, 0u);
-  frame(-0.1, 2.0 / 90);
-  EXPECT_EQ(touch.finger_count, 0u);
-  frame(3e-3, 10);  // forgotten by then
-  ASSERT_EQ(touch.finger_count, 1u);
-  EXPECT_EQ(touch.fingers[0].id, 1u);
+  EXPECT_EQ(most(0.5e-3), 1u);
+  EXPECT_GE(most(5e-3), most(2e-3));
+  EXPECT_EQ(most(50e-3), 4u);
 }
 
 TEST(Stage, RefusesInputThatDoesNotFit) {
@@ -195,27 +119,8 @@ TEST(Stage, SaysWhenCamerasSeeMoreThanThereIsRoomFor) {
   const Scene scene;
   DeviceStage stage(scene.solids, scene.cameras, {.most_points = 100});
   Touch touch;
-  try {
-    stage.touch(scene.frames(3e-3), touch);
-    FAIL() << "read all the same";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("skin points in one frame: there is room for 100"), std::string::npos)
-        << error.what();
-  }
-}
-
-TEST_P(StageOn, RefusesParametersWhenItIsMade) {
-  for (const auto& [bad, fault] : {std::pair{Parameters{.delta_m = 0}, "delta is 0 m"},
-                                   {Parameters{.finger_gap_m = -1}, "finger gap is -1 m"},
-                                   {Parameters{.foci = 0}, "0 foci"},
-                                   {Parameters{.finger_gap_m = 1e-9}, "finger gap is 1e-09 m"}}) {
-    const StageSetting setting{.parameters = bad};
-    if (GetParam() == Backend::cpu) {
-      EXPECT_ERROR(Stage({cube()}, {}, setting), Exit::usage, fault);
-    } else {
-      EXPECT_ERROR(Stage(test_passes(), {cube()}, {}, setting), Exit::usage, fault);
-    }
-  }
+  const Error error = palpa::test::thrown_by([&] { stage.touch(scene.frames(3e-3), touch); });
+  EXPECT_CONTAINS(error.what(), "skin points in one frame: there is room for 100");
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "usb/uvc_requests.hpp"
-
 namespace palpa::test {
 namespace {
 
@@ -59,11 +57,12 @@ std::vector<std::uint8_t> D400Unit::descriptor(std::uint8_t source) {
 
 Answer D400Unit::control(const ControlRequest& request, std::vector<std::uint8_t>& bytes) {
   const auto found = controls_.find(high(request.value));
-  if (found == controls_.end()) return Answer::stalled;
+  if (found == controls_.end() || (busy > 0 && busy-- > 0)) return Answer::stalled;
   std::vector<std::uint8_t>& current = found->second;
   switch (request.request) {
     case set_cur:
       if (bytes.size() != current.size()) return Answer::stalled;
+      if (found->first == exposure && automatic()) return Answer::stalled;  // the automatic goes first
       current = bytes;
       if (found->first == monitor) obey();
       return Answer::done;
@@ -95,14 +94,15 @@ void D400Unit::obey() {
   const auto opcode = number_at<std::uint32_t>(letter, opcode_at);
   const auto parameter = number_at<std::uint32_t>(letter, parameter_at);
   constexpr std::size_t fields = data_at - opcode_at;
-  std::vector<std::uint8_t> table(sizeof depth_table_);
-  if (number_at<std::uint16_t>(letter, 2) != magic || length < fields) return reply(wrong_command, {});
+  std::vector<std::uint8_t> table(sizeof depth_table);
+  const std::size_t data = opcode == set_advanced ? table.size() : 0;
+  if (number_at<std::uint16_t>(letter, 2) != magic || length != fields + data) return reply(wrong_command, {});
   if (opcode == get_advanced && parameter == depth_control) {
-    std::memcpy(table.data(), depth_table_.data(), table.size());
+    std::memcpy(table.data(), depth_table.data(), table.size());
     return reply(opcode, table);
   }
-  if (opcode == set_advanced && parameter == depth_control && length == fields + table.size()) {
-    std::memcpy(depth_table_.data(), letter.data() + data_at, table.size());
+  if (opcode == set_advanced && parameter == depth_control) {
+    if (!keeps_unit) std::memcpy(depth_table.data(), letter.data() + data_at, table.size());
     return reply(opcode, {});
   }
   if (opcode == get_calibration && parameter == coefficients) return reply(opcode, calibration());
@@ -124,7 +124,7 @@ std::vector<std::uint8_t> D400Unit::calibration() const {
   put_at<std::uint16_t>(table, 2, coefficients);
   put_at<std::uint32_t>(table, 4, all - header);
   std::memcpy(table.data() + lenses_at + 3 * lens_bytes, lens.data(), lens_bytes);
-  put_at(table, 12, checksum(table.data() + header, table.data() + all));
+  put_at(table, 12, checksum(table.data() + header, table.data() + all) ^ (wrong_checksum ? 1 : 0));
   return table;
 }
 

@@ -21,13 +21,16 @@ class D400Unit {
   Answer control(const ControlRequest& request, std::vector<std::uint8_t>& bytes);
 
   // The current settings. Cameras leave the factory with these.
-  std::uint32_t depth_unit_um() const { return depth_table_[0]; }
+  std::array<std::uint32_t, 5> depth_table{1000, 7, 65535, 0, 5};  ///< the depth unit in micrometres, and others
   std::uint32_t exposure_us() const { return value(3, 4); }
   bool automatic() const { return value(0x0b, 1) != 0; }
   std::uint32_t preset() const { return value(6, 1); }
 
   /// fx, fy, cx, cy of 848x480 in its calibration.
   std::array<float, 4> lens{640, 640, 423.5, 239.5};
+  bool keeps_unit = false;      ///< it takes another depth unit, and does not change it
+  bool wrong_checksum = false;  ///< of its calibration
+  int busy = 0;                 ///< this many requests are refused before one is accepted
 
  private:
   std::uint32_t value(std::uint8_t selector, std::size_t size) const;
@@ -36,7 +39,6 @@ class D400Unit {
   std::vector<std::uint8_t> calibration() const;
 
   std::map<std::uint8_t, std::vector<std::uint8_t>> controls_;  ///< by selector; their lengths differ
-  std::array<std::uint32_t, 5> depth_table_{1000, 0, 65535, 0, 0};
 };
 
 }  // namespace palpa::test

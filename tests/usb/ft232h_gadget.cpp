@@ -13,36 +13,14 @@ using driver::usb::Outcome;
 Ft232hGadget::Ft232hGadget(driver::usb::Peripheral& peripheral) : peripheral_(peripheral) {
   const auto& identity = peripheral.identity();
   // The descriptors of a real FT232H module: one interface of the vendor's class, two bulk endpoints, 90 mA.
-  descriptors_.device = {18,
-                         1,
-                         0x00,
-                         0x02,
-                         0,
-                         0,
-                         0,
-                         64,
-                         low(identity.vendor),
-                         high(identity.vendor),
-                         low(identity.product),
-                         high(identity.product),
-                         low(identity.release),
-                         high(identity.release),
-                         1,
-                         2,
-                         3,
-                         1};
-  descriptors_.configuration = {9,    2,    32,
-                                0,    1,    1,
-                                0,    0xa0, 45,  //
-                                9,    4,    0,
-                                0,    2,    0xff,
-                                0xff, 0xff, 2,  //
-                                7,    5,    ftdi::endpoint_in,
-                                2,    0x00, 0x02,
-                                0,  //
-                                7,    5,    ftdi::endpoint_out,
-                                2,    0x00, 0x02,
-                                0};
+  descriptors_.device = {18, 1, 0x00, 0x02, 0, 0, 0, 64};
+  for (const unsigned id : {identity.vendor, identity.product, identity.release})
+    append(descriptors_.device, {low(id), high(id)});
+  append(descriptors_.device, {1, 2, 3, 1});
+  descriptors_.configuration = {9, 2, 32, 0, 1, 1, 0, 0xa0, 45};
+  append(descriptors_.configuration, {9, 4, 0, 0, 2, 0xff, 0xff, 0xff, 2});
+  for (const std::uint8_t endpoint : {ftdi::endpoint_in, ftdi::endpoint_out})
+    append(descriptors_.configuration, {7, 5, endpoint, 2, 0x00, 0x02, 0});
   descriptors_.strings = {"FTDI", "UM232H", identity.serial};
 }
 

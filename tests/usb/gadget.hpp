@@ -53,12 +53,28 @@ class Gadget {
 /// A request that all devices know, answered from the descriptors.
 Answer standard_request(Gadget& gadget, const ControlRequest& request, std::vector<std::uint8_t>& bytes);
 
+/// A host's requests to a UVC device's controls (UVC 1.5, table A-8).
+enum UvcRequest : std::uint8_t {
+  set_cur = 0x01,
+  get_cur = 0x81,
+  get_min,
+  get_max,
+  get_res,
+  get_len,
+  get_info,
+  get_def
+};
+
 /// For descriptors: low byte first.
 constexpr std::uint8_t low(unsigned value) {
   return static_cast<std::uint8_t>(value & 0xff);
 }
 constexpr std::uint8_t high(unsigned value) {
   return static_cast<std::uint8_t>(value >> 8 & 0xff);
+}
+
+inline void append(std::vector<std::uint8_t>& to, const std::vector<std::uint8_t>& what) {
+  to.insert(to.end(), what.begin(), what.end());
 }
 
 }  // namespace palpa::test

@@ -2,11 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
-#include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "driver/openmpd/emulator.hpp"
@@ -14,15 +11,6 @@
 #include "usb/vhci_port.hpp"
 
 namespace palpa::test {
-
-/// Checks repeatedly; false if the time is up first.
-inline bool eventually(double seconds, const std::function<bool()>& condition) {
-  for (int i = 0; i < 100 * seconds; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return condition();
-}
 
 class PluggedBoard {
  public:

@@ -12,6 +12,7 @@
 
 #include "cli/support/process.hpp"
 #include "support/files.hpp"
+#include "support/thrown.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"
 
@@ -33,6 +34,20 @@ void expect_one_recovery(const Loop& loop, const std::string& trouble) {
   EXPECT_EQ(times_said(said, "\n"), 2u) << said;
 }
 
+/// A board, and a loop that plays to it.
+struct Sweep {
+  Sweep() { EXPECT_TRUE(plays_on(board)) << loop.said(); }
+  void expect_recovery(const std::string& trouble) {
+    EXPECT_TRUE(plays_on(board)) << loop.said();
+    EXPECT_EQ(loop.end(), 0);
+    expect_one_recovery(loop, trouble);
+    EXPECT_EQ(board.faults_at_the_end(), none);
+  }
+
+  PluggedBoard board{"EMU1"};
+  Loop loop{"link", sweep_of("openmpd:EMU1")};
+};
+
 /// The process that holds the loop's board; 0 if there is none.
 pid_t guard() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -42,17 +57,12 @@ pid_t guard() {
 }
 
 TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.unplug_after = 2 * 512 + 200;
-  ASSERT_TRUE(eventually(2, [&] { return !board.port.plugged(); }));
-  board.port.unplug();
-  board.port.plug();
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: ");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  Sweep sweep;
+  sweep.board.gadget.unplug_after = 2 * 512 + 200;
+  ASSERT_TRUE(eventually(2, [&] { return !sweep.board.port.plugged(); }));
+  sweep.board.port.unplug();
+  sweep.board.port.plug();
+  sweep.expect_recovery("board EMU1: ");
 }
 
 TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
@@ -70,65 +80,40 @@ TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
   EXPECT_EQ(right.faults_at_the_end(), none);
 }
 
-TEST(FaultsOnUsb, AnEndpointStalls) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.stalls = true;
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_FALSE(board.gadget.stalls) << "the halt is cleared";
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: the device refuses it; silent until it is in step again");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+TEST(FaultsOnUsb, AStalledEndpointIsClearedAndTheBoardPlaysOn) {
+  Sweep sweep;
+  sweep.board.gadget.stalls = true;
+  sweep.expect_recovery("board EMU1: the device refuses it; silent until it is in step again");
+  EXPECT_FALSE(sweep.board.gadget.stalls) << "the halt is cleared";
 }
 
-TEST(FaultsOnUsb, TakesNoBytesForAWhile) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(plays_on(board)) << loop.said();
-  board.gadget.takes_nothing = true;
-  EXPECT_TRUE(eventually(5, [&] { return !loop.said().empty(); }));
-  board.gadget.takes_nothing = false;
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  expect_one_recovery(loop, "board EMU1: it takes no bytes; silent until it is in step again");
-  EXPECT_EQ(board.faults_at_the_end(), none);
+TEST(FaultsOnUsb, ABoardThatTakesNoBytesForAWhilePlaysOn) {
+  Sweep sweep;
+  sweep.board.gadget.takes_nothing = true;
+  EXPECT_TRUE(eventually(5, [&] { return !sweep.loop.said().empty(); }));
+  sweep.board.gadget.takes_nothing = false;
+  sweep.expect_recovery("board EMU1: it takes no bytes; silent until it is in step again");
 }
 
 TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
-  loop.signal(SIGKILL);
-  loop.wait();
+  Sweep sweep;
+  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
+  sweep.loop.signal(SIGKILL);
+  sweep.loop.wait();
   EXPECT_TRUE(eventually(2, [&] { return guard() == 0; })) << "the guard leaves";
-  EXPECT_EQ(board.faults_at_the_end(), none);
-}
-
-TEST(FaultsOnUsb, AStoppedLoopIsSilentAndPlaysOn) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
-  loop.signal(SIGSTOP);
-  EXPECT_TRUE(eventually(2, [&] { return !board.sounds(); }));
-  EXPECT_FALSE(eventually(0.2, [&] { return board.sounds(); })) << "and stays silent";
-  loop.signal(SIGCONT);
-  EXPECT_TRUE(plays_on(board)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }
 
 TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
-  PluggedBoard board("EMU1");
-  Loop loop("link", sweep_of("openmpd:EMU1"));
-  ASSERT_TRUE(eventually(8, [&] { return board.sounds(); })) << loop.said();
+  Sweep sweep;
+  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
   ASSERT_NE(guard(), 0);
   kill(guard(), SIGKILL);
-  EXPECT_EQ(loop.wait(), 1);
-  EXPECT_EQ(times_said(loop.said(), "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u)
-      << loop.said();
+  EXPECT_EQ(sweep.loop.wait(), 1);
+  const std::string said = sweep.loop.said();
+  EXPECT_EQ(times_said(said, "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u) << said;
   EXPECT_EQ(guard(), 0);
-  EXPECT_EQ(board.faults_at_the_end(), none);
+  EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }
 
 TEST(FaultsOnUsb, ABoardInSerialModeIsRefused) {
@@ -170,18 +155,6 @@ TEST(FaultsOnUsb, ABoardOfAnotherSerialNumberIsLeftAlone) {
   EXPECT_EQ(board.gadget.bytes_taken, 0u);
 }
 
-TEST(FaultsOnUsb, OfTwoWithOneSerialNumberThePlaceSaysWhich) {
-  PluggedBoard left("EMU1"), right("EMU1");
-  expect_failure(palpa(with({"link"}, sweep_of("openmpd:EMU1"))), 2,
-                 "EMU1@" + left.port.place() + ",EMU1@" + right.port.place());
-  EXPECT_EQ(left.gadget.requests + right.gadget.requests, 0u);
-  Loop loop("link", sweep_of("openmpd:EMU1@" + right.port.place()));
-  EXPECT_TRUE(plays_on(right)) << loop.said();
-  EXPECT_EQ(loop.end(), 0);
-  EXPECT_EQ(left.gadget.requests, 0u);
-  EXPECT_EQ(right.faults_at_the_end(), none);
-}
-
 /// A module of the kernel, loaded while this object lives.
 class Module {
  public:
@@ -196,13 +169,12 @@ class Module {
   std::string name_;
 };
 
-TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
+TEST(FaultsOnUsb, ABoardThatTheKernelMadeASerialPortPlaysAndIsGivenBack) {
   const Module serial("usbserial"), ftdi("ftdi_sio");
   PluggedBoard board("EMU1");
   ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
-  EXPECT_NE(doctor.out.find("the kernel uses it as a serial port, which palpa removes"), std::string::npos)
-      << doctor.out;
+  EXPECT_CONTAINS(doctor.out, "the kernel uses it as a serial port, which palpa removes");
   Loop loop("link", sweep_of("openmpd:EMU1"));
   EXPECT_TRUE(plays_on(board)) << loop.said();
   EXPECT_FALSE(std::filesystem::exists("/dev/ttyUSB0"));
@@ -210,15 +182,6 @@ TEST(FaultsOnUsb, TheKernelHasMadeTheBoardASerialPort) {
   EXPECT_EQ(loop.said(), "");
   EXPECT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); })) << "the kernel has it back";
   EXPECT_EQ(board.faults_at_the_end(), none);
-}
-
-TEST(FaultsOnUsb, WhoMayNotOpenABoardIsTold) {
-  PluggedBoard board("EMU1");
-  const Result result = palpa_as("nobody", with({"link"}, sweep_of("openmpd:EMU1")));
-  expect_failure(result, 1, "board EMU1 cannot be opened: Access denied");
-  const Result doctor = palpa_as("nobody", {"doctor", "--backend", "cpu"});
-  EXPECT_NE(doctor.out.find("70-palpa.rules"), std::string::npos) << doctor.out << doctor.err;
-  EXPECT_EQ(board.gadget.requests, 0u);
 }
 
 }  // namespace

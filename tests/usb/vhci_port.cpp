@@ -53,14 +53,6 @@ std::string first_line(const std::filesystem::path& file) {
   return line;
 }
 
-bool within(double seconds, const std::function<bool()>& condition) {
-  for (int i = 0; i < 200 * seconds; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return condition();
-}
-
 bool send_all(int fd, const void* bytes, std::size_t count) {
   const auto* at = static_cast<const char*>(bytes);
   while (count > 0) {
@@ -90,6 +82,14 @@ struct VhciPort::Message {
   std::uint32_t field(std::size_t i) const { return be32toh(fields[i]); }
 };
 
+bool eventually(double seconds, const std::function<bool()>& condition) {
+  for (int i = 0; i < 200 * seconds; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return condition();
+}
+
 void VhciPort::plug() {
   static_assert(sizeof(Message) == 48);
   std::array<int, 2> ends{};
@@ -114,7 +114,7 @@ void VhciPort::plug() {
     }
   }
   const bool known =
-      attached && within(5, [&] {
+      attached && eventually(5, [&] {
         return !first_line(devices / place_ / "bConfigurationValue").empty() && std::filesystem::exists(device_file());
       });
   if (known) return;
@@ -136,7 +136,7 @@ void VhciPort::unplug() {
   // The port is free before the device has disappeared.
   const std::filesystem::path device = std::filesystem::path("/sys/bus/usb/devices") / place_;
   static_cast<void>(
-      within(5, [&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
+      eventually(5, [&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
 }
 
 /// The thread, from plug to unplug.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -16,6 +17,9 @@
 #include "usb/gadget.hpp"
 
 namespace palpa::test {
+
+/// Checks repeatedly; false if the time is up first.
+bool eventually(double seconds, const std::function<bool()>& condition);
 
 class VhciPort {
  public:

@@ -5,8 +5,6 @@
 #include <initializer_list>
 #include <iterator>
 
-#include "usb/uvc_requests.hpp"
-
 namespace palpa::test {
 namespace {
 
@@ -42,10 +40,6 @@ std::uint32_t get32(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   for (std::size_t i = 0; i < 4; ++i)
     value |= std::uint32_t{bytes[at + i]} << 8 * i;
   return value;
-}
-
-void append(std::vector<std::uint8_t>& to, const std::vector<std::uint8_t>& what) {
-  to.insert(to.end(), what.begin(), what.end());
 }
 
 void append32(std::vector<std::uint8_t>& to, std::initializer_list<std::uint32_t> values) {
@@ -195,7 +189,6 @@ Answer Z16Camera::carry(double now_s, UsbTransfer& transfer) {
   if (ends) {
     at_ = 0;
     toggle_ ^= 1;
-    ++frames;
   }
   return Answer::done;
 }

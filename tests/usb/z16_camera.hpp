@@ -30,7 +30,6 @@ class Z16Camera final : public Gadget {
     broken_frame  ///< every frame is marked as broken
   };
   std::atomic<Fault> fault{Fault::none};
-  std::atomic<std::uint64_t> frames{0};     ///< frames whose last byte the kernel has fetched
   std::atomic<std::uint32_t> period_ns{0};  ///< the period that was requested last; 0: none was
   std::atomic<bool> streams{false};
 

@@ -97,6 +97,8 @@ constexpr Meaning meanings[] = {
     {"--solver", "gs-pat", "makes all foci equally loud"},
     {"--solver", "greedy", "sets one transducer after the other, only by phases"},
     {"--solver", "loudest", "makes the weakest focus as loud as possible"},
+    {"--solver", "eigenvalue", "as in Long's work, to compare: even only where amplitudes are in proportion"},
+    {"--solver", "back-propagation", "as in Marzo's work, to compare: loud, but not even"},
     {"--solver", "adjoint", "uses a finger's mesh, which a live run does not have"},
     {"--constraint", "normalise", "in proportion, so that the largest amplitude is 1"},
     {"--constraint", "uniform", "every amplitude is 1, and only phases differ"},

@@ -111,12 +111,12 @@ EdgeNet net_of(const geometry::Mesh& mesh, const std::vector<glm::uvec3>& faces,
   std::vector<std::uint32_t> place(mesh.positions.size(), 0);
   for (const Edge& e : edges) {
     if (e.sharp) {
-      net.creases.push_back({row(mesh.positions[e.low], 0), row(mesh.positions[e.high], 0)});
+      net.creases.push_back({vec4_of(mesh.positions[e.low], 0), vec4_of(mesh.positions[e.high], 0)});
       continue;
     }
     for (const std::uint32_t v : {e.low, e.high}) {
       if (place[v] != 0) continue;
-      net.ends.push_back(row(mesh.positions[v], 0));
+      net.ends.push_back(vec4_of(mesh.positions[v], 0));
       place[v] = static_cast<std::uint32_t>(net.ends.size());
     }
     net.folds.push_back({place[e.low] - 1, place[e.high] - 1, e.left, e.right});
@@ -124,7 +124,7 @@ EdgeNet net_of(const geometry::Mesh& mesh, const std::vector<glm::uvec3>& faces,
   if (net.folds.empty()) return net;
   net.planes.reserve(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
-    net.planes.push_back(row(normals[f], glm::dot(normals[f], mesh.positions[faces[f].x])));
+    net.planes.push_back(vec4_of(normals[f], glm::dot(normals[f], mesh.positions[faces[f].x])));
   return net;
 }
 

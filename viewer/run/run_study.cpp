@@ -58,7 +58,8 @@ study::EarLevel level_of(const study::StudyPlan& plan, const setup::StudyRunOpti
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
   study::EarLevel level = study::predict_ear_level(plan, placed ? &*placed : nullptr);
   if (!options.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
-    throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
+    throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
+  if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
   study::refuse_loud(plan, level, options.override_by);
   return level;
 }

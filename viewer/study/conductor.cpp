@@ -424,10 +424,13 @@ ExperimenterView Conductor::experimenter_view() const {
     add("finger", "not over the object");
   }
   add("level",
-      fmt::format("{:.0f} dB predicted at the louder ear, limit {:.0f} dB", level_.loudest_db(), plan_->level.limit_db),
+      fmt::format("{:.0f} dB {} at the louder ear, limit {:.0f} dB", level_.loudest_db(), level_.word(),
+                  plan_->level.limit_db),
       level_.loudest_db() > plan_->level.limit_db);
-  add("", fmt::format("{:.0f} dB equivalent for 8 h; reflections +-{:.0f} dB; ceiling {:g}", level_.equivalent_db(),
-                      study::reflections_db, plan_->level.ceiling));
+  const std::string reflections =
+      level_.measured ? std::string() : fmt::format("reflections +-{:.0f} dB; ", study::reflections_db);
+  add("", fmt::format("{:.0f} dB equivalent for 8 h; {}ceiling {:g}", level_.equivalent_db(), reflections,
+                      plan_->level.ceiling));
   const double sounded_s = study::sounded_s(record_.entries());
   add("dose", sounded_s > 0 ? fmt::format("{:.0f} s of sound so far: at most {:.0f} dB equivalent for 8 h", sounded_s,
                                           study::equivalent_db(level_.loudest_db(), sounded_s))

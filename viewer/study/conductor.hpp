@@ -28,9 +28,9 @@ class Conductor {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Continues the participant, or begins. `level`: as predicted for this plan. The references must outlive it. Throws
-  /// as study::Record, Masking, try_study_source() and try_study_link() do; a participant's files are then as they
-  /// were.
+  /// Continues the participant, or begins. `level`: as predicted or measured for this plan. The references must outlive
+  /// it. Throws as study::Record, Masking, try_study_source() and try_study_link() do; a participant's files are then
+  /// as they were.
   Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
             const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
             std::function<void()> wake);

@@ -30,13 +30,13 @@ shader::ViewPush projection(const Frustum& frustum, double width, double height,
   const Vec3 right(window.T_world_eye[0]), up(window.T_world_eye[1]), forward(-window.T_world_eye[2]);
   const Vec3 eye(window.T_world_eye[3]);
   const Vec2 size = window.high - window.low, middle = (window.high + window.low) / size;
-  const auto axis = [&](const Vec3& direction) { return row(direction, -glm::dot(direction, eye)); };
+  const auto axis = [&](const Vec3& direction) { return vec4_of(direction, -glm::dot(direction, eye)); };
   shader::ViewPush push{};
   push.clip_x = axis(right * (2 / size.x) - forward * middle.x);
   push.clip_y = axis(forward * middle.y - up * (2 / size.y));
   push.clip_z = {0, 0, 0, static_cast<float>(nearest_m)};
   push.clip_w = axis(forward);
-  push.eye = row(eye, 1);
+  push.eye = vec4_of(eye, 1);
   push.window = {static_cast<float>(width), static_cast<float>(height), static_cast<float>(height / size.y), 0};
   return push;
 }

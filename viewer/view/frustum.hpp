@@ -23,7 +23,7 @@ Frustum through(const sensing::Camera& camera);
 Frustum shown(const Frustum& frustum, double aspect);
 
 /// Four floats, such as a row of a projection.
-inline shader::vec4 row(const Vec3& v, double w) {
+inline shader::vec4 vec4_of(const Vec3& v, double w) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
 }
 /// The projection part of the push constants, as for a viewpoint (viewpoint.hpp). Nothing nearer than `nearest_m` is

@@ -124,23 +124,23 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
   const double tan_y = std::tan(viewpoint.fov / 2);
   shader::ViewPush push{};
   const auto axis = [&](const Vec3& direction, double scale) {
-    return row(direction * scale, -glm::dot(direction, b.eye) * scale);
+    return vec4_of(direction * scale, -glm::dot(direction, b.eye) * scale);
   };
   if (viewpoint.orthographic) {
     const double half = viewpoint.distance * tan_y;
     const double range = 16 * viewpoint.distance;  // from behind the eye to well behind the target
     push.clip_x = axis(b.right, 1 / (half * aspect));
     push.clip_y = axis(b.up, -1 / half);
-    push.clip_z = row(-b.forward / range, (glm::dot(b.forward, viewpoint.target)) / range + 0.5);
+    push.clip_z = vec4_of(-b.forward / range, (glm::dot(b.forward, viewpoint.target)) / range + 0.5);
     push.clip_w = {0, 0, 0, 1};
-    push.eye = row(-b.forward, 0);
+    push.eye = vec4_of(-b.forward, 0);
     push.window.z = static_cast<float>(height / (2 * half));
   } else {
     push.clip_x = axis(b.right, 1 / (tan_y * aspect));
     push.clip_y = axis(b.up, -1 / tan_y);
     push.clip_z = {0, 0, 0, static_cast<float>(viewpoint.distance / 100)};
     push.clip_w = axis(b.forward, 1);
-    push.eye = row(b.eye, 1);
+    push.eye = vec4_of(b.eye, 1);
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
   const auto shift = static_cast<float>(viewpoint.covered_left - viewpoint.covered_right);

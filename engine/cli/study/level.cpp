@@ -5,8 +5,10 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "line/values.hpp"
 #include "setup/options.hpp"
@@ -34,10 +36,16 @@ std::string level_text(const study::StudyPlan& plan, const study::EarLevel& leve
                                  study::ear_ball_m * 100, level.db[0], level.db[1]);
   const auto add = [&](const std::string& line) { text += line + '\n'; };
   add(fmt::format("reflections may add or take away {:.0f} dB: up to {:.1f} dB", study::reflections_db,
-                  level.loudest_db() + study::reflections_db));
+                  level.predicted_db() + study::reflections_db));
+  add(fmt::format("the loudest drive: {} of {}, {}, at the ceiling {}", counted(level.foci.size(), "focus"),
+                  level.layout, level.full_amplitude ? "with equal amplitudes" : "normalised", plan.level.ceiling));
+  add(fmt::format("no drive is louder than {:.1f} dB, with all transducers in phase at the ear", level.bound_db));
+  if (level.measured) {
+    add(fmt::format("measured: {:.1f} dB at the ceiling {}, so {:.1f} dB at {}; this counts", *plan.level.measured_db,
+                    plan.level.measured_ceiling, *level.measured, plan.level.ceiling));
+  }
   add(fmt::format("equivalent for 8 hours, if the array sounds for {:.3g} min: {:.1f} dB", level.sounding_s / 60,
                   level.equivalent_db()));
-  add(fmt::format("the loudest layout is {}, at the ceiling {}", level.layout, plan.level.ceiling));
   add(fmt::format("limits:\n  {:5.1f} dB  this plan's", plan.level.limit_db));
   for (const study::EarLimit& limit : study::ear_limits())
     add(fmt::format("  {:5.1f} dB  {}: {}", limit.db, limit.who, limit.what));
@@ -46,14 +54,14 @@ std::string level_text(const study::StudyPlan& plan, const study::EarLevel& leve
 
 std::string level_json(const study::StudyPlan& plan, const study::EarLevel& level) {
   JsonWriter json;
-  json.begin_object()
-      .member("left_db", level.db[0])
-      .member("right_db", level.db[1])
+  json.begin_object().member("left_db", level.db[0]).member("right_db", level.db[1]).member("bound_db", level.bound_db);
+  if (level.measured) json.member("measured_db", *level.measured);
+  json.member("level_db", level.loudest_db())
       .member("equivalent_8h_db", level.equivalent_db())
       .member("reflections_db", study::reflections_db)
       .member("sounding_s", level.sounding_s)
       .member("layout", level.layout)
-      .member("focus_m", level.focus)
+      .member("foci_m", level.foci)
       .member("ceiling", plan.level.ceiling)
       .member("limit_db", plan.level.limit_db)
       .end_object();
@@ -65,7 +73,8 @@ void run_level(const LevelCommand& o) {
   const study::StudyPlan plan = setup::load_plan(o.plan);
   const study::EarLevel level = study::predict_ear_level(plan);
   if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
-    throw bad_usage("--override has no effect: the predicted level is within the plan's limit; leave it out");
+    throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
+  if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
   if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));
   if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level));
   study::refuse_loud(plan, level, o.override_by);

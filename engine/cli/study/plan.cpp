@@ -40,13 +40,13 @@ std::string time_text(double seconds) {
 
 /// How loud and how strong the plan's sound is.
 struct Strength {
-  double level_db = 0;  ///< predicted at the louder ear
-  double crest_n = 0;   ///< of a single focus on a finger
+  study::EarLevel level;
+  double crest_n = 0;  ///< of a single focus on a finger
 };
 
 Strength strength_of(const study::StudyPlan& plan) {
   experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan).loudest_db(), experiment::crest_force_n(plan, finger)};
+  return {study::predict_ear_level(plan), experiment::crest_force_n(plan, finger)};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
@@ -56,11 +56,11 @@ std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, c
                   counted(plan.methods.size(), "method"), counted(plan.counts.participants, "participant"));
   fmt::format_to(std::back_inserter(text), "participant {}: {}, {} of touch\n", participant,
                  counted(steps.size(), "step"), time_text(study::sounding_s(plan)));
-  fmt::format_to(
-      std::back_inserter(text),
-      "at the ceiling {:g}: {:.1f} dB predicted at the louder ear (limit {:g} dB), a force of {:.2g} mN at the "
-      "crest of a single focus\n",
-      plan.level.ceiling, strength.level_db, plan.level.limit_db, strength.crest_n * 1e3);
+  fmt::format_to(std::back_inserter(text),
+                 "at the ceiling {:g}: {:.1f} dB {} at the louder ear (limit {:g} dB), a force of {:.2g} mN at the "
+                 "crest of a single focus\n",
+                 plan.level.ceiling, strength.level.loudest_db(), strength.level.word(), plan.level.limit_db,
+                 strength.crest_n * 1e3);
   for (std::size_t i = 0; i < steps.size();) {
     const study::PlanBlock& block = plan.blocks[steps[i].block];
     std::size_t end = i;
@@ -85,7 +85,7 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
       .member("masking", plan.run.masking)
       .member("ceiling", plan.level.ceiling)
       .member("limit_db", plan.level.limit_db)
-      .member("level_db", strength.level_db)
+      .member("level_db", strength.level.loudest_db())
       .member("crest_n", strength.crest_n)
       .member("least_trials", plan.counts.least_trials)
       .key("steps")

@@ -1,6 +1,7 @@
 // Meshes stored by the extension KHR_draco_mesh_compression: connectivity and attributes in one compressed stream.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -15,6 +16,8 @@ namespace palpa::geometry::gltf {
 struct DracoAttribute {
   std::uint32_t id;   ///< the attribute's number in the stream
   std::size_t width;  ///< components: 3 for positions
+
+  auto operator<=>(const DracoAttribute&) const = default;
 };
 
 struct DracoMesh {

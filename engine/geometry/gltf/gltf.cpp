@@ -16,14 +16,10 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "geometry/gltf/accessor.hpp"
 #include "geometry/gltf/draco.hpp"
-#include "geometry/gltf/instances.hpp"
-#include "geometry/gltf/model.hpp"
-#include "geometry/gltf/skin.hpp"
 #include "geometry/gltf/values.hpp"
-#include "geometry/gltf_document/check.hpp"
 #include "geometry/gltf_document/container.hpp"
+#include "geometry/gltf_document/document.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry {
@@ -32,35 +28,49 @@ namespace {
 // Limits for all instances together. A small file can request any number of them.
 constexpr std::size_t most_triangles = 2'000'000, most_vertices = 6'000'000, most_displaced = 20'000'000;
 
-// Identifies a decoded stream: its view, the wanted attributes and the promised counts.
-struct StreamKey {
-  std::uint32_t view = 0;
-  std::size_t vertices = 0, triangles = 0;
-  std::vector<std::pair<std::uint32_t, std::size_t>> wanted{};  // attribute and width
-  bool operator<(const StreamKey& other) const {
-    return std::tie(view, vertices, triangles, wanted) <
-           std::tie(other.view, other.vertices, other.triangles, other.wanted);
-  }
+// Identifies a decoded stream: its view, the promised vertices and triangles, the wanted attributes.
+using StreamKey = std::tuple<std::uint32_t, std::size_t, std::size_t, std::vector<gltf::DracoAttribute>>;
+
+// Four joints of each vertex and their weights. A primitive has one or more such sets.
+struct Influence {
+  std::vector<std::uint32_t> joints;  // 4 per vertex
+  std::vector<double> weights;        // 4 per vertex
 };
+
+// glTF 2.0 section 3.7.3: each position becomes the weighted mean of its images under the joints' matrices. Weights are
+// normalised. Returns the first vertex whose weights have no positive sum or that names a joint without a matrix;
+// nullopt if there is none.
+std::optional<std::size_t> apply_skin(std::vector<Vec3>& positions, const std::vector<Influence>& influences,
+                                      const std::vector<Transform>& T_world_bind) {
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    Vec3 sum(0);
+    double total = 0;
+    for (const Influence& influence : influences) {
+      for (std::size_t i = 4 * v; i < 4 * v + 4; ++i) {
+        const double weight = influence.weights[i];
+        // Joints with weight 0 may have any index.
+        if (weight == 0) continue;
+        if (!(weight > 0) || influence.joints[i] >= T_world_bind.size()) return v;
+        sum += weight * transform_point(T_world_bind[influence.joints[i]], positions[v]);
+        total += weight;
+      }
+    }
+    if (!(total > 0)) return v;
+    positions[v] = sum / total;
+  }
+  return std::nullopt;
+}
 
 class SceneReader {
  public:
-  SceneReader(const std::string& file, const tinygltf::Model& model, const gltf::Document& document)
-      : model_(model), document_(document), values_(file, model), T_world_(model.nodes.size()) {
+  SceneReader(const std::string& file, const gltf::Document& document, const gltf::Values& values)
+      : document_(document), values_(values) {
     scene_.file = file;
   }
 
   Scene read() {
-    std::vector<std::uint32_t> stack(document_.roots.rbegin(), document_.roots.rend());
-    while (!stack.empty()) {
-      const std::uint32_t n = stack.back();
-      stack.pop_back();
-      const tinygltf::Node& node = model_.nodes[n];
-      if (node.mesh >= 0) add(n, node);
-      for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-        stack.push_back(static_cast<std::uint32_t>(*child));
-      }
-    }
+    for (const std::uint32_t n : document_.shown)
+      add(n, document_.nodes[n]);
     return std::move(scene_);
   }
 
@@ -77,73 +87,73 @@ class SceneReader {
 
   [[noreturn]] void fail(const std::string& fault) const { throw bad_input(scene_.file, fault); }
 
-  static Transform local_transform(const tinygltf::Node& node) {
-    if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
-    Transform T(1);
-    if (node.rotation.size() == 4) {
-      const auto& q = node.rotation;
-      T = glm::mat4_cast(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
-    }
-    for (std::size_t i = 0; i < node.scale.size(); ++i)
-      T[static_cast<int>(i)] *= node.scale[i];
-    if (node.translation.size() == 3) T[3] = Vec4(node.translation[0], node.translation[1], node.translation[2], 1);
-    return T;
-  }
-
-  // Each node's transform is computed once, from the first known ancestor down.
-  const Transform& world_transform(std::uint32_t n) {
-    std::vector<std::uint32_t> chain;
-    for (std::uint32_t i = n; i != gltf::Document::no_parent && !T_world_[i]; i = document_.parents[i])
-      chain.push_back(i);
-    for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
-      const std::uint32_t parent = document_.parents[*i];
-      const Transform local = local_transform(model_.nodes[*i]);
-      T_world_[*i] = parent == gltf::Document::no_parent ? local : *T_world_[parent] * local;
-    }
-    return *T_world_[n];
-  }
-
-  void add(std::uint32_t n, const tinygltf::Node& node) {
-    const auto m = static_cast<std::uint32_t>(node.mesh);
-    const auto instancing = document_.instancing.find(n);
-    const bool many = instancing != document_.instancing.end();
-    if (!count(m, many ? instancing->second.count : 1)) return;
-    const std::string& mesh_name = model_.meshes[m].name;
+  void add(std::uint32_t n, const gltf::Node& node) {
+    const gltf::MeshSource& mesh = document_.meshes[*node.mesh];
+    if (!count(mesh, node.instancing ? node.instancing->count : 1)) return;
     const std::string name = !node.name.empty()   ? node.name
-                             : !mesh_name.empty() ? mesh_name
+                             : !mesh.name.empty() ? mesh.name
                                                   : fmt::format("node {}", n);
-    if (node.skin >= 0) {
+    if (node.skin) {
       // The bones determine the position of a skinned mesh; its node's own transform has no effect (glTF 2.0, 3.7.3.3).
-      const Bones& bones = bones_of(node.skin);
-      SceneMesh out = begin(name, n, m, node, &bones);
+      const Bones& bones = bones_of(*node.skin);
+      SceneMesh out = begin(name, node, &bones);
       if (bones.mirrored) flip(out.mesh);
       finish(fmt::format("node {}", n), std::move(out));
       return;
     }
-    const Transform& T_world_node = world_transform(n);
-    if (!many) {
-      place(fmt::format("node {}", n), T_world_node, begin(name, n, m, node, nullptr));
+    if (!node.instancing) {
+      place(fmt::format("node {}", n), node.T_world_node, begin(name, node, nullptr));
       return;
     }
-    const std::vector<Transform> T_node_instance = gltf::read_instances(scene_.file, n, instancing->second, values_);
+    const std::vector<Transform> T_node_instance = read_instances(n, *node.instancing);
     for (std::size_t i = 0; i < T_node_instance.size(); ++i) {
-      place(fmt::format("node {}, instance {}", n, i), T_world_node * T_node_instance[i],
-            begin(fmt::format("{}[{}]", name, i), n, m, node, nullptr));
+      place(fmt::format("node {}, instance {}", n, i), node.T_world_node * T_node_instance[i],
+            begin(fmt::format("{}[{}]", name, i), node, nullptr));
     }
   }
 
+  // Translation, rotation and scale of each instance, in the node's coordinates.
+  std::vector<Transform> read_instances(std::uint32_t node, const gltf::Instancing& instancing) const {
+    std::vector<Transform> T_node_instance(instancing.count, Transform(1));
+    const auto read = [&](const std::optional<std::uint32_t>& accessor, std::size_t width, const auto& put) {
+      if (!accessor) return;
+      const std::vector<double> all = values_.numbers(*accessor);
+      for (std::size_t i = 0; i < instancing.count; ++i) {
+        const double* values = all.data() + i * width;
+        if (!std::all_of(values, values + width, [](double x) { return std::isfinite(x); }))
+          fail(fmt::format("node {}: instance {}: its place is not finite", node, i));
+        put(i, values);
+      }
+    };
+    read(instancing.rotation, 4, [&](std::size_t i, const double* q) {
+      const glm::dquat turn(q[3], q[0], q[1], q[2]);
+      const double norm = glm::dot(turn, turn);
+      // Quantized rotations are slightly off.
+      if (!(norm > 0.98 && norm < 1.02))
+        fail(fmt::format("node {}: instance {}: its rotation is not a unit quaternion", node, i));
+      T_node_instance[i] = glm::mat4_cast(glm::normalize(turn));
+    });
+    read(instancing.scale, 3, [&](std::size_t i, const double* s) {
+      for (int k = 0; k < 3; ++k)
+        T_node_instance[i][k] *= s[k];
+    });
+    read(instancing.translation, 3,
+         [&](std::size_t i, const double* t) { T_node_instance[i][3] = Vec4(t[0], t[1], t[2], 1); });
+    return T_node_instance;
+  }
+
   // The node's data with its mesh, in the mesh's own coordinates, or in the world's if it is on bones.
-  SceneMesh begin(std::string name, std::uint32_t n, std::uint32_t m, const tinygltf::Node& node, const Bones* bones) {
-    SceneMesh out{std::move(name), {}, document_.haptics[n], document_.parts[n], std::nullopt};
+  SceneMesh begin(std::string name, const gltf::Node& node, const Bones* bones) {
+    SceneMesh out{std::move(name), {}, node.haptics, node.part, std::nullopt};
+    const std::vector<Transform>* T_world_bind = bones == nullptr ? nullptr : &bones->T_world_bind;
     if (!node.weights.empty()) {
-      out.mesh = build(m, node.weights, bones == nullptr ? nullptr : &bones->T_world_bind);
+      out.mesh = build(*node.mesh, node.weights, T_world_bind);
       return out;
     }
-    const std::pair key(m, node.skin);
+    const std::pair key(*node.mesh, node.skin);
     auto known = meshes_.find(key);
     if (known == meshes_.end()) {
-      Shared shared{build(m, {}, bones == nullptr ? nullptr : &bones->T_world_bind),
-                    static_cast<std::uint32_t>(meshes_.size())};
+      Shared shared{build(*node.mesh, {}, T_world_bind), static_cast<std::uint32_t>(meshes_.size())};
       known = meshes_.emplace(key, std::move(shared)).first;
     }
     out.mesh = known->second.mesh;
@@ -168,17 +178,16 @@ class SceneReader {
   }
 
   // Adds `instances` of the mesh to the scene's size, before anything is allocated; false if it has no triangles.
-  bool count(std::uint32_t m, std::size_t instances) {
-    std::size_t triangles = 0, vertices = 0;
-    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[m].primitives;
-    for (std::uint32_t p = 0; p < primitives.size(); ++p) {
-      const auto [points, corners] = promised(primitives[p], stream_of(m, p));
-      triangles += gltf::triangle_count(primitives[p].mode, corners);
-      vertices += points;
+  bool count(const gltf::MeshSource& mesh, std::size_t instances) {
+    bool any = false;
+    for (const gltf::Primitive& primitive : mesh.primitives) {
+      const std::size_t triangles = gltf::triangle_count(primitive.mode, primitive.corners);
+      any = any || triangles > 0;
+      // Both factors are below 2^32, and both sums are checked each time, so nothing overflows.
+      triangles_ += triangles * instances;
+      count_vertices(primitive.vertices * instances);
     }
-    triangles_ += triangles * instances;
-    count_vertices(vertices * instances);
-    return triangles > 0;
+    return any;
   }
 
   void count_vertices(std::size_t vertices) {
@@ -208,18 +217,18 @@ class SceneReader {
   }
 
   // Computed once, even if several nodes use the skin.
-  const Bones& bones_of(int s) {
+  const Bones& bones_of(std::uint32_t s) {
     const auto known = bones_.find(s);
     if (known != bones_.end()) return known->second;
-    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(s)];
+    const gltf::Skin& skin = document_.skins[s];
     log::debug(fmt::format("{}: skin {} of {} joints", scene_.file, s, skin.joints.size()));
     std::vector<double> inverse;
-    if (skin.inverseBindMatrices >= 0)
-      inverse = values_.numbers(static_cast<std::size_t>(skin.inverseBindMatrices), 16);
+    // A file may have many skins that share many matrices.
+    if (skin.inverse_bind_matrices) inverse = values_.numbers(*skin.inverse_bind_matrices, skin.joints.size());
     Bones bones;
     bones.T_world_bind.reserve(skin.joints.size());
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-      bones.T_world_bind.push_back(world_transform(static_cast<std::uint32_t>(skin.joints[j])));
+      bones.T_world_bind.push_back(document_.nodes[skin.joints[j]].T_world_node);
       if (!inverse.empty()) bones.T_world_bind.back() *= glm::make_mat4(inverse.data() + 16 * j);
     }
     bones.mirrored = std::all_of(bones.T_world_bind.begin(), bones.T_world_bind.end(),
@@ -228,21 +237,17 @@ class SceneReader {
   }
 
   // All primitives together, morphed by the node's weights (else the mesh's), and moved by its bones, if any.
-  Mesh build(std::uint32_t m, const std::vector<double>& node_weights, const std::vector<Transform>* T_world_bind) {
-    const tinygltf::Mesh& mesh = model_.meshes[m];
-    const std::vector<double>& weights = node_weights.empty() ? mesh.weights : node_weights;
+  Mesh build(std::uint32_t m, const std::vector<double>& weights, const std::vector<Transform>* T_world_bind) {
     Mesh result;
-    for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
-      const tinygltf::Primitive& primitive = mesh.primitives[p];
-      const std::string where = fmt::format("mesh {}", m);
-      const std::optional<Unpacked> unpacked = unpack(m, p, primitive, T_world_bind != nullptr);
+    const std::string where = fmt::format("mesh {}", m);
+    for (const gltf::Primitive& primitive : document_.meshes[m].primitives) {
+      const std::optional<Unpacked> unpacked = unpack(where, primitive, T_world_bind != nullptr);
       Mesh piece;
       piece.positions = positions(primitive, unpacked);
-      for (std::size_t t = 0; t < weights.size() && t < primitive.targets.size(); ++t) {
-        if (weights[t] != 0) displace(piece.positions, primitive.targets[t], weights[t]);
-      }
+      for (const auto& by : weights.empty() ? primitive.displacements : gltf::displacements_of(primitive, weights))
+        displace(piece.positions, by);
       if (T_world_bind != nullptr) put_on_bones(where, piece.positions, primitive, unpacked, *T_world_bind);
-      piece.triangles = unpacked ? unpacked->mesh->triangles : triangles(where, primitive, piece.positions.size());
+      piece.triangles = unpacked ? unpacked->mesh->triangles : triangles(where, primitive);
       append(result, piece);
     }
     return result;
@@ -255,29 +260,32 @@ class SceneReader {
   };
 
   // nullopt if the primitive is not compressed.
-  std::optional<Unpacked> unpack(std::uint32_t m, std::uint32_t p, const tinygltf::Primitive& primitive,
-                                 bool with_bones) {
-    const gltf::DracoSource* source = stream_of(m, p);
-    if (source == nullptr) return std::nullopt;
+  std::optional<Unpacked> unpack(const std::string& mesh, const gltf::Primitive& primitive, bool with_bones) {
+    if (!primitive.stream) return std::nullopt;
+    const gltf::DracoSource& stream = *primitive.stream;
     Unpacked result;
-    StreamKey key;
-    for (const auto& [name, id] : source->attributes) {
+    std::vector<gltf::DracoAttribute> wanted;
+    for (const auto& [name, id] : stream.attributes) {
       const bool position = name == "POSITION";
       if (!primitive.attributes.contains(name) || !(position || with_bones)) continue;
-      result.values.emplace(name, key.wanted.size());
-      key.wanted.emplace_back(id, position ? std::size_t{3} : std::size_t{4});
+      result.values.emplace(name, wanted.size());
+      wanted.push_back({id, position ? std::size_t{3} : std::size_t{4}});
     }
-    const auto where = fmt::format("mesh {}: the draco data in buffer view {}", m, source->view);
-    const auto [vertices, corners] = promised(primitive, source);
-    const std::size_t triangles = gltf::triangle_count(primitive.mode, corners);
-    key.view = source->view;
-    key.vertices = vertices;
-    key.triangles = triangles;
-    auto& known = streams_[key];
+    const auto where = fmt::format("{}: the draco data in buffer view {}", mesh, stream.view);
+    const std::size_t vertices = primitive.vertices,
+                      triangles = gltf::triangle_count(primitive.mode, primitive.corners);
+    auto& known = streams_[StreamKey(stream.view, vertices, triangles, wanted)];
     const bool fresh = known == nullptr;
-    if (fresh) known = decode(where, key);
+    if (fresh) {
+      std::string fault;
+      auto decoded =
+          gltf::decode_draco(values_.bytes(stream.bytes), wanted, vertices, triangles, spare_draco_bytes_, fault);
+      if (!decoded) fail(fmt::format("{} {}", where, fault));
+      if (decoded->points > vertices) count_vertices(decoded->points - vertices);
+      known = std::make_shared<const gltf::DracoMesh>(*std::move(decoded));
+    }
     result.mesh = known;
-    const bool fewer_triangles = known->triangles.size() < triangles && primitive.mode == TINYGLTF_MODE_TRIANGLES;
+    const bool fewer_triangles = known->triangles.size() < triangles && primitive.mode == 4;
     if (known->points != vertices || fewer_triangles) {
       const std::string other = fmt::format("{} hold {} vertices and {} triangles where the file promises {} and {}",
                                             where, known->points, known->triangles.size(), vertices, triangles);
@@ -288,44 +296,15 @@ class SceneReader {
     return result;
   }
 
-  std::shared_ptr<const gltf::DracoMesh> decode(const std::string& where, const StreamKey& key) {
-    std::vector<gltf::DracoAttribute> wanted;
-    for (const auto& [id, width] : key.wanted)
-      wanted.push_back({id, width});
-    const tinygltf::BufferView& view = model_.bufferViews[key.view];
-    const std::span<const unsigned char> bytes(model_.buffers[static_cast<std::size_t>(view.buffer)].data);
-    std::string fault;
-    auto mesh = gltf::decode_draco(bytes.subspan(view.byteOffset, view.byteLength), wanted, key.vertices, key.triangles,
-                                   spare_draco_bytes_, fault);
-    if (!mesh) fail(fmt::format("{} {}", where, fault));
-    if (mesh->points > key.vertices) count_vertices(mesh->points - key.vertices);
-    return std::make_shared<const gltf::DracoMesh>(*std::move(mesh));
-  }
-
-  // nullptr if the primitive is not compressed.
-  const gltf::DracoSource* stream_of(std::uint32_t m, std::uint32_t p) const {
-    const auto found = std::lower_bound(
-        document_.draco.begin(), document_.draco.end(), std::pair(m, p),
-        [](const gltf::DracoSource& d, const auto& place) { return std::pair(d.mesh, d.primitive) < place; });
-    return found == document_.draco.end() || found->mesh != m || found->primitive != p ? nullptr : &*found;
-  }
-
-  // The numbers of vertices and of triangle corners, according to the accessors.
-  std::pair<std::size_t, std::size_t> promised(const tinygltf::Primitive& p, const gltf::DracoSource* stream) const {
-    const std::size_t vertices = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
-    if (stream != nullptr) return {vertices, stream->corners};
-    return {vertices, p.indices < 0 ? vertices : model_.accessors[static_cast<std::size_t>(p.indices)].count};
-  }
-
-  std::vector<glm::uvec3> triangles(const std::string& where, const tinygltf::Primitive& primitive,
-                                    std::size_t vertices) const {
-    std::vector<std::uint32_t> order(vertices);
-    if (primitive.indices >= 0) {
-      order = values_.indices(static_cast<std::size_t>(primitive.indices), vertices);
+  std::vector<glm::uvec3> triangles(const std::string& where, const gltf::Primitive& primitive) const {
+    std::vector<std::uint32_t> order;
+    if (primitive.indices) {
+      order = values_.indices(*primitive.indices, primitive.vertices);
     } else {
+      order.resize(primitive.vertices);
       std::iota(order.begin(), order.end(), 0U);
     }
-    if (order.size() < 3 || (primitive.mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)) {
+    if (order.size() < 3 || (primitive.mode == 4 && order.size() % 3 != 0)) {
       log::warning(
           fmt::format("{}: {} has a primitive of {} corners, which do not make whole triangles; the rest is dropped",
                       scene_.file, where, order.size()));
@@ -333,56 +312,54 @@ class SceneReader {
     return gltf::triangles_of(primitive.mode, order);
   }
 
-  void displace(std::vector<Vec3>& positions, const std::map<std::string, int>& target, double weight) {
-    const auto found = target.find("POSITION");
-    if (found == target.end()) return;
+  void displace(std::vector<Vec3>& positions, const gltf::Displacement& displacement) {
     displaced_ += positions.size();
     if (displaced_ > most_displaced)
       fail(fmt::format("morph targets move more than {} vertices; palpa reads no more", most_displaced));
-    const std::vector<double> by = values_.numbers(static_cast<std::size_t>(found->second), 3);
+    const std::vector<double> by = values_.numbers(displacement.accessor);
     for (std::size_t v = 0; v < positions.size(); ++v)
-      positions[v] += weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
+      positions[v] += displacement.weight * Vec3(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
   }
 
-  void put_on_bones(const std::string& where, std::vector<Vec3>& positions, const tinygltf::Primitive& primitive,
+  void put_on_bones(const std::string& where, std::vector<Vec3>& positions, const gltf::Primitive& primitive,
                     const std::optional<Unpacked>& unpacked, const std::vector<Transform>& T_world_bind) const {
-    std::vector<gltf::Influence> influences;
+    std::vector<Influence> influences;
     for (int set = 0; set < 8; ++set) {
       const std::string joints = fmt::format("JOINTS_{}", set), weights = fmt::format("WEIGHTS_{}", set);
       if (!primitive.attributes.contains(joints) && !primitive.attributes.contains(weights)) break;
       if (!primitive.attributes.contains(joints) || !primitive.attributes.contains(weights))
         fail(fmt::format("{}: {} and {} go together; one is missing", where, joints, weights));
-      gltf::Influence influence{{}, attribute(primitive, weights, 4, unpacked)};
-      for (const double joint : attribute(primitive, joints, 4, unpacked)) {
+      Influence influence{{}, attribute(primitive, weights, unpacked)};
+      for (const double joint : attribute(primitive, joints, unpacked)) {
         // A value that is not a number becomes a joint that no skin has.
         influence.joints.push_back(joint >= 0 && joint <= 65535 ? static_cast<std::uint32_t>(joint) : 0xffffffffU);
       }
       influences.push_back(std::move(influence));
     }
     if (influences.empty()) fail(fmt::format("{}: its node has a skin, but the mesh has no JOINTS_0", where));
-    if (const auto vertex = gltf::apply_skin(positions, influences, T_world_bind)) {
+    if (const auto vertex = apply_skin(positions, influences, T_world_bind)) {
       fail(fmt::format("{}: vertex {} has no positive weight, or names a joint that its skin does not have", where,
                        *vertex));
     }
   }
 
-  // `width` numbers for every vertex, whether compressed or not.
-  std::vector<double> attribute(const tinygltf::Primitive& primitive, const std::string& name, std::size_t width,
+  // The numbers of every vertex, whether compressed or not.
+  std::vector<double> attribute(const gltf::Primitive& primitive, const std::string& name,
                                 const std::optional<Unpacked>& unpacked) const {
-    const auto accessor = static_cast<std::size_t>(primitive.attributes.at(name));
-    const tinygltf::Accessor& a = model_.accessors[accessor];
-    if (!unpacked || !unpacked->values.contains(name)) return values_.numbers(accessor, width);
+    const std::uint32_t accessor = primitive.attributes.at(name);
+    if (!unpacked || !unpacked->values.contains(name)) return values_.numbers(accessor);
     std::vector<double> values = unpacked->mesh->values[unpacked->values.at(name)];
+    const gltf::Accessor& a = document_.accessors[accessor];
     if (a.normalized) {
       for (double& value : values)
-        value = gltf::normalized_value(value, a.componentType);
+        value = gltf::normalized_value(value, a.component);
     }
     return values;
   }
 
-  std::vector<Vec3> positions(const tinygltf::Primitive& primitive, const std::optional<Unpacked>& unpacked) const {
-    const auto accessor = static_cast<std::size_t>(primitive.attributes.at("POSITION"));
-    const std::vector<double> values = attribute(primitive, "POSITION", 3, unpacked);
+  std::vector<Vec3> positions(const gltf::Primitive& primitive, const std::optional<Unpacked>& unpacked) const {
+    const std::uint32_t accessor = primitive.attributes.at("POSITION");
+    const std::vector<double> values = attribute(primitive, "POSITION", unpacked);
     std::vector<Vec3> result(values.size() / 3);
     Box box;
     for (std::size_t v = 0; v < result.size(); ++v) {
@@ -396,30 +373,27 @@ class SceneReader {
     return result;
   }
 
-  void check_bounds(std::size_t accessor, const Box& box) const {
-    const tinygltf::Accessor& a = model_.accessors[accessor];
-    for (std::size_t i = 0; i < 3 && a.minValues.size() == 3 && a.maxValues.size() == 3; ++i) {
+  void check_bounds(std::uint32_t accessor, const Box& box) const {
+    const gltf::Accessor& a = document_.accessors[accessor];
+    for (std::size_t i = 0; i < 3 && !a.min.empty() && !a.max.empty(); ++i) {
       const int axis = static_cast<int>(i);
       // The file states min and max of the stored values.
       const auto bound = [&](double value) {
-        return a.normalized ? gltf::normalized_value(value, a.componentType) : value;
+        return a.normalized ? gltf::normalized_value(value, a.component) : value;
       };
       const double slack = 1e-6 * std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
-      if (std::abs(bound(a.minValues[i]) - box.low[axis]) <= slack &&
-          std::abs(bound(a.maxValues[i]) - box.high[axis]) <= slack)
+      if (std::abs(bound(a.min[i]) - box.low[axis]) <= slack && std::abs(bound(a.max[i]) - box.high[axis]) <= slack)
         continue;
       log::warning(fmt::format("{}: accessor {}: its min and max do not match its positions", scene_.file, accessor));
       break;
     }
   }
 
-  const tinygltf::Model& model_;
   const gltf::Document& document_;
-  const gltf::Values values_;
-  std::vector<std::optional<Transform>> T_world_;
+  const gltf::Values& values_;
   Scene scene_;
-  std::map<std::pair<std::uint32_t, int>, Shared> meshes_;  // by mesh and skin
-  std::map<int, Bones> bones_;                              // by skin
+  std::map<std::pair<std::uint32_t, std::optional<std::uint32_t>>, Shared> meshes_;  // by mesh and skin
+  std::map<std::uint32_t, Bones> bones_;                                             // by skin
   std::map<StreamKey, std::shared_ptr<const gltf::DracoMesh>> streams_;
   std::uint64_t spare_draco_bytes_ = gltf::most_draco_bytes;
   std::size_t triangles_ = 0, vertices_ = 0, displaced_ = 0;
@@ -430,10 +404,10 @@ class SceneReader {
 Scene load_gltf(const std::filesystem::path& path, std::optional<int> scene_index) {
   const InputFile file(path);
   gltf::Container container = gltf::read_container(file);
-  gltf::Document document = gltf::check_document(file.name(), container, scene_index);
+  const gltf::Document document = gltf::read_document(file.name(), container, scene_index);
   container.json = {};
-  const tinygltf::Model model = gltf::parse_model(file, container, document);
-  return SceneReader(file.name(), model, document).read();
+  const gltf::Values values(file, container.bin, document);
+  return SceneReader(file.name(), document, values).read();
 }
 
 }  // namespace palpa::geometry

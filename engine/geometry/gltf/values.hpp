@@ -3,35 +3,51 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "geometry/gltf/accessor.hpp"
-#include "geometry/gltf/model.hpp"
+#include "base/input_file.hpp"
+#include "geometry/gltf_document/container.hpp"
+#include "geometry/gltf_document/document.hpp"
 
 namespace palpa::geometry::gltf {
 
-/// Reads accessors by their index. `file` and `model` must outlive it. All functions throw bad_input naming the
-/// accessor.
+/// Reads accessors by their index. All functions throw bad_input, naming the accessor.
 class Values {
  public:
-  Values(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model) {}
+  /// Loads the document's buffers. All arguments must outlive it. Throws bad_input as load_buffers().
+  Values(const InputFile& file, const std::optional<BinChunk>& bin, const Document& document);
 
-  /// `width` numbers per element; bad_input if a sparse index is out of range or not ascending.
-  std::vector<double> numbers(std::size_t accessor, std::size_t width) const;
+  /// The accessor's `width` numbers per element, one element after the other, of at most `most` elements. Floats are
+  /// unchanged; integers go through normalized_value() if the accessor is normalized.
+  std::vector<double> numbers(std::uint32_t accessor, std::size_t most = any_count) const;
   /// The index list of a primitive with `vertices` vertices.
-  std::vector<std::uint32_t> indices(std::size_t accessor, std::size_t vertices) const;
+  std::vector<std::uint32_t> indices(std::uint32_t accessor, std::size_t vertices) const;
+  std::span<const unsigned char> bytes(const View& view) const;
 
  private:
-  [[noreturn]] void fail(const std::string& fault) const;
-  [[noreturn]] void fail_sparse(std::size_t accessor, std::uint64_t index) const;
-  Column column(int view, std::size_t offset, std::size_t count, std::size_t element, int component) const;
-  Column column(std::size_t accessor, std::size_t width) const;
-  std::optional<Sparse> sparse(std::size_t accessor, std::size_t width) const;
+  static constexpr std::size_t any_count = std::numeric_limits<std::size_t>::max();
+  [[noreturn]] void fail(std::uint32_t accessor, const std::string& fault) const;
+  template <typename T>
+  std::vector<T> read(std::uint32_t accessor, std::size_t most) const;
 
   const std::string& file_;
-  const tinygltf::Model& model_;
+  const Document& document_;
+  const std::vector<std::vector<unsigned char>> buffers_;
 };
+
+/// The value of an integer in a normalized accessor: unsigned 0 to 1, signed -1 to 1 (glTF 2.0 section 3.6.2.2).
+double normalized_value(double integer, Component component);
+
+/// Triangles of `vertices` (0, 1, 2, ... or an index list) as list (mode 4), strip (5) or fan (6). Remaining vertices
+/// of an incomplete triangle are dropped. glTF 2.0 section 3.7.2.1.
+std::vector<glm::uvec3> triangles_of(int mode, std::span<const std::uint32_t> vertices);
+
+/// The number of those triangles.
+std::size_t triangle_count(int mode, std::size_t vertices);
 
 }  // namespace palpa::geometry::gltf

@@ -40,23 +40,14 @@ void pad(std::string& bytes, char with) {
     bytes += with;
 }
 
-struct BufferView {
-  std::size_t begin, bytes;
-  int target;
-};
-
-struct Accessor {
-  int component_type;
-  std::size_t count;
-  bool triples;                        ///< otherwise single values
-  std::array<float, 3> least, most{};  ///< of triples
-};
-
-/// One mesh, its two views and accessors: first positions, then indices.
+/// One mesh in the binary chunk: positions (view and accessor 2i), then indices (2i + 1).
 struct Item {
   const SceneMesh* mesh;
-  std::array<BufferView, 2> views;
-  std::array<Accessor, 2> accessors;
+  std::size_t positions = 0, indices = 0;  ///< the bytes at which they begin
+  std::array<float, 3> least{}, most{};    ///< of positions
+
+  // 65535 is the restart value of 16-bit indices, so the last usable index is 65534.
+  bool has_short_indices() const { return mesh->mesh.positions.size() <= 65535; }
 };
 
 struct Node {
@@ -79,51 +70,36 @@ std::string told(const std::filesystem::path& file, const SceneMesh& item) {
   return file.string() + ": mesh " + text::quoted(item.name);
 }
 
-/// The view from `begin` to the end of the binary chunk.
-BufferView end_view(Document& document, std::size_t begin, int target) {
-  const BufferView view{begin, document.binary.size() - begin, target};
-  pad(document.binary, '\0');
-  return view;
-}
-
 void add_positions(Document& document, Item& item, const std::string& what) {
-  const std::size_t begin = document.binary.size();
-  std::array<float, 3> low{}, high{};
-  low.fill(std::numeric_limits<float>::infinity());
-  high.fill(-std::numeric_limits<float>::infinity());
-  const Mesh& mesh = item.mesh->mesh;
-  for (const Vec3& p : mesh.positions) {
+  item.positions = document.binary.size();
+  item.least.fill(std::numeric_limits<float>::infinity());
+  item.most.fill(-std::numeric_limits<float>::infinity());
+  for (const Vec3& p : item.mesh->mesh.positions) {
     for (int axis = 0; axis < 3; ++axis) {
       const double value = p[axis];
       if (!(std::fabs(value) <= std::numeric_limits<float>::max()))
         throw failure(what + " has a coordinate that a 32-bit float cannot hold");
       const float stored = static_cast<float>(value) + 0.0F;  // + 0 makes a negative zero positive
-      low[axis] = std::min(low[axis], stored);
-      high[axis] = std::max(high[axis], stored);
+      item.least[axis] = std::min(item.least[axis], stored);
+      item.most[axis] = std::max(item.most[axis], stored);
       append_value(document.binary, stored);
     }
   }
-  item.views[0] = end_view(document, begin, kArrayBuffer);
-  item.accessors[0] = {kFloat, mesh.positions.size(), true, low, high};
 }
 
 void add_indices(Document& document, Item& item, const std::string& what) {
-  const Mesh& mesh = item.mesh->mesh;
-  // 65535 is the restart value of 16-bit indices, so the last usable index is 65534.
-  const bool is_short = mesh.positions.size() <= 65535;
-  const std::size_t begin = document.binary.size();
-  for (const glm::uvec3& triangle : mesh.triangles) {
+  item.indices = document.binary.size();
+  for (const glm::uvec3& triangle : item.mesh->mesh.triangles) {
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint32_t index = triangle[corner];
-      if (index >= mesh.positions.size()) throw failure(what + " has an index out of range");
-      if (is_short)
+      if (index >= item.mesh->mesh.positions.size()) throw failure(what + " has an index out of range");
+      if (item.has_short_indices())
         append_value(document.binary, static_cast<std::uint16_t>(index));
       else
         append_value(document.binary, index);
     }
   }
-  item.views[1] = end_view(document, begin, kElementArrayBuffer);
-  item.accessors[1] = {is_short ? kUnsignedShort : kUnsignedInt, 3 * mesh.triangles.size(), false, {}, {}};
+  pad(document.binary, '\0');
 }
 
 /// Returns the index of the node.
@@ -136,7 +112,7 @@ std::size_t add_node(Document& document, Node node) {
 std::size_t add_mesh(Document& document, const SceneMesh& mesh, const std::filesystem::path& file) {
   const std::string what = told(file, mesh);
   if (mesh.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
-  Item item{&mesh, {}, {}};
+  Item item{&mesh};
   add_positions(document, item, what);
   add_indices(document, item, what);
   document.items.push_back(item);
@@ -194,18 +170,34 @@ void write_material(JsonWriter& json, std::size_t index) {
   json.value(1).end_array().member("metallicFactor", 0).member("roughnessFactor", 0.7).end_object().end_object();
 }
 
-void write_accessor(JsonWriter& json, std::size_t view, const Accessor& accessor) {
-  json.begin_object().member("bufferView", view).member("componentType", accessor.component_type);
-  json.member("count", accessor.count).member("type", accessor.triples ? "VEC3" : "SCALAR");
-  if (accessor.triples) {
-    json.member("min", std::span<const float>(accessor.least)).member("max", std::span<const float>(accessor.most));
+void write_accessors(JsonWriter& json, const std::vector<Item>& items) {
+  json.key("accessors").begin_array();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const Mesh& mesh = items[i].mesh->mesh;
+    const auto begin = [&](std::size_t view, int component, std::size_t count, const char* type) {
+      json.begin_object().member("bufferView", view).member("componentType", component);
+      json.member("count", count).member("type", type);
+    };
+    begin(2 * i, kFloat, mesh.positions.size(), "VEC3");
+    json.member("min", std::span<const float>(items[i].least)).member("max", std::span<const float>(items[i].most));
+    json.end_object();
+    begin(2 * i + 1, items[i].has_short_indices() ? kUnsignedShort : kUnsignedInt, 3 * mesh.triangles.size(), "SCALAR");
+    json.end_object();
   }
-  json.end_object();
+  json.end_array();
 }
 
-void write_view(JsonWriter& json, const BufferView& view) {
-  json.begin_object().member("buffer", 0).member("byteOffset", view.begin).member("byteLength", view.bytes);
-  json.member("target", view.target).end_object();
+void write_views(JsonWriter& json, const std::vector<Item>& items) {
+  const auto write = [&](std::size_t begin, std::size_t bytes, int target) {
+    json.begin_object().member("buffer", 0).member("byteOffset", begin).member("byteLength", bytes);
+    json.member("target", target).end_object();
+  };
+  json.key("bufferViews").begin_array();
+  for (const Item& item : items) {
+    write(item.positions, item.indices - item.positions, kArrayBuffer);
+    write(item.indices, 3 * item.mesh->mesh.triangles.size() * (item.has_short_indices() ? 2 : 4), kElementArrayBuffer);
+  }
+  json.end_array();
 }
 
 /// Returns the number of materials used.
@@ -242,17 +234,9 @@ std::string json_of(const Document& document) {
       write_material(json, i);
     json.end_array();
   }
-  json.key("accessors").begin_array();
-  for (std::size_t i = 0; i < document.items.size(); ++i) {
-    write_accessor(json, 2 * i, document.items[i].accessors[0]);
-    write_accessor(json, 2 * i + 1, document.items[i].accessors[1]);
-  }
-  json.end_array().key("bufferViews").begin_array();
-  for (const Item& item : document.items) {
-    write_view(json, item.views[0]);
-    write_view(json, item.views[1]);
-  }
-  json.end_array().key("buffers").begin_array().begin_object();
+  write_accessors(json, document.items);
+  write_views(json, document.items);
+  json.key("buffers").begin_array().begin_object();
   json.member("byteLength", document.binary.size()).end_object().end_array().end_object();
   return json.take();
 }

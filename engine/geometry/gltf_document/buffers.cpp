@@ -4,6 +4,11 @@
 
 #include <array>
 #include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/reference.hpp"
@@ -11,6 +16,36 @@
 
 namespace palpa::geometry::gltf {
 namespace {
+
+// nullopt unless the whole text is base64 (with or without padding).
+std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
+  static constexpr auto value = [] {
+    std::array<unsigned char, 256> table{};
+    table.fill(0xff);
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (std::size_t i = 0; i < digits.size(); ++i)
+      table[static_cast<unsigned char>(digits[i])] = static_cast<unsigned char>(i);
+    return table;
+  }();
+  for (int padding = 0; padding < 2 && text.ends_with('='); ++padding)
+    text.remove_suffix(1);
+  if (text.size() % 4 == 1) return std::nullopt;
+  std::vector<unsigned char> bytes(text.size() * 6 / 8);
+  auto out = bytes.begin();
+  std::uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const unsigned char digit = value[static_cast<unsigned char>(c)];
+    if (digit == 0xff) return std::nullopt;
+    bits = bits << 6 | digit;
+    held += 6;
+    if (held >= 8) {
+      held -= 8;
+      *out++ = static_cast<unsigned char>(bits >> held);
+    }
+  }
+  return bytes;
+}
 
 std::vector<unsigned char> decode_data_uri(const BufferSource& source, const auto& fail) {
   const std::string_view uri = source.uri;
@@ -28,25 +63,7 @@ std::vector<unsigned char> decode_data_uri(const BufferSource& source, const aut
   return *std::move(bytes);
 }
 
-}  // namespace
-
-std::optional<std::string> uri_fault(const std::string& uri) {
-  if (uri.starts_with("data:")) {
-    // data:[media type][;parameter]...;base64,DATA
-    const std::string_view head = std::string_view(uri).substr(0, uri.find(','));
-    if (head.size() == uri.size() || !head.ends_with(";base64") || head.find(";;") != std::string_view::npos) {
-      return "its data URI is not \"data:application/octet-stream;base64,...\"";
-    }
-    return std::nullopt;
-  }
-  const auto path = decode_percent(uri);
-  if (!path || path->empty() || path->starts_with('/') ||
-      path->substr(0, path->find('/')).find(':') != std::string::npos) {
-    return fmt::format("its uri {} is not a relative path", text::quoted(uri));
-  }
-  return std::nullopt;
-}
-
+// Exactly source.length bytes of a buffer that is not packed.
 std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
                                        const BufferSource& source) {
   const auto fail = [&](const std::string& fault) {
@@ -79,55 +96,38 @@ std::vector<unsigned char> load_buffer(const InputFile& file, const std::optiona
   return bytes;
 }
 
-std::vector<unsigned char> BufferLoader::load(std::size_t index) {
-  const BufferSource& source = sources_[index];
-  if (!source.packed) return load_buffer(file_, bin_, index, source);
-  const MeshoptBufferView& view = *source.packed;
-  auto found = packed_.find(view.buffer);
-  if (found == packed_.end())
-    found = packed_.emplace(view.buffer, load_buffer(file_, bin_, view.buffer, sources_[view.buffer])).first;
-  const auto packed = std::span<const unsigned char>(found->second).subspan(view.offset, view.length);
+std::vector<unsigned char> unpack(const InputFile& file, const MeshoptBufferView& view,
+                                  std::span<const unsigned char> packed) {
   if (auto bytes = unpack_meshopt(view, packed)) return *std::move(bytes);
   const std::string where =
       fmt::format("buffer {}: bytes {} to {} are", view.buffer, view.offset, view.offset + view.length);
   if (const unsigned version = codec_version(view, packed); version > 0) {
-    throw bad_input(file_.name(),
-                    fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was "
-                                "built with a meshoptimizer that reads version 0 only: pack the model "
-                                "with EXT_meshopt_compression, or not at all",
-                                where, version));
+    throw bad_input(file.name(), fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was "
+                                             "built with a meshoptimizer that reads version 0 only: pack the model "
+                                             "with EXT_meshopt_compression, or not at all",
+                                             where, version));
   }
-  throw bad_input(file_.name(), fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes",
-                                            where, view.count, view.stride));
+  throw bad_input(file.name(), fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes",
+                                           where, view.count, view.stride));
 }
 
-std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
-  static constexpr auto value = [] {
-    std::array<unsigned char, 256> table{};
-    table.fill(0xff);
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < digits.size(); ++i)
-      table[static_cast<unsigned char>(digits[i])] = static_cast<unsigned char>(i);
-    return table;
-  }();
-  for (int padding = 0; padding < 2 && text.ends_with('='); ++padding)
-    text.remove_suffix(1);
-  if (text.size() % 4 == 1) return std::nullopt;
-  std::vector<unsigned char> bytes(text.size() * 6 / 8);
-  auto out = bytes.begin();
-  std::uint32_t bits = 0;
-  int held = 0;
-  for (const char c : text) {
-    const unsigned char digit = value[static_cast<unsigned char>(c)];
-    if (digit == 0xff) return std::nullopt;
-    bits = bits << 6 | digit;
-    held += 6;
-    if (held >= 8) {
-      held -= 8;
-      *out++ = static_cast<unsigned char>(bits >> held);
+}  // namespace
+
+std::optional<std::string> uri_fault(const std::string& uri) {
+  if (uri.starts_with("data:")) {
+    // data:[media type][;parameter]...;base64,DATA
+    const std::string_view head = std::string_view(uri).substr(0, uri.find(','));
+    if (head.size() == uri.size() || !head.ends_with(";base64") || head.find(";;") != std::string_view::npos) {
+      return "its data URI is not \"data:application/octet-stream;base64,...\"";
     }
+    return std::nullopt;
   }
-  return bytes;
+  const auto path = decode_percent(uri);
+  if (!path || path->empty() || path->starts_with('/') ||
+      path->substr(0, path->find('/')).find(':') != std::string::npos) {
+    return fmt::format("its uri {} is not a relative path", text::quoted(uri));
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> decode_percent(std::string_view text) {
@@ -146,6 +146,21 @@ std::optional<std::string> decode_percent(std::string_view text) {
     i += 2;
   }
   return out;
+}
+
+std::vector<std::vector<unsigned char>> load_buffers(const InputFile& file, const std::optional<BinChunk>& bin,
+                                                     const std::vector<BufferSource>& sources) {
+  std::vector<std::vector<unsigned char>> buffers(sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (sources[i].length == 0) continue;
+    if (const auto& view = sources[i].packed) {
+      const std::span<const unsigned char> packed(buffers[view->buffer]);
+      buffers[i] = unpack(file, *view, packed.subspan(view->offset, view->length));
+    } else {
+      buffers[i] = load_buffer(file, bin, i, sources[i]);
+    }
+  }
+  return buffers;
 }
 
 }  // namespace palpa::geometry::gltf

@@ -16,7 +16,7 @@ namespace {
 constexpr int deepest = 128;
 constexpr std::size_t longest_string = 4096;
 constexpr std::string_view long_string_mark = "data:long string ";
-constexpr std::size_t most_values = 2'000'000;  // about 80 bytes each, and twice: here and in tinygltf
+constexpr std::size_t most_values = 2'000'000;  // about 80 bytes each
 
 // The value as a whole number: JSON writers may write 28 or 28.0.
 std::optional<std::uint64_t> as_whole(const Json& value) {
@@ -214,6 +214,15 @@ const Json* Item::array(const char* key) const {
   if (found == value_->end()) return nullptr;
   if (!found->is_array()) fail(fmt::format("\"{}\" is not an array", key));
   return &*found;
+}
+
+std::size_t Item::size(const char* key) const {
+  const Json* list = array(key);
+  return list == nullptr ? 0 : list->size();
+}
+
+Item Item::element(const char* key, const std::string& name, std::size_t index) const {
+  return {*file_, (*array(key))[index], fmt::format("{} {}", name, index)};
 }
 
 bool Item::has_extension(const char* name) const {

@@ -65,6 +65,10 @@ class Item {
   Item needed_item(const char* key) const;
   /// A member that is an array; nullptr if absent.
   const Json* array(const char* key) const;
+  /// The length of such an array; 0 if absent.
+  std::size_t size(const char* key) const;
+  /// An object in such an array, called e.g. "accessor 3" for messages.
+  Item element(const char* key, const std::string& name, std::size_t index) const;
   /// Whether the object has the extension.
   bool has_extension(const char* name) const;
 

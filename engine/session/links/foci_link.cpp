@@ -110,6 +110,8 @@ void write_foci_line(const array::Schedule& schedule, std::span<const std::strin
 
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting) {
   if (!argument.starts_with("udp:")) throw bad_usage(form);
+  if (setting.nulls)
+    throw bad_usage("link foci sends foci and no drives, so its receiver would leave no null silent: leave --null out");
   return std::make_unique<FociLink>(argument.substr(4), setting);
 }
 

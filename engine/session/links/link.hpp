@@ -28,9 +28,10 @@ struct LinkSetting {
   double ramp_s = 0;          ///< --ramp: a link that supports it also moves from focus to focus in steps
   std::string board_files{};  ///< folder with the boards' own calibration; empty: none
   /// The phases of a drive of one focus are those of its distances at the layout's frequency, which such boards
-  /// compute, too. False: those of another frequency, of another transfer than the free field, or of the caller's own
-  /// solver.
+  /// compute, too. False: those of another frequency, of another transfer than the free field, with nulls, or of the
+  /// caller's own solver.
   bool free_field = true;
+  bool nulls = false;  ///< drives are silent at places; a link that sends foci and no drives refuses this
 };
 
 /// The sound from now on, in the form that a link gets. It is complete enough for a board that plays a pattern by its

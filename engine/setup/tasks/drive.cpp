@@ -18,6 +18,7 @@
 #include "gpu/commands.hpp"
 #include "setup/body.hpp"
 #include "setup/load.hpp"
+#include "setup/pattern_file.hpp"
 #include "setup/touch_file.hpp"
 #include "setup/warnings.hpp"
 #include "touch/foci/method.hpp"
@@ -131,10 +132,24 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
   return drive_on_gpu(*device.get(), layout, foci, factors, options);
 }
 
+/// A pattern's points become foci. Its silent places, and the solver that it needs, go into `drive`.
+std::vector<AskedFocus> foci_of_pattern(const Pattern& pattern, DriveOptionsGroup& drive) {
+  std::vector<AskedFocus> foci;
+  for (const auto& [position, amplitude] : pattern.points)
+    foci.push_back({position, amplitude});
+  for (const array::Null& null : pattern.nulls) {
+    const Vec3& at = null.position;
+    drive.nulls.push_back(fmt::format("{},{},{},{}", at.x, at.y, at.z, null.radius_m));
+  }
+  if (!drive.solver) drive.solver = SolverChoice::gs_pat;
+  return foci;
+}
+
 /// Computes the drive of slot 0 of the schedule. If there is a finger, it must already be aimed at the schedule's foci.
 void drive_slot(const array::Layout& layout, array::Schedule& schedule, const array::DriveOptions& in_free_air,
                 const Computer& by, DriveResult& result) {
   array::DriveOptions options = in_free_air;
+  check_nulls(layout, result.foci, options);
   if (by.finger) options.transfer = &by.finger->sound;
   const std::vector<std::complex<double>> factors = factors_for(layout, schedule, options, by.touch);
   result.layout = layout;
@@ -147,6 +162,7 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
   if (by.finger && factors.empty()) result.over_free_field = gains_over(in_free_air, layout, *by.finger, result);
   if (by.finger) result.effort = by.finger->body.effort();
   result.unresolved = array::unresolved_pairs(layout, result.foci, options);
+  if (options.nulls) result.nulls = report_nulls(layout, result.drive, result.foci, options);
 }
 
 /// Refuses values that the command line refuses during parsing.
@@ -164,9 +180,10 @@ DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> 
                                 by.finger->transducers, layout.name, layout.transducers.size()));
   }
   check_values(drive);
-  const array::DriveOptions options =
+  array::DriveOptions options =
       drive_options(drive, touch::Method::cross_section, by.finger ? FingerMesh::known : FingerMesh::unknown);
   warn_of_frequency(layout, options.medium);
+  prepare_nulls(drive, layout, options);
   array::Schedule schedule = schedule_of(foci, layout);
   ask_for_pressure(drive, schedule);
   DriveResult result;
@@ -191,9 +208,10 @@ void check(const DriveTask& task) {
   if (task.touch.empty()) {
     if (task.layout.empty() && !task.placed)
       throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
-    if (task.foci.empty()) {
+    if (task.foci.empty() && task.pattern.empty()) {
       throw bad_usage(
-          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE");
+          "--focus is missing: give a point x,y,z in the layout's frame, such as 0,0,150mm, or a --touch FILE or a "
+          "--pattern FILE");
     }
     return;
   }
@@ -225,6 +243,18 @@ std::string to_json(const DriveResult& result) {
   json.end_array();
   json.member("pressures_pa", result.pressure.pascals).member("weakest_to_strongest", result.pressure.evenness);
   if (!result.over_free_field.empty()) json.member("over_free_field", result.over_free_field);
+  if (result.nulls) {
+    json.key("nulls").begin_array();
+    for (const SilentPlace& place : result.nulls->places) {
+      json.begin_object()
+          .member("place_m", place.null.position)
+          .member("radius_m", place.null.radius_m)
+          .member("loudest_pa", place.loudest_pa)
+          .member("depth_db", place.depth_db)
+          .end_object();
+    }
+    json.end_array().member("kept_with_nulls", result.nulls->kept);
+  }
   json.key("unresolved_pairs").begin_array();
   for (const array::FocusPair& pair : result.unresolved)
     json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
@@ -242,6 +272,7 @@ std::string to_json(const DriveResult& result) {
     add(json, "pressures_pa", result.spread->pressures_pa);
     json.key("weakest_to_strongest");
     add(json, result.spread->evenness);
+    if (!result.spread->nulls_pa.empty()) add(json, "nulls_pa", result.spread->nulls_pa);
     json.end_object();
   }
   json.end_object();
@@ -266,6 +297,20 @@ DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& dri
   for (std::vector<double>& of_focus : pascals)
     result.pressures_pa.push_back(percentiles(std::move(of_focus)));
   return result;
+}
+
+DriveSpread spread_of_drive(const DriveResult& result, const MediumOptions& medium, array::Directivity directivity,
+                            const array::Spread& spread, const Draws& draws) {
+  const auto at = [&](std::span<const array::SlotFocus> places) {
+    return spread_of_drive(result.layout, result.drive, places, medium, directivity, spread, draws);
+  };
+  DriveSpread ranges = at(result.foci);
+  if (!result.nulls) return ranges;
+  std::vector<array::SlotFocus> centres;
+  for (const SilentPlace& place : result.nulls->places)
+    centres.push_back({place.null.position});
+  ranges.nulls_pa = at(centres).pressures_pa;  // the same arrays: the seed is the same
+  return ranges;
 }
 
 FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
@@ -295,15 +340,20 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   check(task);
   PlayedTouch played;
   if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
-  const array::DriveOptions options =
-      drive_options(task.drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
+  DriveOptionsGroup drive = task.drive;
+  std::vector<AskedFocus> pattern;
+  if (!task.pattern.empty()) pattern = foci_of_pattern(load_pattern(task.pattern), drive);
+  array::DriveOptions options =
+      drive_options(drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
                     task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
   check_pressures(task, played.schedule);
   const PlacedLayout placed = task.placed ? *task.placed : load_placed_layout({.rig = task.rig, .layout = task.layout});
   const array::Layout& layout = placed.layout;
   warn_of_frequency(layout, options.medium);
-  array::Schedule schedule =
-      task.touch.empty() ? schedule_of(task.foci, layout) : slot_of_touch(task, played.schedule, placed);
+  prepare_nulls(drive, layout, options);
+  array::Schedule schedule = !task.pattern.empty() ? schedule_of(pattern, layout)
+                             : task.touch.empty()  ? schedule_of(task.foci, layout)
+                                                   : slot_of_touch(task, played.schedule, placed);
   ask_for_pressure(task.drive, schedule);
   DriveResult result;
   array::foci_of_slot(schedule, 0, result.foci);
@@ -318,8 +368,8 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   drive_slot(layout, schedule, options,
              {.options = on_gpu(common) ? &common : nullptr, .finger = finger.get(), .touch = task.touch}, result);
   if (!task.spread.text.empty()) {
-    result.spread = spread_of_drive(layout, result.drive, result.foci, task.drive.medium, options.directivity,
-                                    parse_spread(task.spread.text), draws_of(task.spread, common.seed));
+    result.spread = spread_of_drive(result, task.drive.medium, options.directivity, parse_spread(task.spread.text),
+                                    draws_of(task.spread, common.seed));
   }
   return result;
 }

@@ -22,6 +22,7 @@
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
 #include "setup/load.hpp"
+#include "setup/nulls.hpp"
 #include "setup/options.hpp"
 #include "setup/spread.hpp"
 #include "setup/tasks/foci.hpp"
@@ -31,7 +32,8 @@ namespace palpa::setup {
 /// The input as names and files, as on the command line.
 struct DriveTask {
   std::string layout;             ///< a built-in name or a file; empty with `touch`: the rig's
-  std::vector<std::string> foci;  ///< texts for schedule_of; empty with `touch`
+  std::vector<std::string> foci;  ///< texts for schedule_of; empty with `touch` and `pattern`
+  std::string pattern;            ///< file of control points (pattern_file.hpp)
   std::string touch;              ///< output file of `palpa touch --json`
   /// The content of that file, if it is not one; `touch` is then its name in messages.
   std::optional<std::string> touch_json;
@@ -52,6 +54,7 @@ struct DriveSpread {
   Draws draws;
   std::vector<Percentiles> pressures_pa;  ///< one per focus
   Percentiles evenness;
+  std::vector<Percentiles> nulls_pa{};  ///< one per null, at its centre
 };
 
 struct DriveResult {
@@ -67,6 +70,7 @@ struct DriveResult {
   std::vector<double> over_free_field;
   std::vector<array::FocusPair> unresolved;  ///< foci that are closer together than the array resolves
   bool pressure_asked = false;               ///< some focus requests a pressure
+  std::optional<NullReport> nulls;           ///< if there are nulls
   std::optional<DriveSpread> spread;         ///< if requested
 
   /// Whether a focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
@@ -114,6 +118,9 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& drive,
                             std::span<const array::SlotFocus> foci, const MediumOptions& medium,
                             array::Directivity directivity, const array::Spread& spread, const Draws& draws);
+/// The same for a result, with its nulls.
+DriveSpread spread_of_drive(const DriveResult& result, const MediumOptions& medium, array::Directivity directivity,
+                            const array::Spread& spread, const Draws& draws);
 
 /// The same from files. Only the backend, the choice of device and the seed in `common` are
 /// used. If there is a finger,

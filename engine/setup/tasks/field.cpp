@@ -16,6 +16,7 @@
 #include "base/json_writer.hpp"
 #include "base/memory.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/nulls.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/touch_run.hpp"
 #include "setup/warnings.hpp"
@@ -26,12 +27,16 @@ namespace {
 /// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
   if (!task.drive_file.empty()) return load_drive(task.drive_file, layout);
-  const array::DriveOptions options = drive_options(task.drive);
+  array::DriveOptions options = drive_options(task.drive);
   array::Schedule schedule = schedule_of(task.foci, layout);
+  prepare_nulls(task.drive, layout, options);
   for (array::Voice& voice : schedule.voices)
     voice.pressure_pa = task.drive.pressure_pa.value_or(0);
   array::foci_of_slot(schedule, 0, result.foci);
-  return drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
+  check_nulls(layout, result.foci, options);
+  array::Drive drive = drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
+  report_nulls(layout, drive, result.foci, options);
+  return drive;
 }
 
 std::size_t loudest_of(std::span<const std::complex<double>> pressures) {

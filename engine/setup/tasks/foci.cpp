@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <utility>
 
 #include "array/loudness.hpp"
@@ -17,12 +16,10 @@
 #include "line/values.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 namespace {
-
-/// Below this distance, a focus is on a transducer, and the direction of its sound is meaningless.
-constexpr double on_transducer_m = 1e-6;
 
 /// Splits "x,y,z,a" into "x,y,z" and a; without a fourth part, a is 1.
 std::pair<std::string, float> split_gain(const std::string& text) {
@@ -82,12 +79,7 @@ void check_drive(const array::Layout& layout, std::span<const array::TransducerD
 }
 
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
-  if (!array::drivable(focus)) throw bad_usage(fmt::format("{} is farther than 100 m from the array", what));
-  for (std::size_t i = 0; i < layout.transducers.size(); ++i) {
-    if (glm::distance(layout.transducers[i].position, focus.position) < on_transducer_m) {
-      throw bad_usage(fmt::format("{} is where transducer {} stands; give a point in front of the array", what, i));
-    }
-  }
+  refuse_place(layout, focus.position, what);
   if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
     log::warning(what + " " + odd);
 }

@@ -21,6 +21,7 @@ struct PlanShape {
   std::string name;
   std::string model;                            ///< file, relative names resolved from the plan's folder
   std::string model_sha256{};                   ///< of the file, if it was read (setup::load_plan)
+  bool asks_pressure = false;                   ///< whether the model may ask for a pressure at foci, if it was read
   std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
 };
 
@@ -105,7 +106,11 @@ struct PlanRun {
 /// [level]: how loud it may be at the participant's ears.
 struct PlanLevel {
   double ceiling = 1;     ///< of every transducer's amplitude, as --ceiling
-  double limit_db = 110;  ///< peak sound pressure level, dB re 20 uPa, that may be predicted at an ear
+  double limit_db = 110;  ///< peak sound pressure level, dB re 20 uPa, that an ear may get
+  /// What a microphone read at the louder ear, dB re 20 uPa, and the ceiling at which it read it. Replaces the
+  /// prediction.
+  std::optional<double> measured_db{};
+  double measured_ceiling = 1;
   std::array<Vec3, 2> ears{Vec3(-0.08, 0.3, 0.65), Vec3(0.08, 0.3, 0.65)};  ///< left, right; metres, world
 };
 

@@ -154,6 +154,15 @@ PlanLevel level_of(TomlTable& table) {
   PlanLevel level;
   level.ceiling = table.number_or("ceiling", level.ceiling, 0, 1);
   level.limit_db = table.number_or("limit_db", level.limit_db, 40, 160);
+  const bool measured = table.has("measured_db");
+  if (measured != table.has("measured_ceiling")) {
+    throw table.fault(measured ? "measured_db" : "measured_ceiling",
+                      "measured_db and measured_ceiling go together: what a microphone read, and at which ceiling");
+  }
+  if (measured) {
+    level.measured_db = table.number("measured_db", 0, 200);
+    level.measured_ceiling = table.number("measured_ceiling", 1e-3, 1);
+  }
   const char* const keys[]{"left_ear_mm", "right_ear_mm"};
   for (std::size_t side = 0; side < 2; ++side) {
     if (!table.has(keys[side])) continue;

@@ -4,28 +4,61 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
+#include "array/directivity.hpp"
 #include "array/drive.hpp"
 #include "base/error.hpp"
 
 namespace palpa::study {
 namespace {
 
-/// The space in which the objects are felt: 4 cm wide, from their top down to the depth at which sound stops.
-std::vector<Vec3> foci_of(const StudyPlan& plan) {
+constexpr array::Directivity directivity_kind = array::Directivity::t4010a1;
+
+/// Foci that sound at once.
+using FocusSet = std::vector<Vec3>;
+
+/// Van der Corput's sequence: 0..1, evenly spread however many are taken.
+double spread_out(std::uint32_t number, std::uint32_t base) {
+  double value = 0, digit = 1;
+  for (; number > 0; number /= base) {
+    digit /= base;
+    value += digit * (number % base);
+  }
+  return value;
+}
+
+/// Sets in the space in which the objects are felt: 4 cm wide, from their top down to the depth at which sound stops.
+/// More foci at once than ten are no louder.
+std::vector<FocusSet> focus_sets(const StudyPlan& plan) {
   constexpr double half_width_m = 0.02;
-  std::vector<Vec3> foci;
+  std::vector<FocusSet> sets;
   for (const double y : {0.0, -plan.run.deep_m}) {
     for (const double x : {-half_width_m, 0.0, half_width_m}) {
       for (const double z : {-half_width_m, 0.0, half_width_m})
-        foci.emplace_back(x, y, z);
+        sets.push_back({Vec3(x, y, z)});
     }
   }
-  return foci;
+  std::uint32_t number = 0;
+  const auto add = [&](std::size_t count, std::size_t foci) {
+    for (std::size_t i = 0; i < count; ++i) {
+      FocusSet& set = sets.emplace_back();
+      while (set.size() < foci) {
+        ++number;
+        set.emplace_back(half_width_m * (2 * spread_out(number, 2) - 1), -plan.run.deep_m * spread_out(number, 3),
+                         half_width_m * (2 * spread_out(number, 5) - 1));
+      }
+    }
+  };
+  add(110, 1);
+  for (const std::size_t foci : {2u, 4u, 10u})
+    add(32, foci);
+  return sets;
 }
 
 /// Places all over the ball, evenly by volume: the directions of a Fibonacci lattice, in radii that grow as cube roots.
@@ -50,9 +83,53 @@ double level_of(double pascals) {
   return 20 * std::log10(std::max(pascals, 1e-12) / std::numbers::sqrt2 / reference_pa);
 }
 
+/// The pressure at the place if all transducers are at full amplitude, and their sounds in phase there.
+double pressure_in_phase(const array::Layout& layout, const acoustics::Air& air, std::span<const double> directivity,
+                         const Vec3& place) {
+  double sum = 0;
+  for (const auto& [position, axis] : layout.transducers) {
+    const Vec3 way = place - position;
+    const double distance = std::max(glm::length(way), layout.transducer_radius_m);
+    const double at =
+        (std::clamp(glm::dot(way, axis) / distance, -1.0, 1.0) + 1) / 2 * static_cast<double>(array::directivity_steps);
+    const auto below = std::min(static_cast<std::size_t>(at), array::directivity_steps - 1);
+    const double part = at - static_cast<double>(below);
+    sum += ((1 - part) * directivity[below] + part * directivity[below + 1]) *
+           std::exp(-air.absorption_np_m * distance) / distance;
+  }
+  return layout.source_level_pa_m * sum;
+}
+
+/// The plan's reading at the plan's ceiling. Boards without amplitudes get quieter by less: see predict_ear_level.
+std::optional<double> reading_of(const PlanLevel& level, bool on_off) {
+  if (!level.measured_db) return std::nullopt;
+  const double ratio = std::max(level.ceiling, 1e-9) / level.measured_ceiling;
+  return *level.measured_db + (on_off && ratio < 1 ? 10 : 20) * std::log10(ratio);
+}
+
+/// The drives of all sets, at this factor of their amplitudes.
+acoustics::Strengths strengths_of(const array::Layout& layout, const std::vector<FocusSet>& sets,
+                                  const array::DriveOptions& options, double factor) {
+  acoustics::Strengths all;
+  array::DriveScratch scratch;
+  array::reserve(scratch, layout, options, 10);
+  array::Drive drive(layout.transducers.size());
+  for (const FocusSet& set : sets) {
+    std::vector<array::SlotFocus> foci(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i)
+      foci[i].position = set[i];
+    array::drive_for(layout, foci, options, drive, scratch);
+    for (array::TransducerDrive& transducer : drive)
+      transducer.amplitude *= static_cast<float>(factor);
+    const acoustics::Strengths own = acoustics::strengths_of(drive);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
 }  // namespace
 
-double EarLevel::loudest_db() const {
+double EarLevel::predicted_db() const {
   return std::max(db[0], db[1]);
 }
 
@@ -62,42 +139,57 @@ double equivalent_db(double level_db, double sounding_s) {
 }
 
 EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {
-  EarLevel level{.db = {level_of(0), level_of(0)}, .sounding_s = study::sounding_s(plan)};
+  EarLevel level{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan)};
   std::vector<Vec3> places = ball_around(plan.level.ears[0]);
   const std::size_t per_ear = places.size();
   const std::vector<Vec3> right = ball_around(plan.level.ears[1]);
   places.insert(places.end(), right.begin(), right.end());
+  const std::vector<FocusSet> sets = focus_sets(plan);
+  const bool asks = std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure);
 
   std::set<std::string> layouts;
   for (const PlanMethod& method : plan.methods)
     layouts.insert(method.layout);
   for (const std::string& name : layouts) {
     const array::Layout layout = placed != nullptr ? *placed : in_default_pose(array::load_layout(name));
-    const acoustics::Incident incident(layout, acoustics::air_of({}, layout.frequency_hz), array::Directivity::t4010a1);
-    const std::vector<Vec3> foci = foci_of(plan);
-    acoustics::Strengths strengths;
-    for (const Vec3& focus : foci) {
-      array::SlotFocus one;
-      one.position = focus;
-      array::Drive drive = array::drive_for(layout, {&one, 1});
-      for (array::TransducerDrive& transducer : drive)
-        transducer.amplitude *= static_cast<float>(plan.level.ceiling);
-      const acoustics::Strengths own_strengths = acoustics::strengths_of(drive);
-      strengths.insert(strengths.end(), own_strengths.begin(), own_strengths.end());
-    }
+    const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
+    const bool on_off =
+        std::ranges::any_of(layout.boards, [](const array::Board& board) { return board.type == "sonicsurface"; });
+    const bool equal = asks || on_off;
+    const double factor = on_off ? std::sqrt(plan.level.ceiling) : plan.level.ceiling;
+    const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
+                                      .medium = air.medium,
+                                      .solver = array::Solver::gs_pat,
+                                      .directivity = directivity_kind};
+    const acoustics::Incident incident(layout, air, directivity_kind);
     acoustics::Waves waves;
-    incident.at(places, {}, strengths, waves);
+    incident.at(places, {}, strengths_of(layout, sets, options, factor), waves);
     for (std::size_t i = 0; i < waves.pressures.size(); ++i) {
-      const double db = level_of(std::abs(waves.pressures[i]));
-      if (db > level.loudest_db()) {
-        level.focus = foci[i / places.size()];
+      const double db = level_of(std::abs(waves.pressures[i])) + (equal ? untried_equal_db : untried_db);
+      if (db > level.predicted_db()) {
+        level.foci = sets[i / places.size()];
         level.layout = name;
+        level.full_amplitude = equal;
       }
       double& at_ear = level.db[i % places.size() < per_ear ? 0 : 1];
       at_ear = std::max(at_ear, db);
     }
+    level.on_off = level.on_off || on_off;
+    const std::vector<double> table = array::directivity_table(
+        directivity_kind, 2 * std::numbers::pi * air.medium.turns_per_metre() * layout.transducer_radius_m);
+    for (const Vec3& place : places)
+      level.bound_db = std::max(level.bound_db, level_of(factor * pressure_in_phase(layout, air, table, place)));
   }
+  level.measured = reading_of(plan.level, level.on_off);
   return level;
+}
+
+std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level) {
+  if (!level.measured || *level.measured > level.predicted_db() - unlikely_reading_db) return {};
+  return fmt::format(
+      "{}: measured_db means {:.1f} dB at the plan's ceiling, but {:.1f} dB are predicted; a sound-level meter with an "
+      "A or C filter does not hear 40 kHz",
+      plan.file, *level.measured, level.predicted_db());
 }
 
 const std::vector<EarLimit>& ear_limits() {
@@ -112,12 +204,14 @@ const std::vector<EarLimit>& ear_limits() {
 }
 
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
-  if (level.loudest_db() <= plan.level.limit_db || !signature.empty()) return;
-  throw bad_usage(fmt::format(
-      "{}: {:.1f} dB are predicted at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its [level] "
-      "from {} to {:.2g}, or move the participant away",
-      plan.file, level.loudest_db(), plan.level.limit_db, plan.level.ceiling,
-      std::floor(plan.level.ceiling * std::pow(10, (plan.level.limit_db - level.loudest_db()) / 20) * 1000) / 1000));
+  const double above_db = level.loudest_db() - plan.level.limit_db;
+  if (above_db <= 0 || !signature.empty()) return;
+  const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
+  throw bad_usage(
+      fmt::format("{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its "
+                  "[level] from {} to {:g}, or move the participant away",
+                  plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
+                  std::floor(fits * 1000) / 1000));
 }
 
 }  // namespace palpa::study

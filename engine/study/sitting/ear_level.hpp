@@ -1,12 +1,12 @@
-// How loud the array will be at a participant's ears, predicted before anybody sits in front of it.
+// How loud the array will be at a participant's ears, before anybody sits in front of it: as predicted, or as measured.
 //
-// The prediction is the loudest ultrasound that one focus can cause within 10 cm of an ear: over foci all over the
-// space in which the objects are felt, and over places in the ball around the ear, in free air. Reflections from hands
-// and tables may add or take away 10 dB.
+// The prediction is the loudest ultrasound within 10 cm of an ear that any of many drives causes: of one focus and of
+// several at once, all over the space in which the objects are felt, in free air. Silent places (nulls) do not count.
+// Reflections from hands and tables may add or take away 10 dB.
 #pragma once
 
 #include <array>
-#include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +22,19 @@ double equivalent_db(double level_db, double sounding_s);
 
 /// Levels are sound pressure levels of the tone: 20 log10(p / sqrt(2) / 20 uPa) for the peak pressure p.
 struct EarLevel {
-  std::array<double, 2> db{};  ///< left, right: the loudest, at the plan's ceiling
-  Vec3 focus{};                ///< that causes the louder of them, metres, world
-  std::string layout{};        ///< of the plan's loudest method
-  double sounding_s = 0;       ///< how long the array may sound in a participant's sitting
+  std::array<double, 2> db{};        ///< left, right: the loudest that is predicted at the plan's ceiling
+  std::vector<Vec3> foci{};          ///< of the drive that causes the louder of them, metres, world
+  std::string layout{};              ///< of the plan's loudest method
+  bool full_amplitude = false;       ///< its drives are tried with all transducers at the ceiling
+  bool on_off = false;               ///< its boards have no amplitudes
+  double bound_db = 0;               ///< no drive is louder: all transducers at the ceiling, and in phase at the ear
+  std::optional<double> measured{};  ///< dB: the plan's reading, at the plan's ceiling
+  double sounding_s = 0;             ///< how long the array may sound in a participant's sitting
 
-  double loudest_db() const;
+  double predicted_db() const;
+  /// What counts at the louder ear: as measured, otherwise as predicted.
+  double loudest_db() const { return measured.value_or(predicted_db()); }
+  const char* word() const { return measured ? "measured" : "predicted"; }
   /// The same of a whole sitting at the loudest level.
   double equivalent_db() const { return study::equivalent_db(loudest_db(), sounding_s); }
 };
@@ -35,10 +42,23 @@ struct EarLevel {
 /// What reflections may add or take away.
 inline constexpr double reflections_db = 10;
 inline constexpr double ear_ball_m = 0.1;
+/// What other drives than those that are tried may add, with equal amplitudes and otherwise: of 1000 random ones on
+/// `openmpd` and in `paper`, none was louder by more. It is in the prediction.
+inline constexpr double untried_equal_db = 1.5, untried_db = 0.2;
+/// A reading so far below the prediction is probably not of this sound.
+inline constexpr double unlikely_reading_db = 20;
 
 /// Computes on the processor: a second for the paper's array. Without `placed`, an array as posed in the world that all
 /// methods use, arrays have the pose that they have without a rig. Throws as array::load_layout does.
+///
+/// A study plays with Constraint::normalise, so the drives are those of gs_pat with that constraint: the loudest have
+/// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
+/// boards without amplitudes. Then all transducers are at the ceiling. Boards without amplitudes turn that share of
+/// their transducers on, whose sound beside the focus falls with the square root of the share.
 EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed = nullptr);
+
+/// A line about a reading that is far below the prediction; empty otherwise.
+std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level);
 
 /// Published limits for airborne ultrasound at 40 kHz, for comparison (docs/study.md).
 struct EarLimit {

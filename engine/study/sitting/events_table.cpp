@@ -175,8 +175,9 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
   for (const Entry& entry : run) {
     if (entry.kind != EntryKind::level) continue;
     json.key("SoundLevel").begin_object(JsonWriter::Style::line);
-    if (entry.level_db) json.member("PredictedPeakDb", *entry.level_db);
-    if (entry.dose_db) json.member("PredictedEquivalentDb", *entry.dose_db);
+    const bool measured = plan.level.measured_db.has_value();
+    if (entry.level_db) json.member(measured ? "MeasuredPeakDb" : "PredictedPeakDb", *entry.level_db);
+    if (entry.dose_db) json.member(measured ? "MeasuredEquivalentDb" : "PredictedEquivalentDb", *entry.dose_db);
     json.member("LimitDb", plan.level.limit_db);
     if (const double sounding_s = sounded_s(run); sounding_s > 0) {
       json.member("SoundedSeconds", sounding_s);

@@ -35,7 +35,7 @@ struct JournalHead {
 enum class EntryKind {
   start,    ///< the program was started: times count from here. Whatever was open before is void
   consent,  ///< the participant's answers to the consent pages
-  level,    ///< the predicted sound level at the ears
+  level,    ///< the sound level at the ears, predicted or measured
   begin,    ///< a step begins: its touch, or its break
   touched,  ///< a touch has ended
   choose,   ///< the participant chose a shape in the free exploration

@@ -71,7 +71,7 @@ class Sitting {
   void advance(std::int64_t now_ns);
   /// Adds what was played to the entry of the touch that ends next.
   void played(Stimulus stimulus) { stimulus_ = std::move(stimulus); }
-  /// Writes the predicted level, on setup.
+  /// Writes the predicted or measured level, on setup.
   void level(double level_db, double dose_db, const std::string& signature, std::int64_t now_ns);
 
   Screen screen() const { return screen_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "base/inplace_vector.hpp"
 
@@ -100,7 +101,7 @@ bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finge
 
 /// Whether the lines between contacts that face each other go through a finger: they enter the skin at both ends.
 Pair face(const Patch& a, const Patch& b, bool were_one) {
-  InplaceVector<Way, 2 * most_samples> ways;  // `own` is the end in `a`
+  InplaceVector<Way, std::size_t{2} * most_samples> ways;  // `own` is the end in `a`
   for (const SkinSample& sample : *a.samples)
     ways.push_back(way_across(sample, b));
   for (const SkinSample& sample : *b.samples) {

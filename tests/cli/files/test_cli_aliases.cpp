@@ -58,6 +58,7 @@ class CliAliases : public testing::Test {
     write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
     write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n", "mask.png");
     write_text(folder_ / "drive.csv", "index,x,y,z,nx,ny,nz,amplitude,phase\n0,0,0,-0.1,0,0,1,1,0\n");
+    write_text(folder_ / "pattern.toml", "[[point]]\nposition_m = [0, 0, 0.1]\n");
     write_text(folder_ / "touch.json",
                R"({"fingers":[{"foci_m":[[0,0,0.1]]}],"schedule":{"order":[0],"dwell_s":0.0015}})");
     write_text(folder_ / "played.json",
@@ -240,6 +241,9 @@ class CliAliases : public testing::Test {
          {json_, link_}},
         {{"drive", "--layout", layout, "--rig", rig, "--touch", path("touch.json")},
          {"mask.png", "rig.toml", "layout.toml", "touch.json"},
+         {json_, csv_}},
+        {{"drive", "--layout", layout, "--pattern", path("pattern.toml")},
+         {"layout.toml", "pattern.toml"},
          {json_, csv_}},
         {{"drive", "--layout", layout, "--focus", "0,0,0.1", "--transfer", "finger", "--force", "--mesh", scene},
          scene_files,

@@ -33,6 +33,7 @@ std::vector<std::string> parts_of(const std::string& type) {
   if (numbers.contains(type)) return {"1"};
   if (type == "X,Y,Z") return {"10mm", "10mm", "10mm"};
   if (type == "X,Y,Z[,A]") return {"10mm", "10mm", "10mm", "1"};
+  if (type == "X,Y,Z[,R]") return {"10mm", "10mm", "10mm", "1mm"};
   if (type == "W,H") return {"10mm", "10mm"};
   if (type == "N,M") return {"4", "4"};
   return {};

@@ -128,8 +128,8 @@ ReviewedLine of_run() {
       .untried =
           "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
           "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
-          "--transfer --temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold --ceiling "
-          "--ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
+          "--transfer --null --temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold "
+          "--ceiling --ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
           "--predict-latency --foci --link --every-frame --record --stats --keep-boards"};
 }
 
@@ -274,12 +274,13 @@ std::vector<ReviewedLine> of_drive(const std::string& scratch) {
                                         {{"--mesh", above}, "--mesh goes with --transfer finger"},
                                         {{"--force"}, "--force goes with --transfer finger"},
                                         {{"--draws", "50"}, "--draws goes with --spread"}}}),
-           .untried = "--touch",
+           .untried = "--touch --pattern",
            .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/drive.json"}),
            .effective = joined<EffectiveOption>({sounding,
                                                  {{{"--solver", "greedy"}},
                                                   {{"--layout", "autd3"}},
                                                   {{"--focus", "0,0,9cm"}},
+                                                  {{"--null", "0,2cm,10cm"}},
                                                   {{"--csv", "OUT/drive.csv"}},
                                                   {{"--transfer", "finger", "--mesh", above}}}})},
           {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
@@ -303,6 +304,7 @@ ReviewedLine of_field() {
                                                 {{{"--solver", "greedy"}},
                                                  {{"--layout", "autd3"}},
                                                  {{"--focus", "0,0,9cm"}},
+                                                 {{"--null", "0,2cm,10cm"}},
                                                  {{"--line", "0,0,1cm", "0,0,3cm"}},
                                                  {{"--samples", "5"}},
                                                  {{"--csv", "OUT/other.csv"}},

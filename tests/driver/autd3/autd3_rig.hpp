@@ -1,6 +1,8 @@
 // Emulated AUTD3 units behind a server, and a board on it as its guard has it.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -8,7 +10,6 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -17,15 +18,9 @@
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
 #include "driver/guard/channel.hpp"
+#include "driver/rig_parts.hpp"
 
 namespace palpa::test {
-
-class Autd3Notes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
-};
 
 /// An emulated server that runs as long as this object lives.
 class Autd3Serving {
@@ -60,7 +55,7 @@ struct Autd3Rig {
   driver::autd3::EmulatedServer server;
   std::unique_ptr<Autd3Serving> serving;
   std::string argument, files;
-  Autd3Notes notes;
+  KeptNotes notes;
   std::unique_ptr<driver::Board> board;
   array::Drive drives, silence;
   std::vector<Vec3> foci;
@@ -110,12 +105,23 @@ struct Autd3Rig {
     }
     return false;
   }
+  void tend_for(std::chrono::milliseconds time) {
+    tend_until([] { return false; }, time);
+  }
   bool silent() const { return server.silent(driver::autd3::device_time_s()); }
   bool falls_silent() {
     return tend_until([&] { return silent(); });
   }
   bool sounds() {
     return tend_until([&] { return !silent(); });
+  }
+  const driver::autd3::EmulatedDevice& device() const { return server.devices()[0]; }
+  /// Turns everything off, and ends.
+  void end_silent() {
+    board->all_off();
+    EXPECT_TRUE(board->close());
+    EXPECT_TRUE(silent());
+    EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
   }
 };
 

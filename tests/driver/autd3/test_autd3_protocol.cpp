@@ -3,19 +3,14 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "driver/autd3/device.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
-#include "support/shared_data.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -31,6 +26,12 @@ TEST(Autd3Wire, PhasesAreDelaysAndIntensitiesAmplitudes) {
   EXPECT_EQ(emission({1.5f, 2 * pi / 256}), (Emission{1, 255}));
   EXPECT_EQ(emission({1.0f, 2 * pi * 1.49f / 256}).phase, 1);
   EXPECT_EQ(emission({1.0f, 2 * pi * 1.51f / 256}).phase, 2);
+}
+
+TEST(Autd3Wire, FociHaveLimits) {
+  EXPECT_TRUE(within_reach({0, 0, 40000}));
+  EXPECT_FALSE(within_reach({0, 0, 46341}));
+  EXPECT_FALSE(within_reach({131072, 0, 0}));
 }
 
 /// A device that was told to begin.
@@ -75,17 +76,6 @@ testing::AssertionResult sounds(const EmulatedDevice& device, double at_s, const
                                          << ", " << int{heard[t].intensity};
   }
   return testing::AssertionSuccess();
-}
-
-TEST(Autd3Wire, OneDriveSoundsAsItWasWritten) {
-  EmulatedDevice device = begun();
-  Teller teller(device);
-  EXPECT_TRUE(device.silent(1));
-  EXPECT_EQ(teller.tell([](Message m) { put_gain(m, 1, some(3)); }), 0);
-  EXPECT_TRUE(sounds(device, 1, some(3)));
-  EXPECT_EQ(teller.tell([](Message m) { put_silence(m, 0); }), 0);
-  EXPECT_TRUE(device.silent(1));
-  EXPECT_EQ(device.violations().count(), 0u);
 }
 
 TEST(Autd3Wire, APatternSoundsByTheDevicesClockOnceItIsWhole) {
@@ -136,50 +126,7 @@ TEST(Autd3Wire, AModulationIsHeardByTheDevicesClock) {
   EXPECT_EQ(device.violations().count(), 0u);
 }
 
-TEST(Autd3Wire, FociSoundAsTheFirmwareComputesThem) {
-  PALPA_SHARED_OR_SKIP(folder, "autd3-geometry");
-  const auto read = [&](const char* name) {
-    std::ifstream in(folder / "fw" / name, std::ios::binary);
-    return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(in), {});
-  };
-  const auto sine = read("sin.dat"), angle = read("atan.dat");
-  ASSERT_EQ(sine.size(), 256u);
-  ASSERT_EQ(angle.size(), 16384u);
-  std::vector<std::array<int, 2>> places;  // of the transducers, from the published table
-  std::ifstream table(folder / "autd3_unit_transducers.csv");
-  std::string line;
-  std::getline(table, line);
-  for (int index = 0, x = 0, y = 0; std::getline(table, line);) {
-    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d", &index, &x, &y), 3);
-    places.push_back({x, y});
-  }
-  ASSERT_EQ(places.size(), transducers);
-
-  const std::vector<FixedPoint> foci{{3454, 2641, 6000}, {-1200, 9000, 4000}, {5000, -77, 8000}};
-  EmulatedDevice device = begun();
-  Teller teller(device);
-  EXPECT_EQ(teller.tell([&](Message m) { put_foci(m, 1, 60, 343.21, foci); }), 0);
-  const int speed = static_cast<int>(std::lround(343.21 * 64));
-  for (std::size_t f = 0; f < foci.size(); ++f) {
-    const auto heard = device.output((static_cast<double>(f) + 0.5) * 1.5e-3);
-    for (std::size_t t = 0; t < transducers; ++t) {
-      const double dx = foci[f].x - std::round(406.4 * places[t][0]), dy = foci[f].y - std::round(406.4 * places[t][1]);
-      const auto distance = static_cast<int>(std::floor(std::sqrt(dx * dx + dy * dy + 1.0 * foci[f].z * foci[f].z)));
-      const int q = (distance << 14) / speed;
-      EXPECT_EQ(heard[t].phase, angle[(sine[q & 255] >> 1) << 7 | sine[(q + 64) & 255] >> 1]) << f << ", " << t;
-      EXPECT_EQ(heard[t].intensity, 255);
-      const double turns = -distance * fixed_unit_m * 40e3 / 343.21;  // and it is a delay
-      const int apart = (heard[t].phase - static_cast<int>(std::lround(256 * (turns - std::floor(turns))))) & 255;
-      EXPECT_LE(std::min(apart, 256 - apart), 2);
-    }
-  }
-  EXPECT_EQ(device.violations().count(), 0u);
-  EXPECT_TRUE(within_reach({0, 0, 40000}));
-  EXPECT_FALSE(within_reach({0, 0, 46341}));
-  EXPECT_FALSE(within_reach({131072, 0, 0}));
-}
-
-TEST(Autd3Emulator, ComputesAFocusAsItsFirmwareDoes) {
+TEST(Autd3Emulator, ComputesFociAsItsFirmwareDoes) {
   // From the firmware's own tables: transducers 0, 19, 32, 124 and 248, and sums over all.
   struct Known {
     FixedPoint focus;

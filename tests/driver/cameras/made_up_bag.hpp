@@ -68,6 +68,7 @@ struct MadeUpBag {
   float unit_m = 0.0001f;
   std::uint32_t rate_hz = 30;
   std::uint32_t padding = 0;  ///< bytes after each row
+  std::uint32_t missing = 0;  ///< bytes of each image
   std::string compression = "lz4";
   std::string encoding = "mono16", lens_model = "Brown Conrady";
   std::vector<double> distortion{0, 0, 0, 0, 0};
@@ -157,12 +158,13 @@ struct MadeUpBag {
     put_text(out, encoding);
     put(out, std::uint8_t{0});
     put(out, width * 2 + padding);
-    put(out, (width * 2 + padding) * height);
+    put(out, (width * 2 + padding) * height - missing);
     for (std::uint32_t v = 0; v < height; ++v) {
       for (std::uint32_t u = 0; u < width; ++u)
         put(out, depth_of(frame, v * width + u));
       out.resize(out.size() + padding, 0xee);
     }
+    out.resize(out.size() - missing);
     return out;
   }
 

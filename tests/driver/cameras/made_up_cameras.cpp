@@ -30,7 +30,6 @@ void deliver(MadeUpCamera& camera, double time_s) {
   camera.filled.push_back({buffer, static_cast<std::uint32_t>(cut ? memory.size() / 2 : memory.size()),
                            camera.damaged.contains(frame) ? V4L2_BUF_FLAG_ERROR : 0u, again ? camera.stamp_s : time_s});
   camera.stamp_s = camera.filled.back().time_s;
-  ++camera.delivered;
 }
 
 double due_s(const MadeUpCamera& camera) {
@@ -47,12 +46,10 @@ class MadeUpKernel final : public Kernel {
     if (found->second->refuses_to_open != 0) return -found->second->refuses_to_open;
     const int fd = 10 + next_fd_++;
     machine_.opened[fd] = *found;
-    found->second->fd = fd;
     ++machine_.open_descriptors;
     return fd;
   }
   void close(int fd) override {
-    machine_.opened.at(fd).second->fd = -1;
     machine_.opened.erase(fd);
     --machine_.open_descriptors;
   }
@@ -115,7 +112,6 @@ class MadeUpKernel final : public Kernel {
   }
 
   int poll(std::span<pollfd> descriptors, double timeout_s) override {
-    ++machine_.polls;
     const double end_s = machine_.now_s + timeout_s;
     for (;;) {
       int ready = 0;
@@ -228,7 +224,7 @@ class MadeUpKernel final : public Kernel {
     pix.sizeimage = pix.bytesperline * pix.height;
     return 0;
   }
-  static int set(MadeUpCamera& camera, v4l2_streamparm& parameters) {
+  static int set(const MadeUpCamera& camera, v4l2_streamparm& parameters) {
     v4l2_fract& period = parameters.parm.capture.timeperframe;
     const double wanted = period.numerator == 0 ? 1e9 : static_cast<double>(period.denominator) / period.numerator;
     double best = 0;
@@ -238,7 +234,6 @@ class MadeUpKernel final : public Kernel {
         best = offer.rate_hz;
     }
     period = {10'000'000u / 100, static_cast<std::uint32_t>(std::lround(best * 1e5))};
-    camera.set_rate_hz = best;
     return 0;
   }
 

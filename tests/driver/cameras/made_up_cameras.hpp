@@ -37,11 +37,9 @@ struct MadeUpCamera {
       extension;
 
   // State.
-  int fd = -1;
   bool streaming = false;
-  std::uint64_t starts = 0, delivered = 0;
+  std::uint64_t starts = 0;
   std::uint32_t width = 0, height = 0;
-  double set_rate_hz = 0;
   double stamp_s = 0;      ///< of the previous frame
   std::uint64_t next = 0;  ///< number of the next frame
   std::vector<std::vector<std::byte>> buffers;
@@ -61,7 +59,7 @@ inline std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
 /// The emulated machine. It outlives the Kernel that uses it, which the source owns.
 struct Machine {
   double now_s = 100;
-  std::uint64_t calls = 0, polls = 0;
+  std::uint64_t calls = 0;
   int open_descriptors = 0, mapped = 0;
   double beside_s = 0;                                                          ///< duration of background tasks
   std::map<std::string, std::shared_ptr<MadeUpCamera>> plugged;                 ///< by path

@@ -1,13 +1,11 @@
 // RealSense's extension unit on an emulated camera that answers as librealsense expects, and doctor's report on nodes.
 #include <gtest/gtest.h>
-#include <linux/usb/video.h>
 #include <linux/videodev2.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,118 +16,36 @@
 #include "driver/v4l2/source.hpp"
 #include "support/captured.hpp"
 #include "support/thrown.hpp"
+#include "usb/d400_unit.hpp"
+#include "usb/gadget.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {
 
+using palpa::test::D400Unit;
 using palpa::test::error_of;
 using palpa::test::stderr_of;
 using test::Machine;
 using test::MadeUpCamera;
 
-/// The state of a D400 behind its extension unit.
-struct MadeUpD400 {
-  std::uint32_t unit_um = 1000;
-  float fx = 390.5f;  ///< at 640x480
-  bool keeps_unit = false, wrong_checksum = false;
-  int busy = 0;  ///< this many requests are refused before one is accepted
-  std::uint8_t automatic = 1, preset = 0;
-  std::uint32_t exposure_us = 0;
-  std::vector<std::uint8_t> request;  ///< to the hardware monitor
-
-  static std::uint32_t word(const std::uint8_t* data) {
-    std::uint32_t value = 0;
-    for (int i = 3; i >= 0; --i)
-      value = value << 8 | data[i];
-    return value;
-  }
-  static void put(std::vector<std::uint8_t>& out, std::uint32_t value) {
-    for (int i = 0; i < 4; ++i)
-      out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
-
-  /// 512 bytes. The entry for 640x480, the third one, differs from the others.
-  std::vector<std::uint8_t> calibration() const {
-    std::vector<std::uint8_t> table(512, 0);
-    for (int size = 0; size < 12; ++size) {
-      const float lens[4] = {size == 2 ? fx : 1.5f, size == 2 ? 391.5f : 1.5f, 319.25f, 241.75f};
-      std::memcpy(table.data() + 256 + 16 * size, lens, 16);
-    }
-    std::uint32_t crc = 0xffffffff;
-    for (std::size_t i = 16; i < table.size(); ++i) {
-      for (int bit = 0; bit < 8; ++bit) {
-        const bool low = ((crc ^ (table[i] >> bit)) & 1) != 0;
-        crc = (crc >> 1) ^ (low ? 0xedb88320u : 0u);
-      }
-    }
-    crc = ~crc ^ (wrong_checksum ? 1u : 0u);
-    std::memcpy(table.data() + 12, &crc, 4);
-    return table;
-  }
-
-  std::vector<std::uint8_t> answer() {
-    const std::uint32_t opcode = word(request.data() + 4), parameter = word(request.data() + 8);
-    std::vector<std::uint8_t> out;
-    put(out, opcode);
-    const bool table = parameter == 9;
-    if (opcode == 0x15 && parameter == 25) {
-      const auto bytes = calibration();
-      out.insert(out.end(), bytes.begin(), bytes.end());
-    } else if (opcode == 0x2c && table) {
-      for (const std::uint32_t value : {unit_um, 7u, 65535u, 0u, 5u})
-        put(out, value);
-    } else if (opcode == 0x2b && table) {
-      EXPECT_EQ(word(request.data() + 24 + 4), 7u) << "what is not asked for stays";
-      EXPECT_EQ(word(request.data() + 24 + 16), 5u);
-      if (!keeps_unit) unit_um = word(request.data() + 24);
-    } else {
-      out.assign(4, 0xff);
-    }
-    const std::size_t length = out.size() - 4;
-    out.resize(1024, 0);
-    for (int i = 0; i < 4; ++i)
-      out[1020 + i] = static_cast<std::uint8_t>(length >> (8 * i));
-    return out;
-  }
-
-  int control(std::uint8_t unit, std::uint8_t selector, std::uint8_t query, std::uint8_t* data, std::uint16_t size) {
-    if (unit != 3) return -ENOENT;
-    if (busy > 0) return --busy, -EIO;
-    if (selector == 1 && size == 1024 && query == UVC_SET_CUR) {
-      request.assign(data, data + size);
-      EXPECT_EQ(data[2], 0xab);
-      EXPECT_EQ(data[3], 0xcd);
-      const std::size_t extra = word(data + 4) == 0x2b ? 20 : 0;
-      EXPECT_EQ(data[0] + 256 * data[1], 20 + static_cast<int>(extra)) << "bytes after the first four";
-    } else if (selector == 1 && size == 1024 && query == UVC_GET_CUR) {
-      const auto bytes = answer();
-      std::copy(bytes.begin(), bytes.end(), data);
-    } else if (selector == 0xb && size == 1 && query == UVC_SET_CUR) {
-      automatic = *data;
-    } else if (selector == 3 && size == 4 && query == UVC_SET_CUR) {
-      EXPECT_EQ(automatic, 0) << "the automatic goes first";
-      exposure_us = word(data);
-    } else if (selector == 6 && size == 1 && query == UVC_SET_CUR) {
-      preset = *data;
-    } else {
-      return -EINVAL;
-    }
-    return 0;
-  }
-};
-
-void make_d400(MadeUpCamera& camera, MadeUpD400& held) {
+void make_d400(MadeUpCamera& camera, D400Unit& held) {
   camera.node.vendor = 0x8086;
-  camera.offers = {{V4L2_PIX_FMT_Z16, 640, 480, 90}, {V4L2_PIX_FMT_Z16, 64, 48, 90}};
+  camera.offers = {{V4L2_PIX_FMT_Z16, 848, 480, 90}, {V4L2_PIX_FMT_Z16, 64, 48, 90}};
   camera.extension = [&held](auto unit, auto selector, auto query, auto* data, auto size) {
-    return held.control(unit, selector, query, data, size);
+    if (unit != D400Unit::number) return -ENOENT;
+    std::vector<std::uint8_t> bytes(data, data + size);
+    const palpa::test::ControlRequest request{
+        .request = query, .value = static_cast<std::uint16_t>(selector << 8), .length = size};
+    if (held.control(request, bytes) != palpa::test::Answer::done) return -EIO;
+    std::copy(bytes.begin(), bytes.end(), data);
+    return 0;
   };
 }
 
 sensing::Camera described() {
   sensing::Camera camera;
   camera.name = "left";
-  camera.width = 640;
+  camera.width = 848;
   camera.height = 480;
   camera.fx = camera.fy = 400;
   camera.depth_unit_m = 0.0001;
@@ -140,7 +56,7 @@ sensing::Camera described() {
 struct D400 : ::testing::Test {
   Machine machine;
   std::shared_ptr<MadeUpCamera> camera = machine.plug("/dev/video0", "A");
-  MadeUpD400 held;
+  D400Unit held;
   D400() { make_d400(*camera, held); }
   std::unique_ptr<sensing::DepthSource> open(const sensing::Camera& wanted) {
     return open_cameras(machine.kernel(), {wanted}, {"/dev/video0"}, "rig.toml");
@@ -153,26 +69,28 @@ struct D400 : ::testing::Test {
 };
 
 TEST_F(D400, TakesTheRigsDepthUnitAgainAfterItLostPower) {
-  EXPECT_EQ(stderr_of([&] {
-              const auto source = open(described());
-              EXPECT_EQ(held.unit_um, 100u);
-              EXPECT_EQ(source->cameras()[0].depth_unit_m, 0.0001);
-              EXPECT_EQ(source->cameras()[0].fx, 400) << "the rig's, unless it says otherwise";
-            }),
-            "");
-  const auto source = open(described());
+  std::unique_ptr<sensing::DepthSource> source;
+  EXPECT_EQ(stderr_of([&] { source = open(described()); }), "");
+  EXPECT_EQ(held.depth_table, (std::array<std::uint32_t, 5>{100, 7, 65535, 0, 5})) << "what is not asked for stays";
+  EXPECT_EQ(source->cameras()[0].depth_unit_m, 0.0001);
+  EXPECT_EQ(source->cameras()[0].fx, 400) << "the rig's, unless it says otherwise";
   stderr_of([&] {
     sensing::FrameSet set;
     machine.unplug("/dev/video0");
     source->next(set, 0.1);
-    held.unit_um = 1000;
+    held.depth_table[0] = 1000;
     const auto again = machine.plug("/dev/video0", "A");
+    make_d400(*again, held);
+    again->extension = nullptr;
+    for (int i = 0; i < 10; ++i)
+      source->next(set, 0.1);
+    EXPECT_TRUE(set.frames.empty()) << "it does not answer, and its steps may be ten times as long now";
     make_d400(*again, held);
     for (int i = 0; i < 10; ++i)
       source->next(set, 0.1);
     EXPECT_FALSE(set.frames.empty());
   });
-  EXPECT_EQ(held.unit_um, 100u);
+  EXPECT_EQ(held.depth_table[0], 100u);
 }
 
 TEST_F(D400, AUnitThatItKeepsIsRefused) {
@@ -180,49 +98,26 @@ TEST_F(D400, AUnitThatItKeepsIsRefused) {
   EXPECT_CONTAINS(refusal(described()), "keeps its depth unit of 1 mm; set depth_unit_m = 0.001 in rig.toml");
 }
 
-TEST_F(D400, WhereItDoesNotAnswerTheRigIsTrustedAndThatIsSaid) {
+TEST_F(D400, ACameraThatDoesNotAnswerHasTheRigsUnitWithAWarning) {
   camera->extension = nullptr;
   EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
-}
-
-TEST_F(D400, WhoAnsweredOnceIsNotTrustedAfterwards) {
-  const auto source = open(described());
-  stderr_of([&] {
-    sensing::FrameSet set;
-    machine.unplug("/dev/video0");
-    source->next(set, 0.1);
-    held.unit_um = 1000;
-    const auto again = machine.plug("/dev/video0", "A");
-    make_d400(*again, held);
-    again->extension = nullptr;
-    for (int i = 0; i < 10; ++i)
-      source->next(set, 0.1);
-    EXPECT_TRUE(set.frames.empty()) << "its steps may be ten times as long now";
-    make_d400(*again, held);
-    for (int i = 0; i < 10; ++i)
-      source->next(set, 0.1);
-    EXPECT_FALSE(set.frames.empty());
-  });
-  EXPECT_EQ(held.unit_um, 100u);
 }
 
 TEST_F(D400, ItIsAskedAgainWhileItIsBusy) {
   held.busy = 3;
   open(described());
-  EXPECT_EQ(held.unit_um, 100u);
+  EXPECT_EQ(held.depth_table[0], 100u);
 }
 
 TEST_F(D400, ItsOwnCalibrationTakesThePlaceOfTheFiles) {
   sensing::Camera wanted = described();
   wanted.device.own_lens = true;
   wanted.distortion = {0.1, 0, 0, 0, 0};
+  held.lens = {390.5, 391.5, 419.25, 241.75};
   {
     const auto source = open(wanted);
     const sensing::Camera& found = source->cameras()[0];
-    EXPECT_EQ(found.fx, 390.5);
-    EXPECT_EQ(found.fy, 391.5);
-    EXPECT_EQ(found.cx, 319.25);
-    EXPECT_EQ(found.cy, 241.75);
+    EXPECT_EQ((std::vector{found.fx, found.fy, found.cx, found.cy}), (std::vector{390.5, 391.5, 419.25, 241.75}));
     EXPECT_EQ(found.distortion, (std::array<double, 5>{}));
     EXPECT_FALSE(found.device.own_lens);
   }
@@ -241,11 +136,11 @@ TEST_F(D400, OnlyWholeMicrometresAreADepthUnit) {
                                      {0.3e-6, "is 0.3 micrometres; set depth_unit_m = 1e-06"}}) {
     wanted.depth_unit_m = unit_m;
     EXPECT_CONTAINS(refusal(wanted), told);
-    EXPECT_EQ(held.unit_um, 1000u) << "nothing is written";
+    EXPECT_EQ(held.depth_table[0], 1000u) << "nothing is written";
   }
   wanted.depth_unit_m = 63e-6;
   open(wanted);
-  EXPECT_EQ(held.unit_um, 63u);
+  EXPECT_EQ(held.depth_table[0], 63u);
 }
 
 TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
@@ -261,7 +156,7 @@ TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
   };
   EXPECT_TRUE(comes(0.1));
   machine.unplug("/dev/video0");
-  held.fx = 401;
+  held.lens[0] = 641;
   const std::string said = stderr_of([&] {
     comes(0.5);
     machine.plug("/dev/video0", camera);
@@ -270,32 +165,32 @@ TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
   EXPECT_CONTAINS(said,
                   "camera 'left' cannot be opened again: /dev/video0: its lens has changed: this is not the camera");
   EXPECT_EQ(said.find("not the camera"), said.rfind("not the camera"));
-  held.fx = 390.5f;
+  held.lens[0] = 640;
   EXPECT_CONTAINS(stderr_of([&] { EXPECT_TRUE(comes(2)); }), "is back");
 }
 
 TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {
   open(described());
-  EXPECT_EQ(held.automatic, 1);
-  EXPECT_EQ(held.preset, 0);
+  EXPECT_TRUE(held.automatic());
+  EXPECT_EQ(held.preset(), 0u);
   sensing::Camera wanted = described();
   wanted.device.exposure_s = 0.004;
   wanted.device.preset = 3;
   open(wanted);
-  EXPECT_EQ(held.automatic, 0);
-  EXPECT_EQ(held.exposure_us, 4000u);
-  EXPECT_EQ(held.preset, 3);
+  EXPECT_FALSE(held.automatic());
+  EXPECT_EQ(held.exposure_us(), 4000u);
+  EXPECT_EQ(held.preset(), 3u);
   wanted.device.exposure_s = 0;
   open(wanted);
-  EXPECT_EQ(held.automatic, 1);
+  EXPECT_TRUE(held.automatic());
   camera->node.vendor = 0x1234;
   EXPECT_CONTAINS(refusal(wanted), "is not a RealSense on USB: calibration");
 }
 
-TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
+TEST(CameraDoctor, TellsOfCoarseUnitsSharedControllersSlowPortsAndMissingRights) {
   Machine machine;
-  MadeUpD400 coarse, fine;
-  fine.unit_um = 100;
+  D400Unit coarse, fine;
+  fine.depth_table[0] = 100;
   make_d400(*machine.plug("/dev/video0", "A"), coarse);
   machine.plug("/dev/video1", "A")->metadata = true;
   machine.plugged["/dev/video1"]->offers.clear();
@@ -323,7 +218,7 @@ TEST(CameraDoctor, SaysWhatALabFindsOutTooLate) {
 
 TEST(CameraDoctor, DescribesTheCamerasThatAreThereForARig) {
   Machine machine;
-  MadeUpD400 first, second;
+  D400Unit first, second;
   make_d400(*machine.plug("/dev/video0", "A"), first);
   machine.plug("/dev/video1", "A")->metadata = true;
   machine.plugged["/dev/video1"]->offers.clear();
@@ -342,10 +237,10 @@ TEST(CameraDoctor, DescribesTheCamerasThatAreThereForARig) {
   ASSERT_EQ(there.cameras.size(), 3u);
   const sensing::Camera& told = there.cameras[0].camera;
   EXPECT_EQ(told.name, "A");
-  EXPECT_EQ(told.width, 640u);
+  EXPECT_EQ(told.width, 848u);
   EXPECT_EQ(told.rate_hz, 90);
-  EXPECT_EQ(told.fx, 390.5);
-  EXPECT_EQ(told.cy, 241.75);
+  EXPECT_EQ(told.fx, 640);
+  EXPECT_EQ(told.cy, 239.5);
   EXPECT_TRUE(told.device.own_lens);
   EXPECT_EQ(told.depth_unit_m, 1e-4);
   EXPECT_EQ(told.T_world_camera, Transform(1.0));

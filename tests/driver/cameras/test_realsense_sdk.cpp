@@ -146,7 +146,7 @@ TEST(RealSenseSdk, ADeviceWithinTheSdkIsSetUpAndStreams) {
                   "realsense:SOFT1: does not offer Z16 of 640x480; it has 848x480");
 }
 
-TEST(RealSenseSdk, TheOnesThatAreNotThereAreNotFound) {
+TEST(RealSenseSdk, AMissingSerialNumberIsNotFound) {
   const std::shared_ptr<Sdk> sdk = make_sdk();
   EXPECT_EQ(sdk->find("nobody"), nullptr);
 }

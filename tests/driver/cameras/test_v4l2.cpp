@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "driver/cameras/made_up_rig.hpp"
@@ -26,77 +27,68 @@ using palpa::test::stderr_of;
 using test::described;
 using test::frame_of;
 using test::Machine;
-using test::next_set;
+using test::MadeUpCamera;
 using test::open;
 using test::period_s;
+using test::Rig;
 
 TEST(V4l2, FramesComeWholeInOrderWithTheirTimes) {
   for (const std::uint32_t padding : {0u, 32u}) {
-    Machine machine;
-    const auto camera = machine.plug("/dev/video0", "A");
-    camera->padding = padding;
-    const auto source = open(machine, {"/dev/video0"});
-    EXPECT_DOUBLE_EQ(source->cameras()[0].rate_hz, 90);
-    sensing::FrameSet set;
-    std::uint64_t first = 0;
+    Rig rig;
+    rig.cameras[0]->padding = padding;
+    rig.begin();
+    EXPECT_DOUBLE_EQ(rig.source->cameras()[0].rate_hz, 90);
+    const std::uint64_t first = frame_of(rig.set.frames[0]);
     for (std::uint64_t i = 0; i < 30; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      const std::uint64_t frame = frame_of(set.frames[0]);
-      if (i == 0) first = frame;
+      const std::uint64_t frame = frame_of(rig.set.frames[0]);
       EXPECT_EQ(frame, first + i);
-      EXPECT_EQ(set.sequence, i);
-      EXPECT_NEAR(set.time_s, static_cast<double>(frame) * period_s, 2e-6);
-      EXPECT_EQ(set.frames[0].time_s, set.time_s);
+      EXPECT_EQ(rig.set.sequence, i);
+      EXPECT_NEAR(rig.set.time_s, static_cast<double>(frame) * period_s, 2e-6);
+      EXPECT_EQ(rig.set.frames[0].time_s, rig.set.time_s);
+      ASSERT_TRUE(rig.next());
     }
+    // Who comes late gets the newest frame.
+    rig.machine.pass(rig.machine.now_s + 5 * period_s);
+    ASSERT_TRUE(rig.next());
+    EXPECT_LT(rig.machine.now_s - rig.set.time_s, period_s + 1e-6);
+    EXPECT_EQ(rig.set.sequence, 30u + 5);
   }
 }
 
-TEST(V4l2, WhoComesLateGetsTheNewestFrame) {
-  Machine machine;
-  machine.plug("/dev/video0", "A");
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  const std::uint64_t sequence = set.sequence;
-  machine.pass(machine.now_s + 5 * period_s);
-  ASSERT_TRUE(next_set(*source, set));
-  EXPECT_LT(machine.now_s - set.time_s, period_s + 1e-6);
-  EXPECT_EQ(set.sequence, sequence + 5);
+TEST(V4l2, StampsOfAnotherClockAreReplacedByTheArrival) {
+  Rig rig;
+  rig.cameras[0]->monotonic = false;
+  rig.begin();
+  EXPECT_EQ(rig.set.time_s, rig.machine.now_s);
 }
 
 TEST(V4l2, AllocatesNothingPerFrame) {
-  Machine machine;
-  machine.plug("/dev/video0", "A");
-  machine.plug("/dev/video2", "B")->phase_s = 0.003;
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  machine.pass(machine.now_s + 1e-4);
+  Rig rig(2);
+  rig.cameras[1]->phase_s = 0.003;
+  rig.begin();
+  rig.machine.pass(rig.machine.now_s + 1e-4);
   for (int i = 0; i < 50; ++i) {
-    machine.pass(machine.now_s + period_s);
-    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
-    ASSERT_EQ(set.frames.size(), 2u);
+    rig.machine.pass(rig.machine.now_s + period_s);
+    EXPECT_EQ(allocations_of([&] { rig.source->next(rig.set, 0); }), 0u);
+    ASSERT_EQ(rig.set.frames.size(), 2u);
     // The same if no set came in time.
-    EXPECT_EQ(allocations_of([&] { source->next(set, 0); }), 0u);
-    ASSERT_TRUE(set.frames.empty());
+    EXPECT_EQ(allocations_of([&] { rig.source->next(rig.set, 0); }), 0u);
+    ASSERT_TRUE(rig.set.frames.empty());
   }
 }
 
 TEST(V4l2, FramesThatWereSkippedAreGaps) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto other = machine.plug("/dev/video2", "B");
-  const auto source = open(machine, {"/dev/video0", "/dev/video2"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  camera->skipped = {camera->next + 3, camera->next + 4};
-  other->skipped = {other->next + 7};
+  Rig rig(2);
+  rig.begin();
+  const std::uint64_t next = rig.cameras[0]->next;
+  rig.cameras[0]->skipped = {next + 3, next + 4};
+  rig.cameras[1]->skipped = {rig.cameras[1]->next + 7};
   std::vector<std::uint64_t> sequences;
   const std::string said = stderr_of([&] {
     for (int i = 0; i < 12; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      sequences.push_back(set.sequence);
-      EXPECT_EQ(frame_of(set.frames[0]), frame_of(set.frames[1])) << "both run at once";
+      ASSERT_TRUE(rig.next());
+      sequences.push_back(rig.set.sequence);
+      EXPECT_EQ(frame_of(rig.set.frames[0]), frame_of(rig.set.frames[1])) << "both run at once";
     }
   });
   EXPECT_EQ(sequences, (std::vector<std::uint64_t>{1, 2, 3, 6, 7, 9, 10, 11, 12, 13, 14, 15}));
@@ -104,44 +96,45 @@ TEST(V4l2, FramesThatWereSkippedAreGaps) {
 }
 
 TEST(V4l2, BrokenFramesAreLeftOutAndSaidOnce) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  const std::uint64_t from = camera->next;
-  camera->cut = {from + 1, from + 5, from + 9};
-  camera->damaged = {from + 2, from + 6, from + 10};
-  camera->repeated = {from + 4, from + 8, from + 12};
+  Rig rig;
+  MadeUpCamera& camera = *rig.cameras[0];
+  rig.begin();
+  const std::uint64_t from = camera.next;
+  camera.cut = {from + 1, from + 5, from + 9};
+  camera.damaged = {from + 2, from + 6, from + 10};
+  camera.repeated = {from + 4, from + 8, from + 12};
   const std::string said = stderr_of([&] {
-    double last_s = set.time_s;
+    double last_s = rig.set.time_s;
     for (int i = 0; i < 30; ++i) {
-      ASSERT_TRUE(next_set(*source, set));
-      const std::uint64_t frame = frame_of(set.frames[0]);
-      EXPECT_FALSE(camera->cut.contains(frame) || camera->damaged.contains(frame) || camera->repeated.contains(frame));
-      EXPECT_GT(set.time_s, last_s);
-      last_s = set.time_s;
+      ASSERT_TRUE(rig.next());
+      const std::uint64_t frame = frame_of(rig.set.frames[0]);
+      EXPECT_FALSE(camera.cut.contains(frame) || camera.damaged.contains(frame) || camera.repeated.contains(frame));
+      EXPECT_GT(rig.set.time_s, last_s);
+      last_s = rig.set.time_s;
     }
   });
   EXPECT_CONTAINS(said, "camera 'camera 1' (/dev/video0): 5 frames arrived incomplete, damaged or twice");
   EXPECT_EQ(said.find("frames arrived"), said.rfind("frames arrived"));
 }
 
-TEST(V4l2, ALonelyCameraThatStopsKeepsNobodyLongerThanAsked) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  camera->frozen = true;
-  stderr_of([&] {
-    for (int i = 0; i < 100; ++i) {
-      const double begin_s = machine.now_s;
-      EXPECT_TRUE(source->next(set, 0.1));
-      EXPECT_TRUE(set.frames.empty());
-      EXPECT_LT(machine.now_s - begin_s, 0.11);
-    }
-  });
+TEST(V4l2, ACameraThatStopsOrFailsKeepsNobodyLongerThanAskedAndNoProcessorBusy) {
+  for (const bool fails : {false, true}) {
+    Rig rig;
+    rig.begin();
+    rig.cameras[0]->frozen = !fails;
+    rig.cameras[0]->failing = fails;
+    const std::uint64_t before = rig.machine.calls;
+    stderr_of([&] {
+      for (int buffers = 0; buffers < 10 && rig.next(); ++buffers) {  // the buffers that it has are still filled
+      }
+      for (int i = 0; i < 100; ++i) {
+        const double begin_s = rig.machine.now_s;
+        EXPECT_FALSE(rig.next());
+        EXPECT_LT(rig.machine.now_s - begin_s, 0.11);
+      }
+    });
+    EXPECT_LT(rig.machine.calls - before, 150000u) << "in ten seconds";
+  }
 }
 
 TEST(V4l2, NothingStaysOpenOrMapped) {
@@ -155,28 +148,12 @@ TEST(V4l2, NothingStaysOpenOrMapped) {
   EXPECT_EQ(machine.open_descriptors, 0);
   EXPECT_EQ(machine.mapped, 0);
   machine.plugged["/dev/video0"]->refuses_to_start = EIO;
-  EXPECT_CONTAINS(error_of([&] { open(machine, {"/dev/video0"}); }), "/dev/video0: the camera does not start");
+  EXPECT_REFUSED(open(machine, {"/dev/video0"}), "/dev/video0: the camera does not start");
   EXPECT_EQ(machine.open_descriptors, 0);
   EXPECT_EQ(machine.mapped, 0);
 }
 
-TEST(V4l2, AFailingStreamKeepsNoProcessorBusy) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  camera->failing = true;
-  const std::uint64_t before = machine.calls;
-  stderr_of([&] {
-    for (int i = 0; i < 10; ++i)
-      source->next(set, 0.1);
-  });
-  EXPECT_TRUE(set.frames.empty());
-  EXPECT_LT(machine.calls - before, 15000u) << "in a second";
-}
-
-TEST(V4l2, TheMachineDoesWhatIsBesideOnAnotherThread) {
+TEST(V4l2, WorkBesideRunsOnAnotherThread) {
   const auto kernel = make_kernel();
   std::thread::id other;
   kernel->beside([&] { other = std::this_thread::get_id(); }).get();
@@ -184,74 +161,63 @@ TEST(V4l2, TheMachineDoesWhatIsBesideOnAnotherThread) {
   EXPECT_NE(other, std::this_thread::get_id());
 }
 
-TEST(V4l2, StampsOfAnotherClockAreReplacedByTheArrival) {
-  Machine machine;
-  const auto camera = machine.plug("/dev/video0", "A");
-  camera->monotonic = false;
-  const auto source = open(machine, {"/dev/video0"});
-  sensing::FrameSet set;
-  ASSERT_TRUE(next_set(*source, set));
-  EXPECT_EQ(set.time_s, machine.now_s);
-}
-
 TEST(V4l2, RefusalsNameTheDeviceTheFormatAndWhatWouldBeRight) {
   Machine machine;
   const auto camera = machine.plug("/dev/video0", "A");
-  const auto refusal = [&](const std::function<void(sensing::Camera&)>& change) {
-    sensing::Camera wanted = described("left");
-    change(wanted);
+  sensing::Camera wanted = described("left");
+  const auto refuses = [&](const std::string& part) {
     const std::string line = error_of([&] { open(machine, {"/dev/video0"}, {wanted}); });
     EXPECT_TRUE(line.starts_with("/dev/video0: ")) << line;
+    EXPECT_CONTAINS(line, part);
     EXPECT_EQ(machine.open_descriptors, 0);
-    return line;
   };
-  EXPECT_CONTAINS(
-      refusal([](auto& c) { c.width = 65; }),
-      "does not offer Z16 of 65x48; it has 64x48, 128x72: set width and height of rig.toml to one of these");
-  EXPECT_CONTAINS(
-      refusal([](auto& c) { c.rate_hz = 75; }),
-      "does not offer Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml to one of these");
-  for (const auto& [fault, told] : {std::pair(EBUSY, "another program uses this camera"),
-                                    {EACCES, "no permission: add yourself to the group video"},
-                                    {EPERM, "no permission: add yourself to the group video"},
-                                    {ENODEV, "there is no such camera"},
-                                    {EIO, "the camera accepts no format: Input/output error"}}) {
-    camera->refuses_format = fault;
-    EXPECT_CONTAINS(refusal([](auto&) {}), told);
-  }
+  const std::string sizes = "does not offer Z16 of 65x48; it has 64x48, 128x72";
+  wanted.width = 65;
+  refuses(sizes + ": set width and height of rig.toml to one of these");
   camera->refuses_format = EINVAL;
-  EXPECT_CONTAINS(refusal([](auto& c) { c.width = 65; }), "does not offer Z16 of 65x48; it has 64x48, 128x72");
+  refuses(sizes);
+  camera->refuses_format = 0;
+  wanted = described("left");
+  wanted.rate_hz = 75;
+  refuses("does not offer Z16 64x48 at 75 Hz; it has 90, 60, 30, 6 Hz: set rate_hz of rig.toml to one of these");
+  wanted = described("left");
+  const std::string permission = "no permission: add yourself to the group video";
+  const std::string missing = "there is no such camera", used = "another program uses this camera";
+  const std::string other = "the camera accepts no format: Input/output error";
+  const std::pair<int, std::string> faults[] = {
+      {EBUSY, used}, {EACCES, permission}, {EPERM, permission}, {ENODEV, missing}, {EIO, other}};
+  for (const auto& [fault, told] : faults) {
+    camera->refuses_format = fault;
+    refuses(told);
+  }
   camera->refuses_format = 0;
   camera->metadata = true;
-  EXPECT_CONTAINS(refusal([](auto&) {}), "metadata, not its images");
+  refuses("metadata, not its images");
   camera->metadata = false;
   camera->offers = {{V4L2_PIX_FMT_YUYV, 64, 48, 30}, {V4L2_PIX_FMT_GREY, 64, 48, 30}};
-  EXPECT_CONTAINS(refusal([](auto&) {}), "does not give depth, which is the format Z16, but YUYV, GREY");
+  refuses("does not give depth, which is the format Z16, but YUYV, GREY");
   camera->refuses_to_open = EACCES;
-  EXPECT_CONTAINS(refusal([](auto&) {}), "no permission: add yourself to the group video");
+  refuses(permission);
   camera->refuses_to_open = EBUSY;
-  EXPECT_CONTAINS(refusal([](auto&) {}), "another program uses this camera");
+  refuses(used);
   machine.unplug("/dev/video0");
-  EXPECT_CONTAINS(refusal([](auto&) {}), "there is no such camera; palpa doctor lists what is plugged in");
+  refuses(missing + "; palpa doctor lists what is plugged in");
 }
 
 TEST(V4l2, TheArgumentNamesOneNodePerCamera) {
   EXPECT_EQ(parse_nodes("/dev/video0,/dev/video2"), (std::vector<std::string>{"/dev/video0", "/dev/video2"}));
   for (const char* bad : {"", ",", "/dev/video0,", "/dev/video0,,/dev/video1"})
-    EXPECT_CONTAINS(error_of([&] { parse_nodes(bad); }, Exit::usage), "v4l2:/dev/video0");
-  EXPECT_CONTAINS(error_of([&] { parse_nodes("/dev/video0,/dev/video0"); }, Exit::usage), "twice");
+    EXPECT_ERROR(parse_nodes(bad), Exit::usage, "v4l2:/dev/video0");
+  EXPECT_ERROR(parse_nodes("/dev/video0,/dev/video0"), Exit::usage, "twice");
   Machine machine;
   machine.plug("/dev/video0", "A");
   const auto two = [&] { open(machine, {"/dev/video0"}, {described("left"), described("right")}); };
   EXPECT_CONTAINS(error_of(two, Exit::usage), "names 1 camera, but rig.toml describes 2");
   EXPECT_CONTAINS(error_of(two, Exit::usage), "palpa doctor --write-rig FILE writes a rig for the cameras");
   machine.links["/dev/v4l/by-id/usb-A"] = "/dev/video0";
-  EXPECT_CONTAINS(error_of(
-                      [&] {
-                        open(machine, {"/dev/v4l/by-id/usb-A", "/dev/video0"});
-                      },
-                      Exit::usage),
-                  "names one camera twice: /dev/v4l/by-id/usb-A and /dev/video0 are both /dev/video0");
+  const std::vector<std::string> one_twice{"/dev/v4l/by-id/usb-A", "/dev/video0"};
+  EXPECT_ERROR(open(machine, one_twice), Exit::usage,
+               "names one camera twice: /dev/v4l/by-id/usb-A and /dev/video0 are both /dev/video0");
   EXPECT_EQ(machine.open_descriptors, 0);
 }
 

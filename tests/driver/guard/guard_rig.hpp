@@ -1,19 +1,23 @@
-// A link to a board that records its commands, held by a guard of the tests' own.
+// A link to a board that records its commands, held by a guard of the tests' own; and a loop that may be killed.
 #pragma once
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/log.hpp"
 #include "driver/guard/board_link.hpp"
 #include "session/links/link.hpp"
 #include "support/begins.hpp"
@@ -33,6 +37,7 @@ struct GuardRig {
   std::filesystem::path file = scratch_folder("guard") / "trace";
   session::LinkSetting setting{layout, names, 1.5e-3};
   array::Drive drive;
+  std::uint64_t slot = 0;  ///< the next
   std::unique_ptr<session::Link> link;
 
   explicit GuardRig(std::size_t transducers = 249) : drive(transducers) {
@@ -44,14 +49,20 @@ struct GuardRig {
     return driver::board_link({"trace", "trace:FILE", {}, true}, guard.string()).open(argument, setting);
   }
   void open() { link = open(file.string()); }
-  void send(std::uint64_t slot) {
-    whole_drive(slot, drive);
-    link->send(slot, drive);
+  void send(std::uint64_t s) {
+    whole_drive(s, drive);
+    link->send(s, drive);
   }
-  void send_for(std::chrono::milliseconds time, std::uint64_t& slot) {
+  void send_for(std::chrono::milliseconds time) {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;
          wait(std::chrono::microseconds(1500)))
       send(slot++);
+  }
+  /// Opens it; a first drive is played.
+  void begin() {
+    open();
+    send(slot++);
+    ASSERT_TRUE(wrote("play 0"));
   }
   void plan(std::uint64_t from, std::uint32_t cycle) {
     array::Schedule schedule;
@@ -93,6 +104,39 @@ struct GuardRig {
     EXPECT_EQ(count("torn"), 0u);
     EXPECT_EQ(count("allocated"), 0u);
   }
+};
+
+/// A loop in a separate process, which a test may stop, continue and kill.
+class ForkedLoop {
+ public:
+  /// `loop` runs until the process is killed, and prints nothing.
+  explicit ForkedLoop(const std::function<void()>& loop) : id_(fork()) {
+    if (id_ != 0) return;
+    log::set_level(log::Level::quiet);
+    try {
+      loop();
+    } catch (...) {  // otherwise, this process would go on with the tests that follow
+    }
+    _exit(1);
+  }
+  ~ForkedLoop() { end(SIGKILL); }
+  ForkedLoop(const ForkedLoop&) = delete;
+  ForkedLoop& operator=(const ForkedLoop&) = delete;
+  void signal(int which) const { kill(id_, which); }
+  /// Whether it has ended by itself.
+  bool ended() {
+    if (id_ > 0 && waitpid(id_, nullptr, WNOHANG) == id_) id_ = -1;
+    return id_ <= 0;
+  }
+  void end(int by) {
+    if (id_ <= 0) return;
+    kill(id_, by);
+    waitpid(id_, nullptr, 0);
+    id_ = -1;
+  }
+
+ private:
+  pid_t id_;
 };
 
 /// The guard that this process started last.

@@ -1,6 +1,7 @@
 // The last bytes on the wire, whatever happens to the loop or the guard.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,12 +9,15 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <optional>
+#include <initializer_list>
+#include <iterator>
+#include <limits>
 #include <string>
-#include <thread>
+#include <tuple>
 #include <vector>
 
 #include "base/error.hpp"
@@ -21,10 +25,12 @@
 #include "driver/guard/board_link.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
-#include "forked_loop.hpp"
+#include "driver/guard/guard.hpp"
 #include "guard_rig.hpp"
+#include "support/begins.hpp"
 #include "support/captured.hpp"
-#include "support/shared_data.hpp"
+#include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/thrown.hpp"
 #include "trace_board.hpp"
 
@@ -75,21 +81,48 @@ TEST(Guard, ABoardGetsTheFociOnlyOfOneFingerInTheFreeField) {
   }
 }
 
-TEST(Guard, PlaysWhatIsSentAndEndsInSilence) {
+TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {
   Rig rig;
   rig.open();
+  const auto carried = [&] { return rig.link->carried().value(); };
+  EXPECT_EQ(carried().guard->drives, 0u);
   rig.plan(0, 10);
   for (std::uint64_t s = 0; s < 5; ++s) {
     rig.send(s);
     ASSERT_TRUE(rig.wrote("play " + std::to_string(s)));
+  }
+  // Silence, and what no loop should send: neither sounds.
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (std::uint64_t s = 8; const array::TransducerDrive& one :
+                            std::initializer_list<array::TransducerDrive>{{0, 1}, {1.5f, 1}, {nan, 1}, {1, nan}}) {
+    rig.link->send(s, array::Drive(rig.drive.size(), one));
+    ASSERT_TRUE(rig.wrote("play " + std::to_string(s++)));
   }
   rig.link->finish();
   rig.expect_silent_end();
   std::vector<std::string> all = rig.lines();
   std::erase(all, "off");  // on a busy machine, it may have waited
   EXPECT_EQ(all, (std::vector<std::string>{"open", "plan 0 10", "play 0 0.0625", "play 1 0.125", "play 2 0.1875",
-                                           "play 3 0.25", "play 4 0.3125", "close"}));
+                                           "play 3 0.25", "play 4 0.3125", "play 8 0", "play 9 0", "play 10 0",
+                                           "play 11 0", "close"}));
   EXPECT_EQ(guard_of_ours(), -1);
+  for (const session::Passed& passed : {*carried().guard, carried().submitted, carried().completed}) {
+    EXPECT_EQ(passed.drives, 5u) << "silence is not counted";
+    EXPECT_EQ(passed.plans, 1u);
+  }
+}
+
+TEST(Guard, DrivesThatItDoesNotTakeInTimeAreMissingInItsCounts) {
+  Rig rig;
+  rig.begin();
+  kill(guard_of_ours(), SIGSTOP);
+  for (std::uint64_t s = 1; s <= 20; ++s)
+    rig.send(s);
+  kill(guard_of_ours(), SIGCONT);
+  ASSERT_TRUE(rig.wrote("play 20"));
+  rig.link->finish();
+  EXPECT_EQ(rig.link->carried()->guard->drives, 2u) << "the first and the newest";
+  EXPECT_EQ(rig.link->carried()->completed.drives, 2u);
 }
 
 TEST(Guard, APlanComesBeforeTheDrivesThatBelongToIt) {
@@ -120,7 +153,7 @@ TEST(Guard, WhatTheBoardRefusesIsRefusedAsItSaidIt) {
   EXPECT_CONTAINS(test::error_of([&] { told.open("told"); }),
                   "sound at 350 m/s, slots of 0.002 s, a ramp of 0.02 s, foci stand");
   const auto none = board_link({"trace", "", {}, true}, "/nowhere/palpa-guard");
-  EXPECT_CONTAINS(test::error_of([&] { none.open("x", rig.setting); }, Exit::failed), "/nowhere/palpa-guard");
+  EXPECT_ERROR(none.open("x", rig.setting), Exit::failed, "/nowhere/palpa-guard");
 }
 
 TEST(Guard, ItsNotesAreLogged) {
@@ -147,8 +180,12 @@ TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
   wait(150ms);
   EXPECT_EQ(rig.lines().back(), "off");
   EXPECT_EQ(rig.count("off"), 1u) << "it says so once";
+  rig.plan(1, 10);
   rig.send(1);
   ASSERT_TRUE(rig.wrote("play 1"));
+  ASSERT_TRUE(rig.ends_with("off")) << "a plan that nobody follows up ends, too";
+  rig.send(2);
+  ASSERT_TRUE(rig.wrote("play 2"));
   rig.link->finish();
   rig.expect_silent_end();
 }
@@ -163,30 +200,21 @@ TEST(Guard, APlanWithoutADriveIsSilencedToo) {
   rig.expect_silent_end();
 }
 
-TEST(Guard, ALoopThatIsKilledAtAnyInstantLeavesSilence) {
+TEST(Guard, ALoopThatIsKilledOrCrashesAtAnyInstantLeavesSilence) {
   // On a busy machine, the guard may get no processor for a second. Its loop then ends by itself, and is not killed.
   int killed = 0;
-  for (int attempt = 0; killed < 12 && attempt < 30; ++attempt) {
+  for (int attempt = 0; killed < 13 && attempt < 30; ++attempt) {
     Rig rig(3984);
     test::ForkedLoop loop(plays(rig, 0us));
     ASSERT_TRUE(test::begins([&] { return loop.ended() || rig.count(killed == 0 ? "open" : "play") > 0; }));
     wait(std::chrono::microseconds(killed * 317));
     if (loop.ended()) continue;
-    loop.end(SIGKILL);
+    loop.end(killed == 12 ? SIGABRT : SIGKILL);
     ASSERT_TRUE(rig.wrote("close")) << killed;
     rig.expect_silent_end();
     ++killed;
   }
-  EXPECT_EQ(killed, 12);
-}
-
-TEST(Guard, ALoopThatCrashesLeavesSilence) {
-  Rig rig;
-  test::ForkedLoop loop(plays(rig, 1ms));
-  ASSERT_TRUE(rig.wrote("play"));
-  loop.end(SIGABRT);
-  ASSERT_TRUE(rig.wrote("close"));
-  rig.expect_silent_end();
+  EXPECT_EQ(killed, 13);
 }
 
 TEST(Guard, ALoopThatIsStoppedIsSilentAndGoesOnWhenItContinues) {
@@ -206,36 +234,25 @@ TEST(Guard, ALoopThatIsStoppedIsSilentAndGoesOnWhenItContinues) {
   rig.expect_silent_end();
 }
 
-TEST(Guard, AGuardThatIsKilledIsFollowedByOneThatSilences) {
-  Rig rig;
-  rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(10ms, slot);
-  kill(guard_of_ours(), SIGKILL);
-  const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
-  EXPECT_EQ(line, "trace: signal 9 ended palpa-guard; a second palpa-guard has silenced the board");
-  EXPECT_EQ(rig.count("open"), 2u);
-  rig.expect_silent_end();
-  EXPECT_NO_THROW(rig.link->send(slot, rig.drive));  // what SafeLink tries afterwards has no effect
-  EXPECT_NO_THROW(rig.link->finish());
-}
-
-TEST(Guard, AGuardThatIsStoppedIsFollowedToo) {
-  Rig rig;
-  rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(10ms, slot);
-  kill(guard_of_ours(), SIGSTOP);
-  EXPECT_EQ(test::error_of([&] { rig.send_for(10s, slot); }, Exit::failed),
-            "trace: palpa-guard took no drive for 1 s; a second palpa-guard has silenced the board");
-  rig.expect_silent_end();
+TEST(Guard, AGuardThatIsKilledOrStoppedIsFollowedByOneThatSilences) {
+  for (const auto& [signal, patience, what] :
+       {std::tuple{SIGKILL, 1s, "signal 9 ended palpa-guard"}, {SIGSTOP, 10s, "palpa-guard took no drive for 1 s"}}) {
+    Rig rig;
+    rig.open();
+    rig.send_for(10ms);
+    kill(guard_of_ours(), signal);
+    const std::string line = test::error_of([&] { rig.send_for(patience); }, Exit::failed);
+    EXPECT_EQ(line, std::string("trace: ") + what + "; a second palpa-guard has silenced the board");
+    EXPECT_EQ(rig.count("open"), 2u);
+    rig.expect_silent_end();
+    EXPECT_NO_THROW(rig.link->send(rig.slot, rig.drive));  // what SafeLink tries afterwards has no effect
+    EXPECT_NO_THROW(rig.link->finish());
+  }
 }
 
 TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
   Rig rig;
-  rig.open();
-  rig.send(0);
-  ASSERT_TRUE(rig.wrote("play"));
+  rig.begin();
   kill(guard_of_ours(), SIGSTOP);
   rig.link->finish();
   rig.expect_silent_end();
@@ -244,15 +261,14 @@ TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
 TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(10ms, slot);
+  rig.send_for(10ms);
   const pid_t guard = guard_of_ours();
   kill(guard, SIGSTOP);
-  rig.send(slot++);
+  rig.send(rig.slot++);
   wait(1200ms);  // equivalent to stopped
-  rig.send(slot++);
+  rig.send(rig.slot++);
   kill(guard, SIGCONT);
-  rig.send_for(20ms, slot);
+  rig.send_for(20ms);
   rig.link->finish();
   EXPECT_EQ(rig.count("open"), 1u);
   rig.expect_silent_end();
@@ -261,7 +277,7 @@ TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
 TEST(Guard, SlotsLongerThanItsPatienceAreRefused) {
   Rig rig;
   rig.setting.slot_s = 0.2;
-  EXPECT_CONTAINS(test::error_of([&] { rig.open(); }, Exit::usage), "200 ms is too long: give at most 50 ms");
+  EXPECT_ERROR(rig.open(), Exit::usage, "200 ms is too long: give at most 50 ms");
 }
 
 TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
@@ -275,8 +291,8 @@ TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
 TEST(Guard, WhatABoardThrowsEndsInSilence) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = test::throws_from_slot;
-  EXPECT_CONTAINS(test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed), "a board must not throw");
+  rig.slot = test::throws_from_slot;
+  EXPECT_ERROR(rig.send_for(1s), Exit::failed, "a board must not throw");
   EXPECT_TRUE(rig.ends_with("close"));
   EXPECT_GE(rig.count("off"), 1u);
 }
@@ -284,15 +300,14 @@ TEST(Guard, WhatABoardThrowsEndsInSilence) {
 TEST(Guard, ADriveOfBeforeAPlanIsNotPlayedAfterIt) {
   Rig rig;
   rig.open();
-  std::uint64_t slot = 0;
-  rig.send_for(20ms, slot);
+  rig.send_for(20ms);
   kill(guard_of_ours(), SIGSTOP);
-  rig.send(slot);
-  rig.plan(slot + 100, 2);
+  rig.send(rig.slot);
+  rig.plan(rig.slot + 100, 2);
   kill(guard_of_ours(), SIGCONT);
   ASSERT_TRUE(rig.wrote("plan"));
   wait(20ms);
-  EXPECT_EQ(rig.count("play " + std::to_string(slot) + " "), 0u);
+  EXPECT_EQ(rig.count("play " + std::to_string(rig.slot) + " "), 0u);
   rig.link->finish();
 }
 
@@ -308,14 +323,11 @@ TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
 
 TEST(Guard, WhereNobodyCanSilenceTheBoardItSaysSo) {
   Rig rig;
-  rig.open();
-  rig.send(0);
-  ASSERT_TRUE(rig.wrote("play"));
+  rig.begin();
   kill(guard_of_ours(), SIGKILL);
   std::filesystem::remove(rig.file);
   std::filesystem::create_directory(rig.file);
-  const std::string said = test::stderr_of(
-      [&] { EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed), "switch it off"); });
+  const std::string said = test::stderr_of([&] { EXPECT_ERROR(rig.link->finish(), Exit::failed, "switch it off"); });
   EXPECT_CONTAINS(said, "cannot be opened");
 }
 
@@ -323,10 +335,9 @@ TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
   for (int instant = 0; instant < 5; ++instant) {
     Rig rig;
     rig.open();
-    std::uint64_t slot = 0;
-    rig.send_for(10ms, slot);
+    rig.send_for(10ms);
     kill(guard_of_ours(), SIGTERM);
-    const std::string line = test::error_of([&] { rig.send_for(1s, slot); }, Exit::failed);
+    const std::string line = test::error_of([&] { rig.send_for(1s); }, Exit::failed);
     EXPECT_CONTAINS(line, "was asked to end");
     EXPECT_EQ(rig.count("open"), 1u);
     rig.expect_silent_end();
@@ -352,7 +363,7 @@ TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {
   const Rig rig;
   const auto link = rig.open("unsure:" + rig.file.string());
   link->send(0, rig.drive);
-  EXPECT_CONTAINS(test::error_of([&] { link->finish(); }, Exit::failed), "it is not known");
+  EXPECT_ERROR(link->finish(), Exit::failed, "it is not known");
   rig.expect_silent_end();
 }
 
@@ -400,21 +411,44 @@ TEST(Guard, GoesBeforeOtherProgramsWhereThatIsAllowed) {
   rig.open();
   EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(guard_of_ours())),
             allowed ? -10 : getpriority(PRIO_PROCESS, 0));
-  rig.link->finish();
-  rig.expect_silent_end();
 }
 
-TEST(Guard, InheritsNothingElse) {
+TEST(Guard, ItsMemoryStaysInMemoryWhereThatIsAllowed) {
+  if (mlockall(MCL_CURRENT) != 0) GTEST_SKIP() << "skipped: this machine allows no locked memory (ulimit -l)";
+  munlockall();
+  if (test::instrumented()) GTEST_SKIP() << "skipped: sanitizers lock no memory";
   Rig rig;
-  const int open_to_children = open("/dev/null", O_RDONLY);
   rig.open();
-  std::size_t descriptors = 0;
-  const std::string folder = "/proc/" + std::to_string(guard_of_ours()) + "/fd";
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder))
-    ++descriptors;
-  EXPECT_EQ(descriptors, 6u);  // in, out, err; socket, memory; the board's file
-  close(open_to_children);
-  rig.link->finish();
+  const std::string status = "/proc/" + std::to_string(guard_of_ours()) + "/status";
+  EXPECT_TRUE(test::begins([&] {
+    const std::string text = test::read_text(status);
+    const std::size_t at = text.find("VmLck:");
+    return at != std::string::npos && std::atoi(text.c_str() + at + 6) > 0;
+  }));
+}
+
+TEST(Guard, InheritsOnlyItsOwnDescriptors) {
+  Rig rig;
+  const Descriptor open_to_children(open("/dev/null", O_RDONLY));
+  rig.open();
+  const std::filesystem::directory_iterator descriptors("/proc/" + std::to_string(guard_of_ours()) + "/fd");
+  EXPECT_EQ(std::distance(begin(descriptors), end(descriptors)), 6);  // in, out, err; socket, memory; the board's file
+}
+
+TEST(GuardTime, ADriveThatNobodyFollowsUpEndsWithItsPlan) {
+  constexpr double captured_s = 50, hold_s = 0.1, until_s = captured_s + hold_s, slot_s = 1.5e-3;
+  // A loop that hangs at any time before the hold is over: silence comes at most 20 ms after the hold, and not before
+  // its end.
+  for (int ms = 0; ms < 100; ++ms) {
+    const double heard_s = captured_s + 1e-3 * ms;
+    EXPECT_TRUE(is_overdue(until_s + 0.010, heard_s, until_s, slot_s)) << ms;
+    EXPECT_EQ(is_overdue(until_s - 1e-6, heard_s, until_s, slot_s), ms == 0 && heartbeat_s < hold_s) << ms;
+  }
+  EXPECT_FALSE(is_overdue(until_s + 0.5, until_s + 0.495, until_s, slot_s)) << "a ramp goes on after the hold";
+  EXPECT_TRUE(is_overdue(until_s + 0.5, until_s + 0.489, until_s, slot_s)) << "unless it stops";
+  EXPECT_FALSE(is_overdue(until_s + 0.5, until_s + 0.48, until_s, 0.02)) << "slots of 20 ms";
+  EXPECT_FALSE(is_overdue(52, 51.95, 60, slot_s)) << "a long hold";
+  EXPECT_TRUE(is_overdue(52.051, 51.95, 60, slot_s)) << "of which no more than the heartbeat is waited for";
 }
 
 TEST(GuardPlan, EndsWhereItsLastSlotDoes) {
@@ -440,7 +474,7 @@ TEST(GuardBrief, ComesOverWhole) {
   EXPECT_EQ(back.board.ramp_s, 0.01);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::span<const std::byte> cut(bytes.data(), size);
-    EXPECT_CONTAINS(test::error_of([&] { brief_from(cut); }, Exit::failed), "another version");
+    EXPECT_ERROR(brief_from(cut), Exit::failed, "another version");
   }
 }
 

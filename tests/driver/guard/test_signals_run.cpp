@@ -1,19 +1,20 @@
 // Every signal of the system, sent to a loop that plays to an emulated board: the last bytes on its wire.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <functional>
-#include <mutex>
+#include <initializer_list>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
-#include "driver/sonicsurface/pty.hpp"
+#include "driver/autd3/autd3_rig.hpp"
+#include "driver/rig_parts.hpp"
+#include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -21,45 +22,6 @@
 
 namespace palpa::test {
 namespace {
-
-using namespace std::chrono_literals;
-
-/// A board that is always present and sounds from power-up.
-class LiveBoard {
- public:
-  LiveBoard() : thread_([this] { pty_.serve(boards_, stop_, lock_); }) {}
-  ~LiveBoard() {
-    stop_ = true;
-    thread_.join();
-  }
-  LiveBoard(const LiveBoard&) = delete;
-  LiveBoard& operator=(const LiveBoard&) = delete;
-  const std::string& path() const { return path_; }
-
-  bool becomes(const std::function<bool(const driver::sonicsurface::EmulatedBoards&)>& wanted) {
-    for (int i = 0; i < 10000; ++i, std::this_thread::sleep_for(1ms)) {
-      const std::lock_guard held(lock_);
-      if (wanted(boards_)) return true;
-    }
-    return false;
-  }
-  /// Whether its pattern sounds, between its pauses.
-  bool sounds() {
-    return becomes([](const auto& boards) { return !boards.all_silent(); });
-  }
-  /// Whether both of its buffers fall silent.
-  bool falls_silent() {
-    return becomes([](const auto& boards) { return boards.all_silent() && boards.all_silent_behind(); });
-  }
-
- private:
-  driver::sonicsurface::Pty pty_;
-  std::string path_ = pty_.path();
-  driver::sonicsurface::EmulatedBoards boards_{1, false};
-  std::atomic<bool> stop_{false};
-  std::mutex lock_;
-  std::thread thread_;
-};
 
 enum class Means {
   end,      ///< the loop ends by itself
@@ -71,40 +33,21 @@ enum class Means {
 };
 
 Means meaning_of(int signal) {
-  switch (signal) {
-    case SIGKILL:
-    case SIGSEGV:
-    case SIGABRT:
-    case SIGBUS:
-    case SIGFPE:
-    case SIGILL:
-    case SIGTRAP:
-    case SIGSYS:
-      return Means::death;
-    case 32:
-    case 33:
-      return Means::either;
-    case SIGSTOP:
-      return Means::stop;
-    case SIGCHLD:
-    case SIGCONT:
-    case SIGURG:
-    case SIGWINCH:
-    case SIGTTIN:
-    case SIGTTOU:
-      return Means::nothing;
-    default:
-      return Means::end;
-  }
+  const auto is_one_of = [signal](std::initializer_list<int> signals) {
+    return std::find(signals.begin(), signals.end(), signal) != signals.end();
+  };
+  if (is_one_of({SIGKILL, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS})) return Means::death;
+  if (is_one_of({SIGCHLD, SIGCONT, SIGURG, SIGWINCH, SIGTTIN, SIGTTOU})) return Means::nothing;
+  if (is_one_of({32, 33})) return Means::either;
+  return signal == SIGSTOP ? Means::stop : Means::end;
 }
 
 /// Sends the signal to a loop that sounds.
-void expect_silence(LiveBoard& board, const std::vector<std::string>& command, int signal) {
+void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& command, int signal) {
   SCOPED_TRACE("signal " + std::to_string(signal) + " (" + strsignal(signal) + "), palpa " + command.front());
   LiveOptions options;
   options.command = command.front().c_str();
   LiveRun loop({command.begin() + 1, command.end()}, options);
-  ASSERT_TRUE(board.falls_silent()) << "a loop silences it first";
   ASSERT_TRUE(board.sounds());
   loop.signal(signal);
   Means means = meaning_of(signal);
@@ -124,6 +67,8 @@ void expect_silence(LiveBoard& board, const std::vector<std::string>& command, i
   }
   if (means == Means::stop) {
     EXPECT_TRUE(board.falls_silent());
+    loop.signal(SIGCONT);
+    EXPECT_TRUE(board.sounds()) << "it goes on";
     loop.signal(SIGKILL);
   }
   EXPECT_TRUE(board.falls_silent()) << "whatever came";
@@ -139,7 +84,7 @@ void expect_silence(LiveBoard& board, const std::vector<std::string>& command, i
   EXPECT_TRUE(board.falls_silent());
 }
 
-std::vector<std::string> sweep(const LiveBoard& board) {
+std::vector<std::string> sweep(const SonicSurfaceLine& board) {
   return {"link", "test", "--layout", "sonicsurface", "--link", "sonicsurface:" + board.path(), "--each", "100s"};
 }
 
@@ -147,17 +92,35 @@ TEST(SignalsRun, EverySignalOfTheSystemLeavesABoardSilent) {
   PALPA_TERMINAL_OR_SKIP();
   std::atomic<int> next{1};
   const auto one_after_the_other = [&] {
-    LiveBoard board;
+    SonicSurfaceLine board;
     for (int signal = next++; signal < NSIG; signal = next++)
       expect_silence(board, sweep(board), signal);
   };
   side_by_side(std::vector<std::function<void()>>(4, one_after_the_other));
 }
 
+TEST(SignalsRun, Autd3UnitsFallSilentWithTheirLoop) {
+  driver::autd3::EmulatedServer server(16);
+  Autd3Serving serving(server);
+  const auto silent = [&] { return server.silent(driver::autd3::device_time_s()); };
+  const auto sounds = [&] { return !silent(); };
+  LiveOptions options;
+  options.command = "link";
+  LiveRun loop({"test", "--layout", "paper", "--link", "autd3:" + serving.address(), "--each", "100s"}, options);
+  ASSERT_TRUE(becomes(serving.lock, sounds));
+  loop.signal(SIGSTOP);
+  EXPECT_TRUE(becomes(serving.lock, silent)) << "stopped";
+  loop.signal(SIGCONT);
+  EXPECT_TRUE(becomes(serving.lock, sounds)) << "and goes on";
+  loop.signal(SIGKILL);
+  EXPECT_TRUE(becomes(serving.lock, [&] { return silent() && !server.connected(); })) << "it has also said goodbye";
+  EXPECT_EQ(server.violation_count(), 0u) << server.violations()[0].what;
+}
+
 TEST(SignalsRun, ThoseThatAWriteRaisesEndARunToo) {
   PALPA_TERMINAL_OR_SKIP();
   const auto ends = [](int signal) {
-    LiveBoard board;
+    SonicSurfaceLine board;
     expect_silence(board,
                    with({"run", "--scene", source_file("assets/cube.glb").string(), "--backend", "cpu", "--source",
                          "synthetic", "--hold", "500ms", "--layout", "sonicsurface", "--link",
@@ -172,11 +135,10 @@ TEST(SignalsRun, SignalsThatItsParentIgnoresStayIgnored) {
   PALPA_TERMINAL_OR_SKIP();
   const auto goes_on = [](int signal) {
     SCOPED_TRACE(strsignal(signal));
-    LiveBoard board;
+    SonicSurfaceLine board;
     LiveOptions options;
     options.program = "/bin/sh";
     LiveRun loop(with({"-c", R"(trap '' XFSZ PIPE HUP; exec "$0" "$@")", palpa_binary()}, sweep(board)), options);
-    ASSERT_TRUE(board.falls_silent());
     ASSERT_TRUE(board.sounds());
     loop.signal(signal);
     EXPECT_FALSE(loop.wait(0.05).ended);

@@ -38,14 +38,14 @@ class Emulation {
   }
   Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
   const std::filesystem::path& folder() const { return folder_; }
-  /// Ends it and returns its report.
-  nlohmann::json end(int& exit_code) {
+  /// Ends it and returns its report. It fails if its boards have heard different numbers of frames.
+  nlohmann::json end(int exit_code = 0) {
     run_->signal(SIGTERM);
     const LiveRun::End end = run_->wait(10);
-    EXPECT_TRUE(end.ended);
-    exit_code = end.exit_code;
     std::ifstream file(report());
-    return nlohmann::json::parse(file);
+    nlohmann::json heard = nlohmann::json::parse(file);
+    EXPECT_EQ(end.exit_code, exit_code) << heard;
+    return heard;
   }
 
  private:
@@ -55,39 +55,11 @@ class Emulation {
   std::optional<LiveRun> run_;
 };
 
-/// The bytes of all bulk transfers of a trace, one board's.
-inline std::string wire_of(const std::filesystem::path& trace) {
-  std::string hex;
-  std::ifstream file(trace);
-  for (std::string line; std::getline(file, line);) {
-    const nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);  // the last line may be incomplete
-    if (!entry.is_discarded() && entry["kind"] == "bulk") hex += entry["hex"].get<std::string>();
-  }
-  return hex;
-}
-
-/// Whether the frame of the wire that begins at `at` has an amplitude.
-inline bool sounds(const std::string& wire, std::size_t at) {
-  return wire.substr(at + 512, 512).find_first_not_of('0') != std::string::npos;
-}
-
-/// Whether any frame of the wire has an amplitude.
-inline bool sounded(const std::string& wire) {
-  for (std::size_t at = 0; at + 1024 <= wire.size(); at += 1024) {
-    if (sounds(wire, at)) return true;
-  }
-  return false;
-}
-
-/// Whether the last frame of the wire has no amplitude.
-inline bool ended_silent(const std::string& wire) {
-  return wire.size() >= 1024 && !sounds(wire, wire.size() / 1024 * 1024 - 1024);
-}
-
 /// What a board has heard, over several loops, each of which brings it into step again.
 struct Heard {
   std::size_t bytes = 0, frames = 0;
-  std::size_t last_sounding = 0;  ///< number of the last frame with an amplitude, from 1; 0: none
+  std::size_t sounding = 0;       ///< frames with an amplitude
+  std::size_t last_sounding = 0;  ///< number of the last of these, from 1; 0: none
   bool ends_silent() const { return last_sounding < frames || frames == 0; }
 };
 
@@ -109,8 +81,10 @@ inline Heard heard_in(const std::filesystem::path& trace) {
       if (!frame.empty() || (byte & 0x80) != 0) frame += static_cast<char>(byte);
       if (frame.size() < 512) continue;
       ++heard.frames;
-      const bool sounds = std::any_of(frame.begin() + 256, frame.end(), [](char width) { return (width & 0x7f) != 0; });
-      if (sounds) heard.last_sounding = heard.frames;
+      if (std::any_of(frame.begin() + 256, frame.end(), [](char width) { return (width & 0x7f) != 0; })) {
+        ++heard.sounding;
+        heard.last_sounding = heard.frames;
+      }
       frame.clear();
     }
   }

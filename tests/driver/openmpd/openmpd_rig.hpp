@@ -8,7 +8,6 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include "driver/clock.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/openmpd/emulator.hpp"
+#include "driver/rig_parts.hpp"
 #include "driver/usb/in_process.hpp"
 
 namespace palpa::test {
@@ -41,13 +41,6 @@ class TestClock final : public driver::Clock {
   double now_s_ = 3;  // boards have been on for a while
 };
 
-class KeptNotes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
-};
-
 /// `serials.size()` boards, 1 or 2 unless a layout is given.
 struct OpenMpdRig {
   explicit OpenMpdRig(std::vector<std::string> serials = {"EMU1"},
@@ -59,6 +52,21 @@ struct OpenMpdRig {
       faults.push_back(&bus.plug(*emulators.back()));
     }
   }
+
+  /// Takes sixteen boards in their place, on so many buses.
+  void take_sixteen(unsigned buses = 1) {
+    layout.boards.clear();
+    layout.transducers.resize(std::size_t{16} * 256);
+    argument.clear();
+    for (unsigned i = 0; i < 16; ++i) {
+      const std::string serial = "B" + std::to_string(i);
+      argument += (i == 0 ? "" : ",") + serial;
+      emulators.push_back(std::make_unique<driver::openmpd::EmulatedBoard>(serial));
+      faults.push_back(&bus.plug(*emulators.back(), 1 + i % buses));
+      layout.boards.push_back({"openmpd", 256 * i, 256, 0.168, 0.168});
+    }
+  }
+  driver::openmpd::Fpga& fpga(std::size_t i) { return emulators[i]->fpga(); }
 
   void open() { open(bus); }
   void open(driver::usb::Transport& transport) {

@@ -1,4 +1,4 @@
-// A SonicSurface on a pseudo terminal, as its guard has it.
+// Emulated SonicSurface boards on a pseudo terminal, and a board on it as its guard has it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,18 +14,50 @@
 #include <mutex>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <thread>
-#include <vector>
 
 #include "driver/guard/channel.hpp"
+#include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/machine.hpp"
 #include "driver/sonicsurface/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
-#include "support/begins.hpp"
 
 namespace palpa::test {
+
+/// One board on a serial line, which sounds from power-up.
+class SonicSurfaceLine {
+ public:
+  SonicSurfaceLine() : thread_([this] { pty_.serve(machine, stop_, lock); }) {}
+  ~SonicSurfaceLine() { end(); }
+  SonicSurfaceLine(const SonicSurfaceLine&) = delete;
+  SonicSurfaceLine& operator=(const SonicSurfaceLine&) = delete;
+
+  const std::string& path() const { return pty_.path(); }
+  /// Both of its buffers. The lock must be held.
+  bool silent() const { return machine.all_silent() && machine.all_silent_behind(); }
+  bool falls_silent() {
+    return becomes(lock, [this] { return silent(); });
+  }
+  /// Whether a program's pattern sounds, between the pauses of a modulation. A program first silences both buffers,
+  /// which takes two swaps. That state may be too short to be seen.
+  bool sounds() {
+    return becomes(lock, [this] { return machine.swaps() > 2 && !machine.all_silent(); });
+  }
+  /// Takes no more bytes.
+  void end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  driver::sonicsurface::EmulatedBoards machine{1, false};
+  std::mutex lock;
+
+ private:
+  driver::sonicsurface::Pty pty_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
 
 inline array::Drive some_drive(std::size_t boards) {
   array::Drive drive(boards * driver::sonicsurface::transducers);
@@ -42,33 +74,21 @@ inline int expected_phase(const array::TransducerDrive& t, int steps) {
   return static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps * (32 / steps);
 }
 
-class SonicSurfaceNotes final : public driver::BoardNotes {
- public:
-  void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
-  void info(std::string_view) noexcept override {}
-  std::vector<std::string> warnings;
-};
-
-/// A board on a pseudo terminal, as its guard has it.
-struct SonicSurfaceRig {
+/// A line, and a board on it as its guard has it.
+struct SonicSurfaceRig : SonicSurfaceLine {
   array::Layout layout = array::load_layout("sonicsurface");
-  driver::sonicsurface::EmulatedBoards machine{1, false};
-  driver::sonicsurface::Pty pty;
-  std::string argument = pty.path(), files;
-  SonicSurfaceNotes notes;
-  std::mutex lock;
-  std::atomic<bool> stop{false};
-  std::thread thread{[this] { pty.serve(machine, stop, lock); }};
+  std::string argument = path(), files;
+  KeptNotes notes;
   std::unique_ptr<driver::Board> board;
   array::Drive drive = some_drive(1), silence = array::Drive(driver::sonicsurface::transducers, {0.0f, 0.0f});
 
-  ~SonicSurfaceRig() {
-    stop = true;
-    thread.join();
-  }
   std::unique_ptr<driver::Board> make(double slot_s, bool foci_move) {
     return driver::sonicsurface::board_kind().open({argument, files, layout, slot_s, foci_move}, notes);
   }
+  /// For foci that move, slow enough for a frame each.
+  void open() { board = make(12e-3, true); }
+  /// For foci that stand.
+  void open_still() { board = make(1.5e-3, false); }
   void plan(double hz) {
     const session::Cycle cycle{.length = 1, .modulation_hz = hz};
     board->plan({{{100, 1000000, cycle}, driver::monotonic_s(), 1.5e-3}, drive});
@@ -87,22 +107,32 @@ struct SonicSurfaceRig {
     }
     return false;
   }
+  void tend_for(std::chrono::milliseconds time) {
+    tend_until([] { return false; }, time);
+  }
+  bool becomes_silent() {
+    return tend_until([this] { return silent(); });
+  }
   bool plays(const array::Drive& wanted) const {
     for (std::size_t t = 0; t < driver::sonicsurface::transducers; ++t) {
       if (machine.sounding(0, t) != expected_phase(wanted[t], 32)) return false;
     }
     return true;
   }
+  bool plays_its_drive() {
+    return tend_until([this] { return plays(drive); });
+  }
   void expect_silent_end() {
     EXPECT_TRUE(board->close());
     board.reset();
-    const auto silent = [&] {
-      const std::lock_guard held(lock);
-      return machine.all_silent() && machine.all_silent_behind();
-    };
-    EXPECT_TRUE(begins(silent));
+    EXPECT_TRUE(falls_silent());
     const std::lock_guard held(lock);
     EXPECT_EQ(machine.violations().count(), 0u) << machine.violations().kept()[0].what;
+  }
+  /// Turns everything off first.
+  void end_silent() {
+    board->all_off();
+    expect_silent_end();
   }
 };
 

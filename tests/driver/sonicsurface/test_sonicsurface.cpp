@@ -4,16 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <memory>
 #include <mutex>
-#include <numbers>
-#include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,6 +21,7 @@
 #include "driver/sonicsurface/wire.hpp"
 #include "sonicsurface_rig.hpp"
 #include "support/begins.hpp"
+#include "support/files.hpp"
 #include "support/ordinary_user.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -38,54 +34,43 @@ using namespace std::chrono_literals;
 using test::expected_phase;
 using test::some_drive;
 using Rig = test::SonicSurfaceRig;
-constexpr float pi = std::numbers::pi_v<float>;
+
+std::vector<std::uint8_t> frame_of(const Encoder& encoder, const array::Drive& drive) {
+  std::vector<std::uint8_t> frame(encoder.size());
+  encoder.encode(drive, frame);
+  return frame;
+}
+
+/// A frame without its swap: the same byte for each transducer.
+std::vector<std::uint8_t> filled(std::uint8_t byte) {
+  std::vector<std::uint8_t> frame(257, byte);
+  frame[0] = 254;
+  return frame;
+}
 
 TEST(SonicSurfaceWire, EachTransducerGetsItsPhase) {
-  for (const auto& [boards, firmware] : {std::pair(std::size_t{1}, Firmware::plain),
-                                         {std::size_t{1}, Firmware::tactile},
-                                         {std::size_t{2}, Firmware::plain}}) {
+  struct Case {
+    std::size_t there, boards;  ///< on the line; for the encoder
+    Firmware firmware;
+  };
+  for (const auto& [there, boards, firmware] : {Case{1, 1, Firmware::plain}, Case{1, 1, Firmware::tactile},
+                                                Case{2, 2, Firmware::plain}, Case{2, 1, Firmware::plain}}) {
     const bool tactile = firmware == Firmware::tactile;
     const Encoder encoder(boards, firmware);
-    EmulatedBoards machine(boards, tactile);
+    EmulatedBoards machine(there, tactile);
     EXPECT_FALSE(machine.all_silent()) << "after power-up it sounds";
-    const array::Drive drive = some_drive(boards);
-    std::vector<std::uint8_t> frame(encoder.size());
-    encoder.encode(drive, frame);
-    machine.take(0, frame);
-    for (std::size_t t = 0; t < drive.size(); ++t)
-      ASSERT_EQ(machine.sounding(t / transducers, t % transducers), expected_phase(drive[t], tactile ? 16 : 32)) << t;
     machine.take(0, encoder.all_off());
     EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
+    const array::Drive drive = some_drive(boards);
+    machine.take(0, frame_of(encoder, drive));
+    for (std::size_t t = 0; t < drive.size(); ++t)
+      ASSERT_EQ(machine.sounding(t / transducers, t % transducers), expected_phase(drive[t], tactile ? 16 : 32)) << t;
+    EXPECT_TRUE(boards == there || machine.sounding(1, 0) == EmulatedBoards::silent) << "the primary one alone plays";
     EXPECT_EQ(machine.violations().count(), 0u);
   }
 }
 
-TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
-  std::vector<std::uint8_t> expected;
-  const auto expect = [&](std::initializer_list<std::uint8_t> selections) {
-    for (int times = 0; times < 2; ++times) {
-      for (const std::uint8_t selection : selections) {
-        if (selection != 0) expected.push_back(selection);
-        expected.push_back(254);
-        expected.insert(expected.end(), 256, 32);
-      }
-      expected.push_back(253);
-    }
-  };
-  expect({0});
-  EXPECT_EQ(Encoder(1, Firmware::tactile).all_off(), expected);
-  expected.clear();
-  expect({193, 192});
-  expected.insert(expected.end(), {192, 254, 32});
-  EXPECT_EQ(Encoder(2, Firmware::plain).all_off(), expected);
-  expected.clear();
-  expect({192});
-  expect({193});
-  expected.insert(expected.end(), {192, 254, 32});
-  EXPECT_EQ(Encoder(1, Firmware::plain).all_off(), expected);
-  expected.clear();
-  expect({192});
-  EXPECT_EQ(Encoder(1, Firmware::plain).own_off(), expected) << "half of it";
+TEST(SonicSurfaceWire, ATransducersPlaceInAFrameIsThatOfTheBoards) {
   // The corners: top left, its neighbours, bottom right.
   EXPECT_EQ(slot_of(0), 0u);
   EXPECT_EQ(slot_of(1), 7u);
@@ -97,36 +82,24 @@ TEST(SonicSurfaceWire, IsOfTheBytesThatTheBoardsTake) {
   EXPECT_TRUE(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; }));
 }
 
-TEST(SonicSurfaceWire, PhasesAreDelaysAndACalibrationIsTakenOff) {
-  const Encoder encoder(1, Firmware::plain, [] {
-    std::vector<float> degrees(transducers, 0.0f);
-    degrees[1] = 180;
-    return degrees;
-  }());
+TEST(SonicSurfaceWire, ACalibrationIsTakenOffAndPhasesRoundToTheNearestStep) {
+  std::vector<float> degrees(transducers, 0.0f);
+  degrees[1] = 180;
   array::Drive drive(transducers, {1.0f, 0.0f});
-  drive[2].phase = -pi / 2;
-  drive[3].phase = -1e-4f;
-  drive[4].phase = pi;
-  std::vector<std::uint8_t> frame(encoder.size());
-  encoder.encode(drive, frame);
+  drive[2].phase = -1e-4f;
   EmulatedBoards machine(1, false);
-  machine.take(0, frame);
+  machine.take(0, frame_of(Encoder(1, Firmware::plain, degrees), drive));
   EXPECT_EQ(machine.sounding(0, 0), 0);
   EXPECT_EQ(machine.sounding(0, 1), 16);
-  EXPECT_EQ(machine.sounding(0, 2), 24);
-  EXPECT_EQ(machine.sounding(0, 3), 0);
-  EXPECT_EQ(machine.sounding(0, 4), 16);
+  EXPECT_EQ(machine.sounding(0, 2), 0);
 }
 
 TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
-  const Encoder encoder(1, Firmware::plain);
-  std::vector<std::uint8_t> frame(encoder.size());
   for (const float ceiling : {0.9f, 0.5f, 0.25f, 0.1f}) {
     array::Drive drive(transducers, {ceiling, 0.0f});
     drive[7].amplitude *= 0.7f;  // different amplitudes are played as uniform
-    encoder.encode(drive, frame);
     EmulatedBoards machine(1, false);
-    machine.take(0, frame);
+    machine.take(0, frame_of(Encoder(1, Firmware::plain), drive));
     std::array<int, 4> quarters{};
     for (std::size_t t = 0; t < transducers; ++t)
       quarters[t / 128 * 2 + t % 16 / 8] += machine.sounding(0, t) != EmulatedBoards::silent ? 1 : 0;
@@ -135,15 +108,14 @@ TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
   }
 }
 
-TEST(SonicSurfaceEmulator, FindsWhatNobodyCanHaveMeant) {
+TEST(SonicSurfaceEmulator, ReportsInvalidBytes) {
   const auto violations = [](bool tactile, const std::vector<std::uint8_t>& bytes, double baud = 230400) {
     EmulatedBoards machine(1, tactile);
     machine.set_baud(0, baud);
     machine.take(0, bytes);
     return machine.violations().count();
   };
-  std::vector<std::uint8_t> frame{254};
-  frame.insert(frame.end(), 256, 4);
+  const auto frame = filled(4);
   auto longer = frame, odd = frame, loud = frame;
   longer.push_back(4);
   odd[9] = 5;
@@ -161,15 +133,12 @@ TEST(SonicSurfaceEmulator, FindsWhatNobodyCanHaveMeant) {
 
 TEST(SonicSurfaceEmulator, ASwapExchangesTheBuffersAndHitsAllBoards) {
   EmulatedBoards machine(2, false);
-  std::vector<std::uint8_t> off{254}, on{254};
-  off.insert(off.end(), 256, 32);
-  on.insert(on.end(), 256, 3);
   const std::vector<std::uint8_t> swap{253};
-  for (const auto& bytes : {off, swap, off, swap})
+  for (const auto& bytes : {filled(32), swap, filled(32), swap})
     machine.take(0, bytes);
   EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
   machine.take(0, std::vector<std::uint8_t>{193});
-  machine.take(0, on);
+  machine.take(0, filled(3));
   EXPECT_TRUE(machine.all_silent());
   machine.take(0, swap);
   EXPECT_EQ(machine.sounding(0, 0), EmulatedBoards::silent) << "only the secondary board was selected";
@@ -181,14 +150,6 @@ TEST(SonicSurfaceEmulator, ASwapExchangesTheBuffersAndHitsAllBoards) {
   EXPECT_EQ(machine.violations().count(), 0u);
 }
 
-TEST(SonicSurfaceBoard, SilencesABoardThatWasLeftSounding) {
-  PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  rig.board = rig.make(12e-3, true);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
-  rig.expect_silent_end();
-}
-
 TEST(SonicSurfaceBoard, ABoardThatWasDeselectedHearsItAllTheSame) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
@@ -196,25 +157,11 @@ TEST(SonicSurfaceBoard, ABoardThatWasDeselectedHearsItAllTheSame) {
     const std::lock_guard held(rig.lock);
     rig.machine.take(0, std::vector<std::uint8_t>{193});  // from a pair's last frame
   }
-  rig.board = rig.make(12e-3, true);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  rig.open();
+  EXPECT_TRUE(rig.becomes_silent());
   rig.board->play(0, rig.drive);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
-  rig.board->all_off();
-  rig.expect_silent_end();
-}
-
-TEST(SonicSurfaceWire, OneBoardsSilenceReachesASecondOneBehindIt) {
-  EmulatedBoards machine(2, false);
-  const Encoder encoder(1, Firmware::plain);
-  machine.take(0, encoder.all_off());
-  EXPECT_TRUE(machine.all_silent() && machine.all_silent_behind());
-  std::vector<std::uint8_t> frame(encoder.size());
-  encoder.encode(some_drive(1), frame);
-  machine.take(0, frame);
-  EXPECT_EQ(machine.sounding(0, 0), expected_phase(some_drive(1)[0], 32));
-  EXPECT_EQ(machine.sounding(1, 0), EmulatedBoards::silent) << "the primary one alone plays";
-  EXPECT_EQ(machine.violations().count(), 0u);
+  EXPECT_TRUE(rig.plays_its_drive());
+  rig.end_silent();
 }
 
 TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWasTakenFor) {
@@ -233,8 +180,7 @@ TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWas
                         {"a pair as a pair", 2, false, Encoder(2, Firmware::plain)},
                         {"a pair as tactile", 2, false, Encoder(1, Firmware::tactile)}};
   for (const Case& c : cases) {
-    std::vector<std::uint8_t> frame(c.encoder.size());
-    c.encoder.encode(some_drive(c.encoder.size() > 300 ? 2 : 1), frame);
+    const auto frame = frame_of(c.encoder, some_drive(c.encoder.size() > 300 ? 2 : 1));
     // At any place of a frame at which the previous program may have left it.
     for (std::size_t left_after = 0; left_after <= frame.size(); ++left_after) {
       EmulatedBoards machine(c.boards, c.tactile);
@@ -251,28 +197,31 @@ TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWas
 TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
-  rig.board = rig.make(12e-3, true);
+  rig.open();
   for (std::uint64_t s = 0; s < 20; ++s) {
     rig.drive[0].phase = static_cast<float>(s) / 10;
     rig.board->play(s, rig.drive);
   }
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  EXPECT_TRUE(rig.plays_its_drive());
   EXPECT_LE(rig.machine.swaps(), 5u) << "none queue";
+  EXPECT_TRUE(rig.tend_until([&] { return rig.board->counts().completed.drives > 0; }));
+  EXPECT_LE(rig.board->counts().submitted.drives, 2u) << "of twenty the newest, and one on its way before";
+  EXPECT_EQ(rig.board->counts().completed.drives, rig.board->counts().submitted.drives);
   rig.board->play(20, rig.silence);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  EXPECT_TRUE(rig.becomes_silent());
   rig.expect_silent_end();
 }
 
-TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
+TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAndAtTheEndAllAre) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
-  rig.board = rig.make(12e-3, true);
-  const auto silent = [&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); };
+  rig.open();
+  const auto silent = [&] { return rig.silent(); };
   const auto bytes_of = [&](const auto& act, const auto& done) {
     const std::uint64_t before = rig.machine.bytes();
     act();
     EXPECT_TRUE(rig.tend_until(done));
-    rig.tend_until([] { return false; }, 60ms);
+    rig.tend_for(60ms);
     return rig.machine.bytes() - before;
   };
   std::uint64_t slot = 0;
@@ -283,39 +232,38 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAtTheEndAllAre) {
   EXPECT_EQ(bytes_of([&] { rig.board->play(slot++, rig.silence); }, silent), 2 * 259u);
   EXPECT_EQ(bytes_of(sound, sounds), 258u);
   EXPECT_EQ(bytes_of([&] { rig.board->all_off(); }, silent), 4 * 259u + 3);
-  rig.expect_silent_end();
-}
-
-TEST(SonicSurfaceBoard, SilenceThatIsOnItsWayIsNotBegunAgain) {
-  PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  rig.board = rig.make(12e-3, true);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent(); }));
-  rig.board->play(0, rig.drive);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
-  const std::uint64_t before = rig.machine.bytes();
-  rig.board->play(1, rig.silence);
-  rig.board->all_off();
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.bytes() >= before + 6 * 259u + 3; }))
-      << rig.machine.bytes() - before << " bytes: both buffers of its own board, then of all";
-  EXPECT_EQ(rig.machine.bytes(), before + 6 * 259u + 3);
+  EXPECT_EQ(bytes_of(sound, sounds), 258u);
+  const auto twice = [&] {
+    rig.board->play(slot++, rig.silence);
+    rig.board->all_off();
+  };
+  EXPECT_EQ(bytes_of(twice, silent), 6 * 259u + 3) << "silence that is on its way is not begun again";
   rig.expect_silent_end();
 }
 
 TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
-  rig.board = rig.make(1.5e-3, false);
+  rig.open_still();
+  const auto counts = [&] { return rig.board->counts(); };
   rig.plan(200);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  std::uint64_t slot = 100;
+  EXPECT_TRUE(rig.tend_until([&] {
+    rig.board->play(slot++, rig.drive);
+    return counts().completed.plans == 1;
+  }));
+  const BoardCounts begun = counts();
+  const std::uint64_t first = slot;
+  EXPECT_EQ(begun.submitted.plans, 1u);
+  EXPECT_GT(begun.starting, 0u) << "nothing is heard before both buffers were silenced and the frame is there";
+  EXPECT_TRUE(rig.plays_its_drive());
   const std::uint64_t bytes = rig.machine.bytes(), swaps = rig.machine.swaps();
   const double begin_s = monotonic_s();
   bool on = false, silent = false;
-  std::uint64_t slot = 100;
   const auto swapped = [&] {
     on = on || rig.plays(rig.drive);
     silent = silent || rig.machine.all_silent();
-    rig.board->play(++slot, rig.drive);
+    rig.board->play(slot++, rig.drive);
     return on && silent && rig.machine.swaps() >= swaps + 100;  // a quarter of a second
   };
   EXPECT_TRUE(rig.tend_until(swapped));
@@ -323,74 +271,99 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   EXPECT_EQ(rig.machine.bytes() - bytes, rig.machine.swaps() - swaps) << "nothing but swaps";
   const double rate_hz = static_cast<double>(rig.machine.swaps() - swaps) / after_s;
   EXPECT_LE(rate_hz, 400 * 1.1) << "none in a burst";
+  EXPECT_EQ(counts().completed.drives - begun.completed.drives, slot - first) << "each is the plan's";
+  EXPECT_EQ(counts().starting, begun.starting);
   // A different pattern comes within a refresh, and never partly.
   rig.drive[3].phase += 1;
   rig.plan(200);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  EXPECT_TRUE(rig.plays_its_drive());
   rig.board->all_off();
-  EXPECT_TRUE(rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); }));
+  EXPECT_TRUE(rig.becomes_silent());
   const std::uint64_t at_rest = rig.machine.bytes();
-  rig.tend_until([] { return false; }, 50ms);
+  rig.tend_for(50ms);
   EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is sent";
   rig.board->play(slot, rig.drive);  // and it continues with the next drive
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
+  EXPECT_TRUE(rig.plays_its_drive());
+  rig.end_silent();
+}
+
+TEST(SonicSurfaceBoard, SilenceDoesNotWaitBehindWhatTheKernelStillHas) {
+  PALPA_TERMINAL_OR_SKIP();
+  Rig rig;
+  rig.open();
+  EXPECT_TRUE(rig.becomes_silent());
+  const std::uint64_t before = rig.machine.bytes();
+  {
+    const std::lock_guard takes_nothing(rig.lock);
+    for (std::uint64_t slot = 0; slot < 40; ++slot) {
+      rig.board->play(slot, rig.drive);
+      std::this_thread::sleep_for(12ms);
+      rig.board->tend();
+    }
+    rig.board->play(40, rig.silence);
+  }
+  EXPECT_TRUE(rig.becomes_silent());
+  rig.tend_for(60ms);
+  // What the other end of a pseudo terminal has got, at most 8191 bytes, cannot be taken back.
+  EXPECT_LT(rig.machine.bytes() - before, 40 * 258u);
   rig.board->all_off();
-  rig.expect_silent_end();
+  EXPECT_TRUE(rig.board->close());
 }
 
 TEST(SonicSurfaceBoard, RefusesWhatItCannotPlay) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
-  const std::string line = test::error_of([&] { rig.make(1.5e-3, true); }, Exit::usage);
-  EXPECT_CONTAINS(line, "a frame takes 11.3 ms");
-  EXPECT_CONTAINS(line, "--dwell 12ms");
-  EXPECT_CONTAINS(line, "single-focus");
-  rig.argument += ",fast";
-  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::usage), "PORT,tactile");
-  rig.argument = "/dev/null";
-  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::failed), "serial port");
-  rig.argument = "/dev/ttyNONE";
-  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }, Exit::failed), "/dev/ttyNONE: No such file");
-  rig.argument = rig.pty.path();
+  for (const char* part : {"a frame takes 11.3 ms", "--dwell 12ms", "single-focus"})
+    EXPECT_ERROR(rig.make(1.5e-3, true), Exit::usage, part);
+  const auto refuses = [&](const std::string& argument, Exit code, const char* part) {
+    rig.argument = argument;
+    EXPECT_ERROR(rig.open(), code, part);
+  };
+  refuses(rig.path() + ",fast", Exit::usage, "PORT,tactile");
+  refuses("/dev/null", Exit::failed, "serial port");
+  refuses("/dev/ttyNONE", Exit::failed, "/dev/ttyNONE: No such file");
   rig.layout = array::load_layout("openmpd");
-  EXPECT_CONTAINS(test::error_of([&] { rig.make(12e-3, true); }), "one or two boards");
+  refuses(rig.path(), Exit::bad_input, "one or two boards");
 }
 
 TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
   const auto folder = test::scratch_folder("sonicsurface");
   EXPECT_TRUE(read_degrees("", 256).empty());
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 256); }), "cannot be read");
-  const auto write = [&](const std::string& text) { std::ofstream(folder / "sonicsurface.txt") << text; };
-  write("0 180 -90\n");
-  EXPECT_EQ(read_degrees(folder, 3), (std::vector<float>{0, 180, -90}));
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 4); }), "has 3 numbers");
-  write("0 x 3");
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "value 2 is not a number");
-  write("0 400 3");
-  EXPECT_CONTAINS(test::error_of([&] { read_degrees(folder, 3); }), "400 degrees");
+  EXPECT_REFUSED(read_degrees(folder, 256), "cannot be read");
+  const auto read = [&](const std::string& text, std::size_t count) {
+    test::write_text(folder / "sonicsurface.txt", text);
+    return read_degrees(folder, count);
+  };
+  EXPECT_EQ(read("0 180 -90\n", 3), (std::vector<float>{0, 180, -90}));
+  EXPECT_REFUSED(read("0 180 -90\n", 4), "has 3 numbers");
+  EXPECT_REFUSED(read("0 x 3", 3), "value 2 is not a number");
+  EXPECT_REFUSED(read("0 400 3", 3), "400 degrees");
 }
 
-TEST(SonicSurfaceLine, IsOnePrograms) {
+TEST(SonicSurfaceLine, OnlyOneProgramCanOpenIt) {
   PALPA_TERMINAL_OR_SKIP();
   const Pty pty;
   ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
   const test::OrdinaryUser user;  // root can open lines that other users cannot
   auto line = std::make_unique<Line>(pty.path());
-  EXPECT_CONTAINS(test::error_of([&] { Line again(pty.path()); }, Exit::failed), "another program has it");
+  EXPECT_ERROR(Line(pty.path()), Exit::failed, "another program has it");
   line.reset();
   EXPECT_NO_THROW(Line(pty.path())) << "the program before has closed it";
 }
 
-TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
+TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnceAndSilencedWhenItIsBack) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
+  const auto port = test::scratch_folder("sonicsurface-port") / "tty";
   auto vanishing = std::make_unique<Pty>();
-  rig.argument = vanishing->path();
-  rig.board = rig.make(12e-3, true);
+  std::filesystem::create_symlink(vanishing->path(), port);
+  rig.argument = port.string();
+  rig.open();
   vanishing.reset();
-  std::uint64_t s = 0;
+  std::filesystem::remove(port);
+  std::uint64_t slot = 0;
   const auto told = [&] {
-    rig.board->play(s++, rig.drive);
+    rig.board->play(slot++, rig.drive);
     return !rig.notes.warnings.empty();
   };
   EXPECT_TRUE(test::begins(told));
@@ -399,32 +372,13 @@ TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnce) {
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone"}));
   rig.board->all_off();
   EXPECT_FALSE(rig.board->close()) << "nobody knows";
-}
-
-TEST(SonicSurfaceBoard, ALineThatComesBackIsSilencedBeforeItPlays) {
-  PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  const auto port = test::scratch_folder("sonicsurface-port") / "tty";
-  auto vanishing = std::make_unique<Pty>();
-  std::filesystem::create_symlink(vanishing->path(), port);
-  rig.argument = port.string();
-  rig.board = rig.make(12e-3, true);
-  vanishing.reset();
-  std::filesystem::remove(port);
-  const auto gone = [&, s = std::uint64_t{0}]() mutable {
-    rig.board->play(s++, rig.drive);
-    return !rig.notes.warnings.empty();
-  };
-  EXPECT_TRUE(test::begins(gone));
-  std::filesystem::create_symlink(rig.pty.path(), port);  // its board has sounded since it was switched on
-  const bool silenced = rig.tend_until([&] { return rig.machine.all_silent() && rig.machine.all_silent_behind(); });
-  EXPECT_TRUE(silenced);
+  std::filesystem::create_symlink(rig.path(), port);  // its board has sounded since it was switched on
+  EXPECT_TRUE(rig.becomes_silent());
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone", "the serial port is back"}));
-  for (std::uint64_t s = 2000; s < 2020; ++s)
-    rig.board->play(s, rig.drive);
-  EXPECT_TRUE(rig.tend_until([&] { return rig.plays(rig.drive); }));
-  rig.board->all_off();
-  rig.expect_silent_end();
+  for (int more = 0; more < 20; ++more)
+    told();
+  EXPECT_TRUE(rig.plays_its_drive());
+  rig.end_silent();
 }
 
 }  // namespace

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <map>
 #include <numbers>
 #include <random>
-#include <utility>
 
 #include "support/shapes.hpp"
 
@@ -23,33 +21,6 @@ constexpr double pi = std::numbers::pi;
 using Index = std::uint32_t;
 
 }  // namespace
-
-Mesh knot(int around, int across) {
-  const auto centre = [](double t) {
-    const double r = 0.012 + 0.005 * std::cos(3 * t);
-    return Vec3(r * std::cos(2 * t), r * std::sin(2 * t), -0.007 * std::sin(3 * t));
-  };
-  Mesh mesh;
-  for (int i = 0; i < around; ++i) {
-    const double t = 2 * pi * i / around;
-    const Vec3 c = centre(t), along = glm::normalize(centre(t + 1e-4) - centre(t - 1e-4));
-    const Vec3 out = glm::normalize(Vec3(c.x, c.y, 0) - along * glm::dot(Vec3(c.x, c.y, 0), along));
-    const Vec3 side = glm::cross(along, out);
-    for (int k = 0; k < across; ++k) {
-      const double a = 2 * pi * k / across;
-      mesh.positions.push_back(c + 0.0028 * (std::cos(a) * out + std::sin(a) * side));
-    }
-  }
-  const auto at = [&](int i, int k) { return static_cast<Index>((i % around) * across + k % across); };
-  for (int i = 0; i < around; ++i) {
-    for (int k = 0; k < across; ++k) {
-      mesh.triangles.emplace_back(at(i, k), at(i, k + 1), at(i + 1, k));
-      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k + 1), at(i + 1, k));
-    }
-  }
-  if (geometry::signed_volume(mesh) < 0) geometry::flip(mesh);
-  return mesh;
-}
 
 Mesh notched_cube() {
   // The outline of z = const, counter-clockwise, and its triangles.
@@ -105,32 +76,9 @@ Mesh needle_cylinder(int segments) {
   return mesh;
 }
 
-Mesh subdivided(const Mesh& mesh) {
-  Mesh out;
-  out.positions = mesh.positions;
-  std::map<std::pair<Index, Index>, Index> middles;
-  const auto middle = [&](Index a, Index b) {
-    const auto [place, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<Index>(out.positions.size()));
-    if (fresh) out.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5);
-    return place->second;
-  };
-  for (const glm::uvec3& t : mesh.triangles) {
-    const Index a = middle(t.x, t.y), b = middle(t.y, t.z), c = middle(t.z, t.x);
-    out.triangles.insert(out.triangles.end(), {{t.x, a, c}, {a, t.y, b}, {c, b, t.z}, {a, b, c}});
-  }
-  return out;
-}
-
-Mesh tilted(Mesh mesh, const Vec3& shift) {
+Mesh tilted(const Mesh& mesh, const Vec3& shift) {
   const glm::dmat3 turn(0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6);
-  for (Vec3& p : mesh.positions) {
-    p = turn * p + shift;
-    for (int i = 0; i < 3; ++i) {
-      const volatile auto single = static_cast<float>(p[i]);
-      p[i] = single;
-    }
-  }
-  return mesh;
+  return palpa::test::rounded(transformed(mesh, [&](const Vec3& p) { return turn * p + shift; }));
 }
 
 std::vector<glm::vec3> points_near(const Mesh& mesh, std::uint32_t count, unsigned seed) {

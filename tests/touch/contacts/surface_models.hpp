@@ -9,8 +9,6 @@
 
 namespace palpa::touch::test {
 
-/// A tube around a (2,3) torus knot, about 40 mm across.
-geometry::Mesh knot(int around, int across);
 /// A 40 mm cube with a notch of 15 mm cut out of its top, along z.
 geometry::Mesh notched_cube();
 /// A ball of 20 mm with a cavity of 15 mm, whose shell faces inwards.
@@ -19,10 +17,8 @@ geometry::Mesh hollow_ball();
 geometry::Mesh thin_plate();
 /// 10 mm radius, 60 mm long; each side one pair of needles, each lid a fan.
 geometry::Mesh needle_cylinder(int segments);
-/// Every triangle cut into four.
-geometry::Mesh subdivided(const geometry::Mesh& mesh);
 /// Turned about all axes, shifted, and rounded to single precision as a file has it.
-geometry::Mesh tilted(geometry::Mesh mesh, const Vec3& shift);
+geometry::Mesh tilted(const geometry::Mesh& mesh, const Vec3& shift);
 
 /// Points within about 3 mm of the surface, on both sides, evenly over its area.
 std::vector<glm::vec3> points_near(const geometry::Mesh& mesh, std::uint32_t count, unsigned seed);

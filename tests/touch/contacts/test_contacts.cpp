@@ -4,93 +4,35 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "base/error.hpp"
 #include "support/device.hpp"
 #include "support/exhaustive.hpp"
 #include "support/thrown.hpp"
 #include "touch/contacts/contacts_pass.hpp"
+#include "touch/contacts/exact_contacts.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
-/// Metres within which single precision may decide either way.
-constexpr double band = 1e-6;
-
-double exact_depth(const geometry::Solid& solid, const glm::vec3& point) {
-  double depth = 1e300;
-  for (const geometry::Plane& plane : solid.planes) {
-    depth = std::min(depth, plane.offset - glm::dot(plane.normal, Vec3(point)));
-  }
-  return depth;
-}
-
-/// Every point that double precision decides by more than the band is decided the same way, with the same depth and
-/// solid.
-void expect_eq1(const Touch& touch, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-                double delta) {
-  std::vector<const Contact*> contact_of(points.size(), nullptr);
-  std::uint32_t last = 0;
-  for (const Contact& contact : touch.contacts) {
-    ASSERT_LT(contact.point, points.size());
-    EXPECT_TRUE(contact_of.front() == nullptr || contact.point >= last);
-    last = contact.point;
-    EXPECT_EQ(contact.position, points[contact.point]);
-    contact_of[contact.point] = &contact;
-  }
-  std::size_t undecided = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::uint32_t solid = 0;
-    bool close = false, in_shell = false;
-    double depth = 0;
-    for (; solid < solids.size() && !in_shell; ++solid) {
-      depth = exact_depth(solids[solid], points[i]);
-      close = close || std::abs(depth) < band || std::abs(depth - delta) < band;
-      in_shell = depth > 0 && depth < delta;
-      if (in_shell) break;
-    }
-    if (close) {
-      ++undecided;
-      continue;
-    }
-    ASSERT_EQ(contact_of[i] != nullptr, in_shell) << "point " << i << " depth " << depth;
-    if (!in_shell) continue;
-    EXPECT_EQ(contact_of[i]->solid, solid) << "point " << i;
-    EXPECT_NEAR(contact_of[i]->depth_m, depth, band) << "point " << i;
-  }
-  EXPECT_LE(undecided, points.size() / 100 + 10);
-}
-
 class Contacts : public OnBothBackends {};
 INSTANTIATE_TEST_SUITE_P(, Contacts, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
 TEST_P(Contacts, AgreeWithDoublePrecision) {
-  const Transform tilt(0.36, 0.48, -0.8, 0, -0.8, 0.6, 0, 0, 0.48, 0.64, 0.6, 0, 0.3, -0.2, 0.9, 1);
-  const std::vector<geometry::Solid> shapes{cube(),
-                                            half_ball({0, -0.02, 0}, 0.02, 1000),
-                                            ball({0, -0.01, 0}, 0.015, 40),
-                                            ball({0.4, 0.1, -0.3}, 0.25, 3000),
-                                            moved(cube(), tilt),
-                                            moved(half_ball({0, -0.02, 0}, 0.02, 200), tilt, 20)};
-  for (const geometry::Solid& solid : shapes) {
+  for (const geometry::Solid& solid : {cube(), half_ball({0, -0.02, 0}, 0.02, 1000), ball({0, -0.01, 0}, 0.015, 40),
+                                       ball({0.4, 0.1, -0.3}, 0.25, 3000), half_ball({0.3, -0.2, 0.9}, 0.4, 200)}) {
     const Vec3 margin = 0.1 * (solid.bounds.high - solid.bounds.low);
-    for (const double delta : {1.5e-3, 6e-3, 10.0}) {
-      const auto points = random_points(5000, solid.bounds.low - margin, solid.bounds.high + margin, 7);
-      Parameters parameters;
-      parameters.delta_m = delta;
-      expect_eq1(touch_on(GetParam(), points, {solid}, parameters), points, {solid}, delta);
-    }
+    const auto points = random_points(5000, solid.bounds.low - margin, solid.bounds.high + margin, 7);
+    for (const double delta : {1.5e-3, 6e-3, 10.0})
+      expect_contacts(touch_on(GetParam(), points, {solid}, {.delta_m = delta}), points, {solid}, delta);
   }
 }
 
 TEST_P(Contacts, ManyPlanesCostNothingInCorrectness) {
   const geometry::Solid solid = ball({0, 0, 0}, 0.05, 50'000);
   const auto points = random_points(3000, Vec3(-0.051), Vec3(0.051));
-  const Touch touch = touch_on(GetParam(), points, {solid});
-  expect_eq1(touch, points, {solid}, 1.5e-3);
-  EXPECT_GT(touch.contacts.size(), 50u);
+  EXPECT_GT(expect_contacts(touch_on(GetParam(), points, {solid}), points, {solid}, 1.5e-3), 50u);
 }
 
 TEST_P(Contacts, OfSeveralSolidsBelongToTheFirst) {
@@ -99,7 +41,7 @@ TEST_P(Contacts, OfSeveralSolidsBelongToTheFirst) {
                                             ball({0.02, 0, 0}, 0.02, 20, "third")};
   const auto points = random_points(20'000, Vec3(-0.03), Vec3(0.045));
   const Touch touch = touch_on(GetParam(), points, solids, {.delta_m = 4e-3});
-  expect_eq1(touch, points, solids, 4e-3);
+  expect_contacts(touch, points, solids, 4e-3);
   std::array<int, 3> of_solid{};
   for (const Contact& contact : touch.contacts)
     ++of_solid[contact.solid];
@@ -154,15 +96,6 @@ TEST_P(Contacts, ComeOutInInputOrderWhateverTheCount) {
   }
 }
 
-/// As touch_on(), for slow cases: only once on the device.
-Touch once_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-              const Parameters& parameters) {
-  if (backend == Backend::cpu) return touch_on(backend, points, solids, parameters);
-  const auto count = static_cast<std::uint32_t>(points.size());
-  return touch_on_device(indexed(points), solids,
-                         {.parameters = parameters, .most_points = count, .most_contacts = count}, 1);
-}
-
 TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
   // More boxes for a thread's points than a software device has turns for in one chunk.
   std::vector<geometry::Solid> dots;
@@ -174,11 +107,12 @@ TEST_P(Contacts, OfManySmallSolidsAreAllThere) {
   const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(20'000, 100'000) : 100'000;
   const auto points = random_points(count, Vec3(0, 0, 0), Vec3(0.38, 0.38, 2e-3));
   const double delta = 0.5e-3;
-  const Touch touch = once_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3});
+  const Touch touch = touch_on(GetParam(), points, dots, {.delta_m = delta, .finger_gap_m = 2e-3}, 1);
   std::size_t expected = 0, close = 0;
   for (const glm::vec3& p : points) {
     const auto column = static_cast<std::size_t>(p.x / 0.01), row = static_cast<std::size_t>(p.y / 0.01);
-    const double depth = exact_depth(dots[std::min<std::size_t>(row, 37) * 38 + std::min<std::size_t>(column, 37)], p);
+    const double depth =
+        ExactDepth(dots[std::min<std::size_t>(row, 37) * 38 + std::min<std::size_t>(column, 37)])(Vec3(p));
     expected += depth > 0 && depth < delta ? 1 : 0;
     close += std::abs(depth) < band || std::abs(depth - delta) < band ? 1 : 0;
   }
@@ -190,8 +124,8 @@ TEST_P(Contacts, DeepInABallOfManyPlanesAreAllThere) {
   // Deep cells list every plane of the ball: more looks for a thread's points than a software device has turns for.
   const std::uint32_t count = GetParam() == Backend::cpu ? palpa::test::samples(10'000, 70'000) : 70'000;
   const auto points = random_points(count, Vec3(-0.04), Vec3(0.04));
-  const Touch touch = once_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
-                              {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true});
+  const Touch touch = touch_on(GetParam(), points, {ball({0, 0, 0}, 0.1, 4096)},
+                               {.finger_gap_m = 5e-3, .cluster = Cluster::inside, .deep = true}, 1);
   EXPECT_EQ(touch.deep.size(), points.size());
 }
 
@@ -199,13 +133,9 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
   if (!palpa::test::test_device().description().ends_long_loops) GTEST_SKIP() << "this device counts no turns";
   const std::vector<geometry::Solid> solids(30'001, cube());
   const std::vector<glm::vec3> points{{0, -1e-3, 0}};
-  try {
-    touch_on(Backend::gpu, points, solids, {});
-    ADD_FAILURE() << "took them";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("30001 solids can take"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("--backend cpu"), std::string::npos) << error.what();
-  }
+  const Error many_solids = palpa::test::thrown_by([&] { touch_on(Backend::gpu, points, solids, {}); });
+  EXPECT_CONTAINS(many_solids.what(), "30001 solids can take");
+  EXPECT_CONTAINS(many_solids.what(), "--backend cpu");
   EXPECT_EQ(touch_on(Backend::cpu, points, solids, {}).contacts.size(), 1U);
   // Solids of a file are the file's fault.
   PreparedSolids many;
@@ -213,29 +143,15 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
   many.records.resize(20'000);
   many.iterations = 70'000;
   ContactsPass pass(palpa::test::test_device());
-  try {
-    pass.prepare(many, {});
-    ADD_FAILURE() << "took them";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::bad_input);
-    EXPECT_TRUE(std::string(error.what()).starts_with("many.glb: the scene's 20000 solids can take 70000 looks"))
-        << error.what();
-  }
+  EXPECT_REFUSED(pass.prepare(many, {}), "many.glb: the scene's 20000 solids can take 70000 looks");
   geometry::Solid filed = cube();
   filed.file = "one.glb";
   EXPECT_EQ(prepare_solids({filed}).file, "one.glb");
 }
 
-TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
+TEST(PreparedSolids, ListFewPlanesWhereTheShellIs) {
   for (const geometry::Solid& solid : {cube(), half_ball({0.3, -0.02, 0}, 0.02, 700), ball({0, 1, 0}, 0.4, 5000)}) {
     const PreparedSolids solids = prepare_solids({solid});
-    std::vector<shader::vec4> every_plane;  // relative to the box's centre, as in `solids`
-    for (const geometry::Plane& plane : solid.planes) {
-      const double offset = plane.offset - glm::dot(plane.normal, solids.centres[0]);
-      every_plane.push_back({static_cast<float>(plane.normal.x), static_cast<float>(plane.normal.y),
-                             static_cast<float>(plane.normal.z), static_cast<float>(offset)});
-    }
-    // The point of it all: few planes where the shell is, and little memory.
     double listed = 0, cells = 0;
     for (const shader::PlaneCell& cell : solids.cells) {
       if (cell.deepest <= 0 || cell.shallowest > 1.5e-3F) continue;
@@ -244,38 +160,15 @@ TEST(PreparedSolids, KeepsTheNearestPlaneOfEveryPoint) {
     }
     EXPECT_LT(listed / cells, 30) << solid.name;
     EXPECT_LT(solids.planes.size(), 400'000U) << solid.name;
-    const shader::SolidRecord& record = solids.records[0];
-    const Vec3 low(record.low.x, record.low.y, record.low.z), high(record.high.x, record.high.y, record.high.z);
-    for (const glm::vec3& p : random_points(20'000, low, high, 3)) {
-      const auto along = [&](float x, float from, float density) {
-        return std::min(static_cast<std::uint32_t>((x - from) * density), record.cells_per_axis - 1);
-      };
-      const std::uint32_t x = along(p.x, record.low.x, record.cells_per_metre.x);
-      const std::uint32_t y = along(p.y, record.low.y, record.cells_per_metre.y);
-      const std::uint32_t z = along(p.z, record.low.z, record.cells_per_metre.z);
-      const shader::PlaneCell& cell = solids.cells[(z * record.cells_per_axis + y) * record.cells_per_axis + x];
-      const auto least = [&](std::span<const shader::vec4> planes) {
-        float depth = 1e30F;
-        for (const shader::vec4& plane : planes)
-          depth = std::min(depth, plane.w - (plane.x * p.x + plane.y * p.y + plane.z * p.z));
-        return depth;
-      };
-      const float all = least(every_plane);
-      if (all <= 0) continue;  // a cell outside needs no list
-      ASSERT_EQ(least(std::span(solids.planes).subspan(cell.first, cell.count)), all) << solid.name;
-      ASSERT_GE(all, cell.shallowest);
-      ASSERT_LE(all, cell.deepest);
-    }
   }
 }
 
 TEST(PreparedSolids, RefusesSolidsThatAreNone) {
-  geometry::Solid bare = cube();
+  geometry::Solid bare = cube(), broken = cube();
   bare.planes.clear();
-  EXPECT_ERROR(prepare_solids({bare}), Exit::usage, "solid 'cube' has no planes");
-  geometry::Solid broken = cube();
   broken.planes[2].offset = std::nan("");
-  EXPECT_ERROR(prepare_solids({broken}), Exit::usage, "solid 'cube' has no planes");
+  for (const geometry::Solid& solid : {bare, broken})
+    EXPECT_ERROR(prepare_solids({solid}), Exit::usage, "solid 'cube' has no planes");
 }
 
 }  // namespace

@@ -5,23 +5,24 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/gltf/gltf.hpp"
+#include "support/digest.hpp"
 #include "support/exhaustive.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "touch/contacts/surface_models.hpp"
 #include "touch/harness.hpp"
@@ -31,31 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Reads the numbers at the beginning of each line of a text, line by line.
-class LinesOfNumbers {
- public:
-  explicit LinesOfNumbers(const char* text) : rest_(text) {}
-
-  /// Reads the next line. Returns false at the end of the text.
-  bool next(std::vector<double>& numbers) {
-    if (*rest_ == '\0') return false;
-    numbers.clear();
-    const char* const end = rest_ + std::strcspn(rest_, "\n");
-    while ((rest_ += std::strspn(rest_, " \t\r")) < end) {
-      char* after = nullptr;
-      const double value = std::strtod(rest_, &after);
-      if (after == rest_) break;
-      numbers.push_back(value);
-      rest_ = after;
-    }
-    rest_ = *end == '\n' ? end + 1 : end;
-    return true;
-  }
-
- private:
-  const char* rest_;
-};
-
 /// Reads Object File Format, text: vertices, then polygons, which are cut into fans. Returns an empty mesh if the file
 /// is in another format or has more than `most_faces` faces.
 geometry::Mesh read_off(const fs::path& path, std::size_t most_faces) {
@@ -64,19 +40,28 @@ geometry::Mesh read_off(const fs::path& path, std::size_t most_faces) {
     for (; at < text.size() && text[at] != '\n'; ++at)
       text[at] = ' ';
   }
-  std::istringstream head(text);
-  std::string word;
+  std::istringstream lines(text);
+  std::string line;
   std::size_t vertices = 0, faces = 0, edges = 0;
   geometry::Mesh mesh;
-  if (!(head >> word) || word.find("OFF") == std::string::npos || !(head >> vertices >> faces >> edges)) return mesh;
-  if (faces > most_faces || !std::getline(head, word) || head.eof()) return mesh;
-  LinesOfNumbers lines(text.c_str() + static_cast<std::ptrdiff_t>(head.tellg()));
-  std::vector<double> numbers;
+  if (!(lines >> line) || line.find("OFF") == std::string::npos || !(lines >> vertices >> faces >> edges)) return mesh;
+  if (faces > most_faces || !std::getline(lines, line) || lines.eof()) return mesh;
+  std::vector<double> numbers;  // at the beginning of a line
+  const auto next = [&] {
+    if (!std::getline(lines, line)) return false;
+    numbers.clear();
+    char* after = nullptr;
+    for (const char* at = line.c_str();; at = after) {
+      const double value = std::strtod(at, &after);
+      if (after == at) return true;
+      numbers.push_back(value);
+    }
+  };
   // A vertex may be followed by a colour or a normal.
-  while (mesh.positions.size() < vertices && lines.next(numbers)) {
+  while (mesh.positions.size() < vertices && next()) {
     if (numbers.size() >= 3) mesh.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
   }
-  for (std::size_t f = 0; f < faces && lines.next(numbers);) {
+  for (std::size_t f = 0; f < faces && next();) {
     if (numbers.empty()) continue;
     ++f;
     const auto corners = static_cast<std::size_t>(numbers[0]);
@@ -98,13 +83,8 @@ void normalise(geometry::Mesh& mesh) {
   const Box box = geometry::bounds(mesh);
   const Vec3 extent = box.high - box.low;
   const double scale = 0.1 / std::max({extent.x, extent.y, extent.z});
-  for (Vec3& p : mesh.positions) {
-    p = (p - box.centre()) * scale;
-    for (int i = 0; i < 3; ++i) {
-      const volatile auto single = static_cast<float>(p[i]);
-      p[i] = single;
-    }
-  }
+  mesh = palpa::test::rounded(
+      palpa::test::transformed(std::move(mesh), [&](const Vec3& p) { return (p - box.centre()) * scale; }));
 }
 
 /// Whether every edge, by position, has as many triangles along it in one direction as in the other.
@@ -138,23 +118,18 @@ std::string reason_of(const std::string& line) {
   return {};
 }
 
-/// A number that two meshes share only if they are the same (64-bit FNV-1a). Packages bring one mesh under several
-/// names.
+/// A number that two meshes share only if they are the same. Packages bring one mesh under several names.
 std::string number_of(const geometry::Mesh& mesh) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](const auto& value) {
-    for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof value>>(value))
-      hash = (hash ^ byte) * 0x100000001b3u;
-  };
+  palpa::test::Digest digest;
   for (const Vec3& p : mesh.positions) {
     for (int i = 0; i < 3; ++i)
-      add(p[i]);
+      digest.add(p[i]);
   }
   for (const glm::uvec3& t : mesh.triangles) {
     for (int i = 0; i < 3; ++i)
-      add(t[i]);
+      digest.add(t[i]);
   }
-  return fmt::format("{:016x}", hash);
+  return fmt::format("{:016x}", digest.value());
 }
 
 /// Number and outcome of each mesh of known_meshes.txt.

@@ -1,8 +1,7 @@
-// How deep fingers press: deep points go to the right finger, in any order.
+// How deep fingers press: deep points go to the right finger.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <random>
+#include <utility>
 
 #include "touch/fingers/depths.hpp"
 
@@ -61,24 +60,6 @@ TEST(Depths, ADeepPointFarFromAllFingersIsNobodys) {
   touch.deep = {deep(0.034F, 0.002F), deep(0, 0.030F)};
   depths_of(touch);
   EXPECT_EQ(touch.fingers[0].depth_m, 0.030F);
-}
-
-TEST(Depths, DoNotDependOnTheOrderOfPoints) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> place(-0.03F, 0.06F), depth(0.0015F, 0.02F);
-  Touch touch;
-  for (int f = 0; f < 4; ++f)
-    add_finger(touch, 0.012F * static_cast<float>(f));
-  for (int i = 0; i < 500; ++i)
-    touch.deep.push_back(deep(place(random), depth(random)));
-  depths_of(touch);
-  const std::vector<Finger> first = touch.fingers;
-  for (int n = 0; n < 10; ++n) {
-    std::shuffle(touch.deep.begin(), touch.deep.end(), random);
-    depths_of(touch);
-    for (std::size_t f = 0; f < first.size(); ++f)
-      ASSERT_EQ(touch.fingers[f].depth_m, first[f].depth_m);
-  }
 }
 
 TEST(Depths, FlyingPixelsDoNotPress) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
@@ -15,25 +14,23 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/surface/surface.hpp"
-#include "shaders/touch/contacts/surface_math.h"
 #include "support/exhaustive.hpp"
+#include "support/hand_skin.hpp"
 #include "support/instrumented.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "touch/check_parameters.hpp"
 #include "touch/contacts/contacts_twin.hpp"
+#include "touch/contacts/exact_contacts.hpp"
 #include "touch/contacts/surface_models.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
-
-/// Metres within which single precision may decide either way.
-constexpr double band = 1e-6;
 
 std::vector<geometry::Solid> solid_of(const geometry::Mesh& mesh) {
   return geometry::make_solids({"test", {{"object", mesh}}});
@@ -56,14 +53,14 @@ geometry::Mesh rough_ball() {
   return tilted(ball, {0.01, 0, 0.1});
 }
 
-/// The models' names: every topic of this folder asks for them when it starts.
-constexpr const char* model_names[] = {"knot", "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
-                                       "hand", "finger",       "rough_ball",  "subdivided"};
+/// The models' names: every topic of this folder asks for them when it starts. Those with many triangles come last.
+constexpr const char* model_names[] = {"ring",       "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
+                                       "subdivided", "hand",         "finger",      "rough_ball"};
 
 geometry::Mesh model(int which) {
   switch (which) {
     case 0:
-      return tilted(knot(120, 10), {0.1, -0.2, 0.05});
+      return tilted(palpa::test::torus(0.012, 0.004, 40), {0.1, -0.2, 0.05});
     case 1:
       return notched_cube();
     case 2:
@@ -73,15 +70,13 @@ geometry::Mesh model(int which) {
     case 4:
       return tilted(needle_cylinder(400), {0, 0.01, 0});
     case 5:
+      return tilted(palpa::test::divided(notched_cube(), 2), {-0.3, 0.2, 0.1});
+    case 6:
       return mesh_of("hand-relaxed.glb");
-    case 6: {
-      const geometry::Ply finger = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
-      return {finger.positions, finger.triangles};
-    }
     case 7:
-      return rough_ball();
+      return palpa::test::finger_skin().mesh;
     default:
-      return tilted(subdivided(subdivided(notched_cube())), {-0.3, 0.2, 0.1});
+      return rough_ball();
   }
 }
 
@@ -137,8 +132,7 @@ Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, c
 }
 
 class Surfaces : public ::testing::TestWithParam<int> {};
-const std::vector<int> models{0, 1, 2, 3, 4, 8, 5, 6, 7};  // models with many triangles last
-INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::ValuesIn(palpa::test::the_first(6, models)),
+INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::Range(0, palpa::test::instrumented() ? 6 : 9),
                          [](const auto& which) { return std::string(model_names[which.param]); });
 
 /// Contacts of two runs on the device and, with the same tables, on the host: all agree.
@@ -207,40 +201,6 @@ TEST_P(Surfaces, FindDeepPointsWhereAsked) {
   const Touch touch = touch_on_both(points, model.solids, parameters);
   const Checked checked = expect_truth(touch, points, model.truth, parameters.delta_m, true);
   EXPECT_LT(checked.worst_deep, 0.0201);
-}
-
-TEST_P(Surfaces, HaveEveryTriangleThatMattersInTheirCells) {
-  constexpr double delta = 1.5e-3;
-  const Model& model = known_model(GetParam());
-  const geometry::Mesh& mesh = model.solids[0].mesh;
-  // Convex solids of few faces are looked up by their planes.
-  const geometry::Surface& known = model.device.solids().surfaces[0];
-  const geometry::Surface surface = known.triangles.empty() ? geometry::make_surface(mesh, {.reach_m = delta}) : known;
-  const auto points = points_near(mesh, palpa::test::samples(600, 2'000), 5);
-  std::size_t inside = 0;
-  for (const glm::vec3& world : points) {
-    const glm::vec3 p = world - glm::vec3(surface.centre);
-    const Vec3 at(p);
-    if (glm::any(glm::lessThan(at, surface.low)) || glm::any(glm::greaterThan(at, surface.high))) continue;
-    float least = 3e38F;
-    for (const shader::SurfaceTriangle& t : surface.triangles)
-      least = std::min(least, shader::surface_distance2(t, {p.x, p.y, p.z}));
-    const geometry::Place place = geometry::find_place(surface, p, static_cast<float>(delta));
-    if (place.region != geometry::Region::shell) continue;
-    ++inside;
-    EXPECT_EQ(place.depth_m, std::sqrt(least));
-  }
-  EXPECT_GT(inside, points.size() / 20);
-}
-
-TEST(Surface, IsTheSameForAnyNumberOfThreads) {
-  // Chunks do not depend on the thread that works on them. A difference would show when the machine is busy.
-  const geometry::Mesh& mesh = known_model(0).solids[0].mesh;
-  const geometry::Surface a = geometry::make_surface(mesh, {}), b = geometry::make_surface(mesh, {});
-  ASSERT_EQ(a.cells.size(), b.cells.size());
-  ASSERT_EQ(a.runs.size(), b.runs.size());
-  EXPECT_EQ(std::memcmp(a.cells.data(), b.cells.data(), a.cells.size_bytes()), 0);
-  EXPECT_EQ(std::memcmp(a.runs.data(), b.runs.data(), a.runs.size_bytes()), 0);
 }
 
 /// Moves the points back instead of the solid.

@@ -133,15 +133,12 @@ FingerScene random_scene(std::mt19937& random, SceneKind kind, int cameras) {
       scene.fingers.push_back(some_of(finger, T));
     }
   }
-  see_again(scene, random());
-  return scene;
-}
-
-void see_again(FingerScene& scene, std::uint64_t seed) {
+  const std::uint64_t seed = random();
   sensing::SyntheticRig rig(scene.cameras, {}, sensing::Noise::d415, seed);
   sensing::FrameSet set;
   rig.render(scene.skin, seed, set);
   scene.images = set.frames;
+  return scene;
 }
 
 Score score_of(const FingerScene& scene, const Touch& touch) {

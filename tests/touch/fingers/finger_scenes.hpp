@@ -43,9 +43,6 @@ struct FingerScene {
 /// In front of a ring of cameras at 0.4 to 0.6 m that look up at the box, with the D415's noise.
 FingerScene random_scene(std::mt19937& random, SceneKind kind, int cameras);
 
-/// The same skin with different noise.
-void see_again(FingerScene& scene, std::uint64_t seed);
-
 struct Score {
   int fingers = 0;  ///< with at least min_points contacts
   int found = 0;

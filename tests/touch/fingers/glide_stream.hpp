@@ -1,10 +1,7 @@
-// Frames of points through a stage that follows fingers, and the motion of their foci.
+// Frames of points through a stage that follows fingers.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <span>
 #include <vector>
 
 #include "touch/harness.hpp"
@@ -31,17 +28,6 @@ class Stream {
 inline StageSetting setting_of(std::uint32_t foci, Smoothing smoothing, Axes axes = Axes::steady) {
   // Few contacts, far apart.
   return {.parameters = {.finger_gap_m = 0.02, .foci = foci}, .follow = true, .axes = axes, .smoothing = smoothing};
-}
-
-/// For the focus that moves most, relative to the foci's mean.
-inline double step_between(const Finger& a, const Finger& b) {
-  Vec3 mean(0);
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    mean += Vec3(b.foci[n].position - a.foci[n].position) / static_cast<double>(a.foci.size());
-  double most = 0;
-  for (std::size_t n = 0; n < a.foci.size(); ++n)
-    most = std::max(most, glm::length(Vec3(b.foci[n].position - a.foci[n].position) - mean));
-  return most;
 }
 
 }  // namespace palpa::touch::test

@@ -1,13 +1,12 @@
-// Steady axes and gliding foci: the passes, their twins, and an independent computation in double precision.
+// Steady axes and gliding foci against an independent computation in double precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
-#include <map>
 #include <numbers>
-#include <optional>
-#include <random>
+#include <string>
+#include <utility>
 
 #include "touch/fingers/glide_stream.hpp"
 #include "touch/fingertips.hpp"
@@ -94,8 +93,8 @@ class Reference {
       }
       velocity_ = Vec3(0);
     } else {
-      const Vec3 surprise = centroid - centroid_ - velocity_ * dt;
-      const Vec3 motion = dt == 0 ? surprise : velocity_ * dt + surprise * dt / (dt + 0.005);
+      const Vec3 expected = velocity_ * std::min(dt, 0.1), surprise = centroid - centroid_ - expected;
+      const Vec3 motion = dt == 0 ? surprise : expected + surprise * dt / (dt + 0.005);
       for (std::size_t n = 0; n < count; ++n) {
         const Vec3 carried = centroid_ + motion + axes * (glm::transpose(axes_) * (places_[n] - centroid_));
         places_[n] = carried;
@@ -158,7 +157,8 @@ class Reference {
   glm::dmat3 axes_{1};
 };
 
-/// A walk of one finger with all that makes foci jump: few contacts, time that varies and stands still.
+/// A walk of one finger with all that makes foci jump: few contacts, time that varies and stands still. The last frames
+/// come at less than 10 Hz.
 struct Walk {
   std::string object;
   std::uint32_t foci = 10, points = 1500;
@@ -173,56 +173,40 @@ std::vector<glm::vec3> skin_of(const Walk& walk, int k, double t) {
 }
 
 double step_of(int k) {
-  return k % 17 == 5 ? 0 : k % 11 == 3 ? 4 * frame_90 : k % 5 == 1 ? 2 * frame_90 : frame_90;
+  return k >= 100 ? 0.125 : k % 17 == 5 ? 0 : k % 11 == 3 ? 4 * frame_90 : k % 5 == 1 ? 2 * frame_90 : frame_90;
 }
 
 const Walk walks[] = {{"cube"},           {"cube", 3},          {"cube", 20, 900}, {"prism", 10, 20000},
                       {"prism", 7, 9000}, {"pyramid", 6, 30000}};
 
-TEST(Glide, AxesAreThoseOfAnIndependentComputation) {
-  for (const Walk& walk : walks) {
-    Stream stream(object(walk.object), setting_of(walk.foci, Smoothing::none));
-    Reference reference;
-    double t = 0;
-    std::size_t compared = 0;
-    for (int k = 0; k < 100; ++k) {
-      const double dt = step_of(k);
-      t += dt;
-      const Touch& touch = stream.frame(skin_of(walk, k, t), t);
-      ASSERT_EQ(touch.finger_count, 1u) << walk.object << " frame " << k;
-      const Finger& finger = touch.fingers[0];
-      ASSERT_EQ(finger.id, 0u);
-      ASSERT_FALSE(finger.point_like);
-      reference.turn(touch, finger, dt);
-      EXPECT_NEAR(glm::distance(reference.w3, Vec3(finger.section.axes[2])), 0, 1e-3) << walk.object << " frame " << k;
-      EXPECT_NEAR(glm::distance(reference.w1, Vec3(finger.section.axes[0])), 0, 3e-3) << walk.object << " frame " << k;
-      EXPECT_FALSE(finger.placed);
-      ++compared;
-    }
-    EXPECT_EQ(compared, 100u);
-  }
-}
-
-TEST(Glide, FociAreThoseOfAnIndependentComputation) {
+TEST(Glide, AxesAndFociAreThoseOfAnIndependentComputation) {
   std::size_t held = 0, empty = 0;
   for (const Walk& walk : walks) {
     Stream raw(object(walk.object), setting_of(walk.foci, Smoothing::none));
     Stream smooth(object(walk.object), setting_of(walk.foci, Smoothing::one_euro));
     Reference reference;
     double t = 0;
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 112; ++k) {
+      SCOPED_TRACE(walk.object + " frame " + std::to_string(k));
       const double dt = step_of(k);
       t += dt;
       const auto skin = skin_of(walk, k, t);
-      const Finger& from = raw.frame(skin, t).fingers[0];
+      const Touch& touch = raw.frame(skin, t);
+      ASSERT_EQ(touch.finger_count, 1u);
+      const Finger& from = touch.fingers[0];
+      ASSERT_EQ(from.id, 0u);
+      ASSERT_FALSE(from.point_like);
+      EXPECT_FALSE(from.placed);
+      reference.turn(touch, from, dt);
+      EXPECT_NEAR(glm::distance(reference.w3, Vec3(from.section.axes[2])), 0, 1e-3);
+      EXPECT_NEAR(glm::distance(reference.w1, Vec3(from.section.axes[0])), 0, 3e-3);
       const Finger& finger = smooth.frame(skin, t).fingers[0];
       EXPECT_EQ(finger.section.axes, from.section.axes);
       EXPECT_TRUE(finger.placed);
       const std::vector<Vec3> expected = reference.glide(from, dt);
       ASSERT_EQ(finger.foci.size(), expected.size());
       for (std::size_t n = 0; n < expected.size(); ++n) {
-        EXPECT_NEAR(glm::distance(Vec3(finger.foci[n].position), expected[n]), 0, 2e-6)
-            << walk.object << " frame " << k << " focus " << n;
+        EXPECT_NEAR(glm::distance(Vec3(finger.foci[n].position), expected[n]), 0, 2e-6) << "focus " << n;
         EXPECT_EQ(finger.foci[n].points, from.foci[n].points);
         empty += from.foci[n].points == 0 ? 1 : 0;
         held += finger.foci[n].held ? 1 : 0;
@@ -231,49 +215,6 @@ TEST(Glide, FociAreThoseOfAnIndependentComputation) {
   }
   EXPECT_GT(held, 20u);
   EXPECT_GT(empty, held);
-}
-
-TEST(Glide, ASectorThatEmptiesKeepsItsFocusAndThenGlidesToItsNeighbours) {
-  // A ring whose one side goes away; the contacts that stay do not move.
-  std::vector<glm::vec3> whole, part;
-  for (int i = 0; i < 720; ++i) {
-    const double angle = i * std::numbers::pi / 360, r = 5e-3 + 0.3e-3 * (i % 3);
-    whole.emplace_back(r * std::cos(angle), -0.3e-3 * (i % 3 + 1), r * std::sin(angle));
-    // Mirrored, so that the mean stays nearly where it is.
-    if (i % 180 > 75) part.push_back(whole.back());
-  }
-  Stream stream({cube()}, setting_of(20, Smoothing::one_euro));
-  Finger before = stream.frame(whole, 0).fingers[0];
-  int k = 1;
-  for (; k < 10; ++k)
-    before = stream.frame(whole, k * frame_90).fingers[0];
-  const Finger full = before;
-  double most = 0;
-  int held = 0;
-  for (; k < 60; ++k) {
-    const Finger now = stream.frame(part, k * frame_90).fingers[0];
-    for (std::size_t n = 0; n < 20; ++n) {
-      most = std::max<double>(most, glm::distance(now.foci[n].position, before.foci[n].position));
-      if (now.foci[n].points != 0) continue;
-      EXPECT_EQ(now.foci[n].held, k < 10 + 4) << k;  // 44 ms
-      if (!now.foci[n].held) continue;
-      ++held;
-      EXPECT_LT(glm::distance(now.foci[n].position, full.foci[n].position), 0.3e-3F) << "frame " << k;
-    }
-    before = now;
-  }
-  EXPECT_GT(held, 4);
-  EXPECT_LT(most, 0.05 * frame_90 + 0.2e-3) << "50 mm/s, and the finger's own motion";
-  // In the end it plays where its neighbour does.
-  for (std::size_t n = 0; n < 20; ++n) {
-    if (before.foci[n].points != 0) continue;
-    float nearest = 1;
-    for (std::size_t m = 0; m < 20; ++m) {
-      if (before.foci[m].points != 0)
-        nearest = std::min(nearest, glm::distance(before.foci[n].position, before.foci[m].position));
-    }
-    EXPECT_LT(nearest, 0.2e-3F);
-  }
 }
 
 TEST(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
@@ -296,35 +237,6 @@ TEST(Glide, AFingerThatComesBackSoonContinuesAndLaterRestarts) {
     for (const Focus& other : alone.foci)
       nearest = std::min(nearest, glm::distance(focus.position, other.position));
     EXPECT_LT(nearest, 2.2e-3F);
-  }
-}
-
-TEST(Glide, OnARodThatMovesAndTurnsInTheFinger) {
-  // A rod of 4 mm through the tip: its contacts lie all around it. 90 and 15 Hz, and whatever comes between.
-  for (const double rate : {90.0, 15.0, 31.0}) {
-    for (const std::uint32_t foci : {3U, 6U, 7U, 20U}) {
-      Stream stream({box({-0.03, -0.002, -0.002}, {0.03, 0.002, 0.002}, "rod")}, setting_of(foci, Smoothing::one_euro));
-      std::optional<Finger> before;
-      int steps = 0;
-      for (int k = 0; k < 40; ++k) {
-        const double t = k / rate, turn = 1.5 * std::sin(2 * t);
-        Transform T(Vec4(std::cos(turn), 0, -std::sin(turn), 0), Vec4(0, 1, 0, 0),
-                    Vec4(std::sin(turn), 0, std::cos(turn), 0), Vec4(3e-3 * std::sin(3 * t), 0, 2e-3 * std::cos(t), 1));
-        stream.set_pose(T);
-        const Touch& touch = stream.frame(fingertip(8000, 5e-3, 0, 0, 3, 2.5e-3), t);
-        ASSERT_EQ(touch.finger_count, 1u);
-        const Finger& finger = touch.fingers[0];
-        if (before && before->foci.size() == finger.foci.size()) {
-          // 50 mm/s, and what turns with the axes: 5 rad/s about w3 and with it, of foci that are 9 mm apart.
-          EXPECT_LT(step_between(*before, finger), (0.05 + 2 * 5 * 9e-3) / rate) << rate << " Hz, frame " << k;
-          ++steps;
-        }
-        for (const Focus& focus : finger.foci)
-          ASSERT_TRUE(std::isfinite(focus.position.x + focus.position.y + focus.position.z));
-        before = finger;
-      }
-      EXPECT_EQ(steps, 39);
-    }
   }
 }
 

@@ -2,10 +2,10 @@
 // finger_scenes.hpp, which know the finger of each contact.
 #include <gtest/gtest.h>
 
-#include <glm/geometric.hpp>
-#include <map>
 #include <random>
 
+#include "sensing/grey_png.hpp"
+#include "support/shared_data.hpp"
 #include "touch/fingers/finger_scenes.hpp"
 #include "touch/harness.hpp"
 
@@ -55,33 +55,6 @@ TEST(Split, FlyingPixelsAreNoFingers) {
   EXPECT_EQ(tally_of(SceneKind::rims, 3, 2).found, 0);
 }
 
-/// The middle of the first camera's picture as so many cameras see it.
-FingerScene seen_by(FingerScene scene, std::size_t cameras) {
-  sensing::Camera camera = scene.cameras.front();
-  const sensing::DepthFrame whole = scene.images.front();
-  const std::uint32_t left = camera.width / 4, top = camera.height / 4, pitch = camera.width;
-  camera.width /= 2;
-  camera.height /= 2;
-  camera.cx -= left;
-  camera.cy -= top;
-  sensing::DepthFrame middle = whole;
-  middle.depth.clear();
-  for (std::uint32_t v = 0; v < camera.height; ++v) {
-    const auto row = whole.depth.begin() + (v + top) * pitch + left;
-    middle.depth.insert(middle.depth.end(), row, row + camera.width);
-  }
-  scene.cameras.assign(cameras, camera);
-  scene.images.assign(cameras, middle);
-  return scene;
-}
-
-TEST(Split, ManyCamerasAreAllHeard) {
-  std::mt19937 random(23);
-  const FingerScene scene = seen_by(random_scene(random, SceneKind::five_deep, 1), 60);
-  const Touch touch = touch_of(scene, scene.parameters);
-  EXPECT_GT(touch.finger_count, 1u);
-}
-
 TEST(Split, NoFingerWidthAndNoPicturesDoNeither) {
   std::mt19937 random(23);
   for (const SceneKind kind : {SceneKind::pair_deep, SceneKind::rims}) {
@@ -105,34 +78,50 @@ TEST(Split, NoFingerWidthAndNoPicturesDoNeither) {
   }
 }
 
+TEST(Split, RingAndMiddleFingerOfARecordedHandAreTwo) {
+  PALPA_SHARED_OR_SKIP(image, "depth-hand-sr305-ondris/20210326-230536_90.png");
+  // A right hand, fingers up, side by side; a plate of 3 mm that they lie in. Between ring and middle finger (columns
+  // 297 to 312 and 315 to 331) there is a gap of a few pixels without data, and a place where they touch.
+  FingerScene scene;
+  scene.cameras = {{.width = 640,
+                    .height = 480,
+                    .fx = 476.007,
+                    .fy = 476.007,
+                    .cx = 313.683,
+                    .cy = 242.755,
+                    .depth_unit_m = 0.000125,
+                    .min_range_m = 0.1}};
+  const sensing::Camera& camera = scene.cameras[0];
+  const auto at = [&](double u, double v, double z) {
+    return Vec3((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
+  };
+  scene.solid = box(at(268, 135, 0.563), at(370, 200, 0.566), "plate");
+  scene.images.resize(1);
+  sensing::read_png16(image, camera.width, camera.height, scene.images[0].depth);
+  const auto holding_both = [&](const Parameters& parameters) {
+    const Touch touch = touch_of(scene, parameters);
+    int both = 0;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      std::size_t ring = 0, middle = 0;
+      for (const std::uint32_t i : touch.fingers[f].contacts) {
+        const std::uint32_t u = touch.contacts[i].point % camera.width;
+        ring += u >= 297 && u < 312 ? 1 : 0;
+        middle += u >= 315 && u < 331 ? 1 : 0;
+      }
+      const std::size_t all = touch.fingers[f].contacts.size();
+      both += 10 * ring >= all && 10 * middle >= all ? 1 : 0;
+    }
+    return both;
+  };
+  EXPECT_EQ(holding_both({.finger_width_m = 0}), 1);
+  EXPECT_EQ(holding_both({}), 0);
+}
+
 TEST(Split, AllSkinInsideIsNotSplit) {
   std::mt19937 random(23);
   const FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
   EXPECT_EQ(touch_of(scene, {}).finger_count, 2u);
   EXPECT_EQ(touch_of(scene, {.cluster = Cluster::inside}).finger_count, 1u);
-}
-
-TEST(Split, TheSameFingersFromFrameToFrame) {
-  std::mt19937 random(23);
-  FingerScene scene = random_scene(random, SceneKind::pair_deep, 3);
-  const StageSetting setting{.follow = true};
-  Stage stage({scene.solid}, scene.cameras, setting);
-  std::map<std::uint32_t, Vec3> places;  // of each id, where it was seen first
-  int frames_of_two = 0;
-  for (unsigned k = 0; k < 12; ++k) {
-    see_again(scene, k);  // other noise
-    Touch touch;
-    stage.touch(scene.images, touch, k / 90.0);
-    frames_of_two += touch.finger_count == 2 ? 1 : 0;
-    if (touch.finger_count != 2) continue;
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      const Vec3 centroid(touch.fingers[f].section.centroid);
-      const auto [first, fresh] = places.emplace(touch.fingers[f].id, centroid);
-      EXPECT_LT(glm::distance(centroid, first->second), 7e-3) << "they stand still, 16 mm from each other";
-    }
-  }
-  EXPECT_GE(frames_of_two, 11);
-  EXPECT_EQ(places.size(), 2u);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "support/exhaustive.hpp"
-#include "support/shared_data.hpp"
 #include "touch/fingers/two_fingers.hpp"
 
 namespace palpa::touch::test {
@@ -43,21 +42,13 @@ Story story_of(const std::vector<Sighting>& sightings) {
 }
 
 void expect_sensible(const Walk& walk, int cameras, double rate_hz) {
-  const auto frames = film(walk, cameras, rate_hz, 7);
-  const auto sightings = follow(walk, frames, cameras);
-  const Story story = story_of(sightings);
+  const Story story = story_of(follow(walk, film(walk, cameras, rate_hz, 7), cameras));
   ASSERT_TRUE(story.before[0] && story.before[1]);
   EXPECT_NE(story.before[0], story.before[1]);
   EXPECT_EQ(story.after[0], story.before[0]);
   EXPECT_EQ(story.after[1], story.before[1]);
   EXPECT_EQ(story.ids.size(), 2u);
   EXPECT_GT(story.merged, 0u);
-  if (::testing::Test::HasFailure()) {
-    for (const Sighting& s : sightings)
-      std::printf("%.3f s  (%6.2f, %6.2f) mm  id %u  %s%s\n", s.time_s, s.centroid.x * 1e3, s.centroid.z * 1e3, s.id,
-                  s.skin[0] ? "a" : "", s.skin[1] ? "b" : "");
-    return;
-  }
 }
 
 using Setting = std::tuple<int, double, double>;  ///< cameras, frames per second, speed of each finger
@@ -91,17 +82,6 @@ TEST_P(TwoFingers, BounceOff) {
 TEST(TwoFingersFast, CrossOverAtFifteenFramesPerSecond) {
   // From frame to frame each other's distance shrinks by 20 mm, more than is left: two frames show them as one.
   expect_sensible(crossing(0.15, 15, 0.006), 3, 15);
-}
-
-TEST(TwoFingersRecorded, MeetStayTogetherAndPart) {
-  const Walk walk = bouncing(0.15, 30, 0.6);
-  const auto seen = film(walk, 1, 30, 3);
-  const auto frames = through_recording(seen, 1, palpa::test::scratch_folder("two-fingers") / "recording");
-  ASSERT_EQ(frames.size(), seen.size());
-  const Story story = story_of(follow(walk, frames, 1));
-  EXPECT_GT(story.merged, 15u);
-  EXPECT_TRUE(story.before[0] && story.before[1]);
-  EXPECT_EQ(story.after, story.before);
 }
 
 }  // namespace

@@ -4,11 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "geometry/files/ply.hpp"
-#include "gpu/commands.hpp"
-#include "sensing/recording.hpp"
 #include "sensing/synthetic.hpp"
-#include "support/shared_data.hpp"
+#include "support/hand_skin.hpp"
 #include "touch/fingertips.hpp"
 #include "touch/stage.hpp"
 
@@ -32,7 +29,7 @@ Transform standing(const Vec3& tip) {
 
 Walk crossing(double speed, double rate_hz, double aside) {
   const double reach = lead(speed, rate_hz);
-  return {"crossing", 2 * reach / speed, [=](double t) {
+  return {2 * reach / speed, [=](double t) {
             const double x = speed * t - reach;
             return std::array{Vec3(x, 0, aside / 2), Vec3(-x, 0, -aside / 2)};
           }};
@@ -43,7 +40,7 @@ Walk bouncing(double speed, double rate_hz, double hold_s) {
   const double reach = lead(speed, rate_hz) - nearest - brake;  // at full speed
   const double slow_s = 2 * brake / speed, fast_s = reach / speed;
   const double approach_s = slow_s + fast_s;
-  return {"bouncing", 2 * approach_s + hold_s, [=](double t) {
+  return {2 * approach_s + hold_s, [=](double t) {
             const double left = t < approach_s ? approach_s - t : std::max(0.0, t - approach_s - hold_s);
             const double x =
                 nearest + (left < slow_s ? brake * left * left / (slow_s * slow_s) : brake + speed * (left - slow_s));
@@ -56,8 +53,7 @@ std::vector<geometry::Solid> plate() {
 }
 
 std::vector<sensing::FrameSet> film(const Walk& walk, int cameras, double rate_hz, std::uint64_t seed) {
-  const geometry::Ply ply = geometry::read_ply(palpa::test::source_file("assets/finger.ply"));
-  const geometry::Mesh finger{ply.positions, ply.triangles};
+  const geometry::Mesh& finger = palpa::test::finger_skin().mesh;
   sensing::SyntheticRig rig(paper_cameras(cameras), {}, sensing::Noise::d415, seed);
   std::vector<sensing::FrameSet> frames;
   for (std::uint64_t k = 0; static_cast<double>(k) / rate_hz <= walk.seconds; ++k) {
@@ -73,20 +69,6 @@ std::vector<sensing::FrameSet> film(const Walk& walk, int cameras, double rate_h
       frame.time_s = t;
   }
   return frames;
-}
-
-std::vector<sensing::FrameSet> through_recording(const std::vector<sensing::FrameSet>& frames, int cameras,
-                                                 const std::filesystem::path& folder) {
-  {
-    sensing::RecordingWriter writer(folder, paper_cameras(cameras));
-    for (const sensing::FrameSet& set : frames)
-      writer.write(set);
-  }
-  const sensing::Recording recording = sensing::load_recording(folder);
-  std::vector<sensing::FrameSet> out(recording.entries.size());
-  for (std::size_t k = 0; k < out.size(); ++k)
-    sensing::read_entry(recording, k, out[k]);
-  return out;
 }
 
 std::vector<Sighting> follow(const Walk& walk, const std::vector<sensing::FrameSet>& frames, int cameras) {

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <string>
 #include <vector>
 
 #include "sensing/depth_source.hpp"
@@ -15,7 +13,6 @@ namespace palpa::touch::test {
 
 /// The places of the two tips on the plate (x, z) at a time, from 0 to `seconds`.
 struct Walk {
-  std::string name;
   double seconds = 0;
   std::function<std::array<Vec3, 2>(double time_s)> tips;
 };
@@ -30,9 +27,6 @@ std::vector<geometry::Solid> plate();
 
 /// The images of the first `cameras` of the paper's rig, with the D415's faults.
 std::vector<sensing::FrameSet> film(const Walk& walk, int cameras, double rate_hz, std::uint64_t seed);
-/// The same, written as a recording and read back.
-std::vector<sensing::FrameSet> through_recording(const std::vector<sensing::FrameSet>& frames, int cameras,
-                                                 const std::filesystem::path& folder);
 
 /// A finger of a frame.
 struct Sighting {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
+#include "base/math.hpp"
 #include "touch/fingers/foci.hpp"
 #include "touch/fingers/sections.hpp"
 #include "touch/foci/method.hpp"
-#include "touch/harness.hpp"
 
 namespace palpa::touch::test {
 namespace {
@@ -65,13 +65,6 @@ std::uint32_t contacts_in(const Placement& placement) {
   for (const Focus& focus : placement.foci)
     sum += focus.points;
   return sum;
-}
-
-TEST(Method, HasAName) {
-  EXPECT_EQ(word_of(method_words, Method::cross_section), "cross-section");
-  EXPECT_EQ(word_of(method_words, Method::single_focus), "single-focus");
-  EXPECT_EQ(word_of(method_words, Method::ellipse), "ellipse");
-  EXPECT_EQ(word_of(method_words, Method::multi_focus), "multi-focus");
 }
 
 TEST(Method, CrossSectionIsThePapersSectors) {
@@ -224,18 +217,6 @@ TEST(Method, AllocatesNothingOnceItHasGrown) {
   for (const Method method : every) {
     place_foci(touch, touch.fingers[0], {.method = method}, placement);
     EXPECT_EQ(placement.foci.data(), storage) << word_of(method_words, method);
-  }
-}
-
-TEST(Method, TheSameOnBothBackends) {
-  const auto points = fingertip(4000, 3e-3);
-  const Touch cpu = touch_on(Backend::cpu, points, {cube()}), gpu = touch_on(Backend::gpu, points, {cube()});
-  ASSERT_EQ(cpu.finger_count, 1u);
-  for (const Method method : every) {
-    const Placement a = placed(cpu, {.method = method}), b = placed(gpu, {.method = method});
-    ASSERT_EQ(a.foci.size(), b.foci.size());
-    for (std::size_t n = 0; n < a.foci.size(); ++n)
-      EXPECT_LT(glm::distance(a.foci[n].position, b.foci[n].position), 1e-6F) << word_of(method_words, method);
   }
 }
 

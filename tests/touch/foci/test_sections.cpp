@@ -1,11 +1,10 @@
-// Frames and foci on both backends against Eigen's eigenvectors and an arctangent, in double precision.
+// Frames and foci against Eigen's eigenvectors and an arctangent, in double precision.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
-#include "support/device.hpp"
 #include "touch/fingers/sector_borders.hpp"
 #include "touch/harness.hpp"
 
@@ -137,7 +136,7 @@ std::vector<glm::vec3> blob(std::uint32_t count, const Vec3& axes, const Vec3& c
 
 TEST_F(Sections, AgreeWithDoublePrecision) {
   unsigned seed = 0;
-  for (const std::uint32_t count : {3U, 4U, 5U, 17U, 127U, 128U, 129U, 350U, 5000U}) {
+  for (const std::uint32_t count : {3U, 4U, 5U, 17U, 127U, 128U, 129U, 350U, 5000U, 60'000U}) {
     for (const Vec3& axes : {Vec3(5e-3, 3e-3, 0.5e-3), Vec3(20e-3, 1e-3, 0.9e-3), Vec3(4e-3, 4e-3, 4e-3)}) {
       SCOPED_TRACE(count);
       const Touch touch = run(blob(count, axes, {0.3, -0.1, 0.7}, 0.3 + seed, seed + 1));
@@ -153,12 +152,6 @@ TEST_F(Sections, HaveAnyNumberOfFoci) {
   const auto points = blob(2000, {6e-3, 4e-3, 1e-3}, {0, -0.1, 0}, 1.1, 5);
   for (std::uint32_t foci = 1; foci <= max_foci; ++foci)
     expect_foci(run(points, foci), run(points, foci).fingers[0], foci);
-}
-
-TEST_F(Sections, SumLargeFingersAsExactlyAsSmallOnes) {
-  const Touch touch = run(blob(60'000, {8e-3, 5e-3, 0.7e-3}, {0.9, -0.8, 0.7}, 2, 11));
-  expect_frame(touch, touch.fingers[0]);
-  expect_foci(touch, touch.fingers[0], 10);
 }
 
 TEST_F(Sections, RunClockwiseSeenFromTheTipOfW3) {
@@ -198,19 +191,6 @@ TEST_F(Sections, BordersBelongToTheSectorThatBeginsThere) {
   EXPECT_EQ(finger.foci[1].position, glm::vec3(0, 0, 0.125));
   EXPECT_EQ(finger.foci[2].position, glm::vec3(-0.25, 0, 0));
   EXPECT_EQ(finger.foci[3].position, glm::vec3(0, 0, -0.125));
-}
-
-TEST_F(Sections, LeaveEmptySectorsMarked) {
-  const std::vector<glm::vec3> points{{0.02, 0, 0},       {0.021, 0, 1e-4}, {-0.02, 0, 0},
-                                      {-0.021, 0, -1e-4}, {0, 0, 0.01},     {0, 0, 0.012}};
-  const Touch touch = run(points, 64);
-  std::uint32_t members = 0, empty = 0;
-  for (const Focus& focus : touch.fingers[0].foci) {
-    members += focus.points;
-    empty += focus.points == 0 ? 1 : 0;
-  }
-  EXPECT_EQ(members, 6u);
-  EXPECT_GE(empty, 58u);
 }
 
 void expect_point_like(const Touch& touch, const Vec3& centroid) {
@@ -253,20 +233,16 @@ TEST_F(Sections, OfCoincidentContactsArePointLike) {
   expect_point_like(run(std::vector<glm::vec3>(100, {0.3F, -0.2F, 0.1F})), Vec3(glm::vec3(0.3F, -0.2F, 0.1F)));
 }
 
-TEST_F(Sections, OfCoplanarContactsAreNot) {
-  const Touch touch = run(random_points(300, {-5e-3, 0.02, -3e-3}, {5e-3, 0.02, 3e-3}));
-  EXPECT_FALSE(touch.fingers[0].point_like);
-  EXPECT_NEAR(touch.fingers[0].section.axes[2].y, 1, 1e-6);
-  EXPECT_NEAR(touch.fingers[0].section.eigenvalues[2], 0, 1e-14);
-  expect_foci(touch, touch.fingers[0], 10);
-}
-
-TEST_F(Sections, WhoseNormalIsHorizontalPointTowardsZThenX) {
-  // Coplanar in y: w3 horizontal, along -z or -x if left alone.
-  const Touch along_z = run(random_points(300, {-5e-3, -3e-3, 0.02}, {5e-3, 3e-3, 0.02}));
-  EXPECT_NEAR(along_z.fingers[0].section.axes[2].z, 1, 1e-6);
-  const Touch along_x = run(random_points(300, {0.02, -3e-3, -5e-3}, {0.02, 3e-3, 5e-3}));
-  EXPECT_NEAR(along_x.fingers[0].section.axes[2].x, 1, 1e-6);
+TEST_F(Sections, OfCoplanarContactsPointUpwardsThenTowardsZThenX) {
+  for (const int thin : {1, 2, 0}) {
+    Vec3 low(-5e-3, -3e-3, -4e-3), high = -low;
+    low[thin] = high[thin] = 0.02;
+    const Touch touch = run(random_points(300, low, high));
+    EXPECT_FALSE(touch.fingers[0].point_like);
+    EXPECT_NEAR(touch.fingers[0].section.axes[2][thin], 1, 1e-6);
+    EXPECT_NEAR(touch.fingers[0].section.eigenvalues[2], 0, 1e-14);
+    expect_foci(touch, touch.fingers[0], 10);
+  }
 }
 
 TEST(SectorBorders, AreExactOnTheAxes) {

@@ -1,64 +1,19 @@
-// Euclidean clusters on both backends against brute force.
+// Euclidean clusters on both backends, in clouds that fill each of the passes' lists, against region growing.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <string>
 
 #include "base/error.hpp"
-#include "support/device.hpp"
+#include "support/thrown.hpp"
 #include "touch/harness.hpp"
+#include "touch/points/regions.hpp"
 
 namespace palpa::touch::test {
 namespace {
-
-/// Contacts of one solid reach each other through steps of at most the gap: breadth-first over all pairs, in single
-/// precision as the contract says (tests keep clear of ties unless they are about them).
-std::vector<std::uint32_t> brute_force(const std::vector<Contact>& contacts, double gap_m) {
-  const float gap = static_cast<float>(gap_m), limit = gap * gap;
-  std::vector<std::uint32_t> smallest(contacts.size(), 0xffffffffU);
-  std::vector<std::uint32_t> rest(contacts.size()), front;
-  std::iota(rest.begin(), rest.end(), 0U);
-  while (!rest.empty()) {
-    const std::uint32_t first = rest.front();
-    front = {first};
-    smallest[first] = first;
-    rest.erase(rest.begin());
-    while (!front.empty()) {
-      const Contact& from = contacts[front.back()];
-      front.pop_back();
-      std::erase_if(rest, [&](std::uint32_t i) {
-        const glm::vec3 d = contacts[i].position - from.position;
-        if (contacts[i].solid != from.solid || d.x * d.x + d.y * d.y + d.z * d.z > limit) return false;
-        smallest[i] = first;
-        front.push_back(i);
-        return true;
-      });
-    }
-  }
-  return smallest;
-}
-
-void expect_clusters(const Touch& touch, const Parameters& parameters) {
-  const auto smallest = brute_force(touch.contacts, parameters.finger_gap_m);
-  std::vector<std::vector<std::uint32_t>> clusters;
-  for (std::uint32_t first = 0; first < smallest.size(); ++first) {
-    if (smallest[first] != first) continue;
-    std::vector<std::uint32_t> members;
-    for (std::uint32_t i = first; i < smallest.size(); ++i) {
-      if (smallest[i] == first) members.push_back(i);
-    }
-    if (members.size() >= std::max(parameters.min_points, 1U)) clusters.push_back(members);
-  }
-  ASSERT_EQ(touch.cluster_count, clusters.size());
-  clusters = largest(std::move(clusters));
-  ASSERT_EQ(touch.finger_count, clusters.size());
-  for (std::size_t f = 0; f < touch.finger_count; ++f) {
-    ASSERT_EQ(touch.fingers[f].contacts, clusters[f]) << "finger " << f;
-    EXPECT_EQ(touch.fingers[f].solid, touch.contacts[clusters[f].front()].solid);
-  }
-}
 
 /// Place i of a cubic lattice `wide` points across, in steps.
 Vec3 lattice(int i, int wide) {
@@ -75,7 +30,7 @@ class ClustersOfContacts : public OnBothBackends {
     const Parameters parameters = everything_is_contact(gap, min_points);
     const Touch touch = run(points, parameters);
     ASSERT_EQ(touch.contacts.size(), points.size());
-    expect_clusters(touch, parameters);
+    EXPECT_EQ(not_regions(touch, parameters), "");
   }
 };
 INSTANTIATE_TEST_SUITE_P(, ClustersOfContacts, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
@@ -89,38 +44,8 @@ TEST_P(ClustersOfContacts, AreExactClustersOfRandomPoints) {
       expect_exact(random_points(count, Vec3(-0.05), Vec3(0.05), ++seed), gap);
     }
   }
-}
-
-TEST_P(ClustersOfContacts, AreExactNearThePercolationThreshold) {
-  // About 2.7 neighbours each: clusters of every size and shape.
-  for (unsigned seed = 1; seed <= 5; ++seed)
-    expect_exact(random_points(6000, Vec3(0), Vec3(0.1), seed), 4.8e-3, 4);
-}
-
-TEST_P(ClustersOfContacts, AreExactOnAPlaneAndOnALine) {
-  expect_exact(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}), 2e-3);
-  expect_exact(random_points(500, {-0.05, 0.01, 0.02}, {0.05, 0.01, 0.02}), 2e-4);
-}
-
-TEST_P(ClustersOfContacts, HangTogetherThroughLongSpirals) {
-  // 10,000 points, each in reach of its neighbours along the thread only.
-  std::vector<glm::vec3> spiral;
-  double angle = 0, radius = 0.01;
-  for (int i = 0; i < 10'000; ++i) {
-    spiral.emplace_back(radius * std::cos(angle), 0.2, radius * std::sin(angle));
-    angle += 0.9e-3 / radius;
-    radius += 1.5e-3 * (0.9e-3 / radius) / (2 * std::numbers::pi);
-  }
-  const Touch whole = run(spiral, everything_is_contact(1e-3));
-  ASSERT_EQ(whole.finger_count, 1u);
-  EXPECT_EQ(whole.fingers[0].contacts.size(), spiral.size());
-  std::vector<glm::vec3> shuffled = spiral;
-  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
-  EXPECT_EQ(run(shuffled, everything_is_contact(1e-3)).finger_count, 1u);
-  spiral.erase(spiral.begin() + 4000);
-  const Touch cut = run(spiral, everything_is_contact(1e-3));
-  ASSERT_EQ(cut.finger_count, 2u);
-  EXPECT_EQ(cut.fingers[0].contacts.size(), 4000u);
+  expect_exact(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}), 2e-3);  // a plane
+  expect_exact(random_points(500, {-0.05, 0.01, 0.02}, {0.05, 0.01, 0.02}), 2e-4);    // a line
 }
 
 TEST_P(ClustersOfContacts, TiesAtTheToleranceAreTogether) {
@@ -168,19 +93,6 @@ TEST_P(ClustersOfContacts, NeedMinPoints) {
   }
 }
 
-TEST_P(ClustersOfContacts, BeyondTheMostAreLeftOutInOrder) {
-  std::vector<glm::vec3> points;
-  points.reserve(4096);
-  for (int i = 0; i < 3 * 150; ++i)
-    points.emplace_back(0.01 * lattice(i, 150).x - 0.7, 1e-4 * lattice(i, 150).y, 0);
-  const Touch touch = run(points, everything_is_contact(1e-3, 3));
-  EXPECT_EQ(touch.cluster_count, 150u);
-  ASSERT_EQ(touch.finger_count, max_fingers);
-  for (std::uint32_t f = 0; f < max_fingers; ++f) {
-    EXPECT_EQ(touch.fingers[f].contacts, (std::vector<std::uint32_t>{f, 150 + f, 300 + f}));
-  }
-}
-
 TEST_P(ClustersOfContacts, BeyondTheMostTheSmallestAreLeftOut) {
   // 150 clusters, of 3 to 7 points and two of 300, which begin where the first 64 have long begun.
   std::vector<glm::vec3> points;
@@ -194,7 +106,7 @@ TEST_P(ClustersOfContacts, BeyondTheMostTheSmallestAreLeftOut) {
   const Touch touch = run(points, parameters);
   EXPECT_EQ(touch.cluster_count, 150u);
   ASSERT_EQ(touch.finger_count, max_fingers);
-  expect_clusters(touch, parameters);
+  EXPECT_EQ(not_regions(touch, parameters), "");
   EXPECT_EQ(touch.fingers[max_fingers - 1].contacts.size(), 300u);
 }
 
@@ -205,7 +117,7 @@ TEST_P(ClustersOfContacts, OfDifferentSolidsNeverMix) {
   const Parameters parameters = everything_is_contact(0.03);
   const Touch touch = touch_on(GetParam(), points, solids, parameters);
   EXPECT_EQ(touch.finger_count, 2u);
-  expect_clusters(touch, parameters);
+  EXPECT_EQ(not_regions(touch, parameters), "");
 }
 
 TEST_P(ClustersOfContacts, AllInOnePlaceAreOne) {
@@ -213,42 +125,6 @@ TEST_P(ClustersOfContacts, AllInOnePlaceAreOne) {
   const Touch touch = run(points, everything_is_contact(1e-3));
   ASSERT_EQ(touch.finger_count, 1u);
   EXPECT_EQ(touch.fingers[0].contacts.size(), points.size());
-}
-
-/// Two tilted sheets, `between` apart.
-std::vector<glm::vec3> two_sheets(std::uint32_t count, double between, unsigned seed) {
-  const Vec3 normal = glm::normalize(Vec3(1, 2, -1.5)), u = glm::normalize(glm::cross(normal, Vec3(0, 0, 1)));
-  const Vec3 v = glm::cross(normal, u);
-  std::vector<glm::vec3> points;
-  points.reserve(4096);
-  for (const glm::vec3& p : random_points(count, Vec3(-0.02), Vec3(0.02), seed)) {
-    points.emplace_back(Vec3(p.x) * u + Vec3(p.y) * v + normal * (p.z > 0 ? between : 0.0));
-  }
-  return points;
-}
-
-TEST_P(ClustersOfContacts, CrowdsThatNearlyTouchStayApart) {
-  // Thousands of contacts in a few blocks, no pair of which decides early.
-  for (const double gap : {5e-3, 20e-3}) {
-    const auto apart = two_sheets(8000, gap * 1.02, 1);
-    EXPECT_EQ(run(apart, everything_is_contact(gap)).finger_count, 2u);
-    expect_exact(two_sheets(3000, gap * 1.02, 2), gap);
-    expect_exact(two_sheets(3000, gap * 0.999, 3), gap);
-  }
-}
-
-TEST_P(ClustersOfContacts, CurvedCrowdsStayApart) {
-  // A shell around a ball: no plane separates them.
-  const double gap = 10e-3;
-  std::vector<glm::vec3> points;
-  points.reserve(4096);
-  for (const glm::vec3& p : random_points(6000, Vec3(-1), Vec3(1), 9)) {
-    if (glm::length(p) < 0.1F) continue;
-    points.push_back(glm::normalize(p) * (p.x + p.y > 0.3F ? 15e-3F : 4.8e-3F));
-  }
-  EXPECT_EQ(run(points, everything_is_contact(gap)).finger_count, 2u);
-  expect_exact(points, gap);
-  expect_exact(points, 10.21e-3);
 }
 
 /// A ball of contacts and a cap of a shell around it, `size` each, just out of the ball's reach: no plane and no box
@@ -380,68 +256,33 @@ TEST_P(ClustersOfContacts, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance
   }
 }
 
-TEST_P(ClustersOfContacts, MoveWithThePointsOrder) {
-  const auto points = random_points(3000, Vec3(-0.05), Vec3(0.05), 4);
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::shuffle(order.begin(), order.end(), std::mt19937(8));
-  std::vector<glm::vec3> shuffled;
-  shuffled.reserve(points.size());
-  for (const std::uint32_t i : order)
-    shuffled.push_back(points[i]);
-  const Parameters parameters = everything_is_contact(5.2e-3, 20);
-  const Touch a = run(points, parameters), b = run(shuffled, parameters);
-  const auto as_sets = [](const Touch& touch, auto&& index) {
-    std::vector<std::vector<std::uint32_t>> sets;
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      sets.emplace_back();
-      for (const std::uint32_t i : touch.fingers[f].contacts)
-        sets.back().push_back(index(i));
-      std::sort(sets.back().begin(), sets.back().end());
-    }
-    std::sort(sets.begin(), sets.end());
-    return sets;
-  };
-  ASSERT_GT(a.finger_count, 1u);
-  EXPECT_EQ(as_sets(a, [](std::uint32_t i) { return i; }), as_sets(b, [&](std::uint32_t i) { return order[i]; }));
-}
-
-TEST_P(ClustersOfContacts, RefuseUnusableParameters) {
-  const std::vector<glm::vec3> points{{0, -1e-3, 0}};
-  const auto refused = [&](const Parameters& parameters) {
-    try {
-      touch_on(GetParam(), points, {cube()}, parameters);
-    } catch (const Error& error) {
-      return error.code() == Exit::usage && std::string(error.what()).find('\n') == std::string::npos;
-    }
-    return false;
+TEST(TouchParameters, AreRefusedWhereTheyAreUnusable) {
+  const auto refuse = [](const Parameters& parameters, const std::string& fault) {
+    EXPECT_ERROR(Stage({cube()}, {}, {.parameters = parameters}), Exit::usage, fault);
   };
   for (const double bad : {0.0, -1.0, std::nan(""), double{INFINITY}}) {
-    EXPECT_TRUE(refused({.delta_m = bad})) << bad;
-    EXPECT_TRUE(refused({.finger_gap_m = bad})) << bad;
+    refuse({.delta_m = bad}, "delta is ");
+    refuse({.finger_gap_m = bad}, "finger gap is ");
   }
-  EXPECT_TRUE(refused({.finger_gap_m = 1e-8}));
-  EXPECT_TRUE(refused({.foci = 0}));
-  EXPECT_TRUE(refused({.foci = max_foci + 1}));
+  for (const double bad : {-1e-3, std::nan(""), double{INFINITY}})
+    refuse({.finger_width_m = bad}, fmt::format("finger width is {} m", bad));
+  refuse({.foci = 0}, "0 foci");
+  refuse({.foci = max_foci + 1}, "65 foci");
   // 30,000 blocks of 1.04 gaps reach from the cube's centre as far as its corners, since it may be turned.
   const double least = 0.02 * std::numbers::sqrt3 / (30'000 * 1.04);
-  EXPECT_TRUE(refused({.finger_gap_m = 0.999 * least}));
-  EXPECT_FALSE(refused({.finger_gap_m = 1.001 * least}));
-  EXPECT_FALSE(refused({.finger_gap_m = 1e30}));
+  refuse({.finger_gap_m = 0.999 * least}, "needs at least ");
+  for (const double good : {1.001 * least, 1e30})
+    EXPECT_NO_THROW(Stage({cube()}, {}, {.parameters = {.finger_gap_m = good}})) << good;
 }
 
-TEST_P(ClustersOfContacts, TheGapThatARefusalNamesWillDo) {
-  const std::vector<glm::vec3> points{{0, -1e-3, 0}};
+TEST(TouchParameters, TheGapThatARefusalNamesWillDo) {
   for (const double size : {0.013, 0.04, 0.3, 7.0}) {
     const std::vector solids{box(Vec3(-size, -size, -size), Vec3(size, 0, size))};
-    try {
-      touch_on(GetParam(), points, solids, {.finger_gap_m = 1e-9});
-      ADD_FAILURE() << size;
-    } catch (const Error& error) {
-      const std::string said = error.what(), before = "at least ";
-      const double named = std::stod(said.substr(said.find(before) + before.size()));
-      EXPECT_NO_THROW(touch_on(GetParam(), points, solids, {.finger_gap_m = named})) << said;
-    }
+    const auto stage = [&](double gap_m) { Stage(solids, {}, {.parameters = {.finger_gap_m = gap_m}}); };
+    const std::string said = palpa::test::error_of([&] { stage(1e-9); }, Exit::usage), before = "at least ";
+    ASSERT_NE(said.find(before), std::string::npos) << said;
+    const double named = std::stod(said.substr(said.find(before) + before.size()));
+    EXPECT_NO_THROW(stage(named)) << said;
   }
 }
 

@@ -1,5 +1,5 @@
-// Euclidean clusters against region growing over nanoflann's k-d tree: a different structure, a different traversal,
-// and code of other people. Random and adversarial clouds, with their points in any order.
+// Euclidean clusters against region growing over nanoflann's k-d tree: random and adversarial clouds, with their points
+// in any order.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -7,96 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vector_relational.hpp>
-#include <map>
-#include <nanoflann.hpp>
 #include <numeric>
 #include <stdexcept>
 
 #include "touch/harness.hpp"
+#include "touch/points/regions.hpp"
 
 namespace palpa::touch::test {
 namespace {
 
 using Points = std::vector<glm::vec3>;
-using Clusters = std::vector<std::vector<std::uint32_t>>;  ///< each ascending, ordered by their first
-
-/// What nanoflann asks of a cloud.
-struct Cloud {
-  const Points& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, std::uint32_t>;
-
-/// Collects what a search meets. nanoflann's own collectors have other types in 1.4 than from 1.5 on; what it asks of
-/// one is the same.
-struct Near {
-  using DistanceType = double;
-
-  double square;
-  std::vector<std::uint32_t> found;
-
-  bool addPoint(double distance, std::uint32_t index) {
-    if (distance < square) found.push_back(index);
-    return true;
-  }
-  std::size_t size() const { return found.size(); }
-  bool empty() const { return found.empty(); }
-  bool full() const { return true; }
-  double worstDist() const { return square; }
-  void sort() {}
-};
-
-/// Grows one region after the other. The tree gives candidates in double precision, a little too many; whether two
-/// contacts are together is decided as the contract states it.
-Clusters grow_regions(const Points& points, double gap_m, std::uint32_t least) {
-  const float gap = static_cast<float>(gap_m), limit = gap * gap;
-  const Cloud cloud{points};
-  Tree tree(3, cloud);
-  tree.buildIndex();
-  Clusters clusters;
-  std::vector<bool> taken(points.size(), false);
-  for (std::uint32_t seed = 0; seed < points.size(); ++seed) {
-    if (taken[seed]) continue;
-    std::vector<std::uint32_t> region{seed};
-    taken[seed] = true;
-    for (std::size_t next = 0; next < region.size(); ++next) {
-      const glm::vec3 from = points[region[next]];
-      const std::array<double, 3> query{from.x, from.y, from.z};
-      Near near{double{limit} * (1 + 1e-6), {}};
-      tree.radiusSearchCustomCallback(query.data(), near);
-      for (const std::uint32_t i : near.found) {
-        const glm::vec3 d = points[i] - from;
-        if (taken[i] || d.x * d.x + d.y * d.y + d.z * d.z > limit) continue;
-        taken[i] = true;
-        region.push_back(i);
-      }
-    }
-    std::sort(region.begin(), region.end());
-    if (region.size() >= least) clusters.push_back(std::move(region));
-  }
-  return clusters;
-}
-
-Clusters clusters_of(const Touch& touch) {
-  Clusters clusters;
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    clusters.push_back(touch.fingers[f].contacts);
-  return clusters;
-}
-
-/// Both find the same; of more than max_fingers the largest are compared, and how many there are.
-void expect_regions(Backend backend, const Points& points, double gap, std::uint32_t least) {
-  const Touch touch = touch_on(backend, points, {everything()}, everything_is_contact(gap, least));
-  RC_ASSERT(touch.contacts.size() == points.size());
-  Clusters expected = grow_regions(points, gap, least);
-  RC_ASSERT(touch.cluster_count == expected.size());
-  RC_ASSERT(clusters_of(touch) == largest(std::move(expected)));
-}
 
 /// `count` points along a helix of at most 1.2 m radius and 1.5 m rise, 0.98 of a gap apart each. Its turns lie further
 /// apart than a gap where there are more than 230 points: a single cluster, however long.
@@ -169,31 +89,20 @@ INSTANTIATE_TEST_SUITE_P(, ClustersAgainstNanoflann, ::testing::Values(Backend::
 TEST_P(ClustersAgainstNanoflann, FindTheSamePartition) {
   EXPECT_TRUE(rc::check([&] {
     const double gap = std::pow(10.0, *rc::gen::inRange(-30, -10) / 10.0);  // 1 to 79 mm
-    const auto least = *rc::gen::inRange(1U, 7U);
-    expect_regions(GetParam(), drawn_cloud(gap, most()), gap, least);
+    const Parameters parameters = everything_is_contact(gap, *rc::gen::inRange(1U, 7U));
+    const Points points = drawn_cloud(gap, most());
+    const Touch touch = touch_on(GetParam(), points, {everything()}, parameters);
+    RC_ASSERT(touch.contacts.size() == points.size());
+    RC_ASSERT(not_regions(touch, parameters) == "");
   }));
 }
 
-TEST(AdversarialClouds, AllLieWithinEverythingAndAThreadIsOneCluster) {
-  for (const double gap : {1e-3, 5e-3, 0.0794}) {
-    for (const std::uint32_t count : {1U, 2U, 127U, 1000U, gap > 0.01 ? 1000U : 4000U}) {
-      for (int kind = 0; kind < kinds; ++kind)
-        EXPECT_EQ(adversarial(kind, count, gap, count + 1).size(), count) << kind;
-      const Clusters whole = grow_regions(adversarial(2, count, gap, 1), gap, 1);
-      ASSERT_EQ(whole.size(), 1U) << gap << ' ' << count;
-      EXPECT_EQ(whole[0].size(), count);
-    }
-  }
-}
-
 TEST_P(ClustersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
+  const Parameters parameters = everything_is_contact(5e-3, 3);
   for (int kind = 0; kind < kinds; ++kind) {
     for (const std::uint32_t count : {1U, 127U, 4000U}) {
-      const Points points = adversarial(kind, count, 5e-3, count + 1);
-      const Touch touch = touch_on(GetParam(), points, {everything()}, everything_is_contact(5e-3, 3));
-      Clusters expected = grow_regions(points, 5e-3, 3);
-      ASSERT_EQ(touch.cluster_count, expected.size()) << kind << ' ' << count;
-      EXPECT_EQ(clusters_of(touch), largest(std::move(expected))) << kind << ' ' << count;
+      const Touch touch = touch_on(GetParam(), adversarial(kind, count, 5e-3, count + 1), {everything()}, parameters);
+      EXPECT_EQ(not_regions(touch, parameters), "") << kind << ' ' << count;
     }
   }
 }
@@ -211,11 +120,11 @@ TEST_P(ClustersAgainstNanoflann, APermutationOfThePointsPermutesThePartition) {
     const auto sets = [&](const Points& cloud, auto&& index) {
       const Touch touch = touch_on(GetParam(), cloud, {everything()}, everything_is_contact(gap, 1));
       // Which clusters are beyond the most depends on the order: then only their number counts.
-      Clusters clusters = touch.cluster_count > max_fingers ? Clusters{} : clusters_of(touch);
-      for (auto& cluster : clusters) {
-        for (std::uint32_t& i : cluster)
-          i = index(i);
-        std::sort(cluster.begin(), cluster.end());
+      Regions clusters(touch.cluster_count > max_fingers ? 0 : touch.finger_count);
+      for (std::size_t f = 0; f < clusters.size(); ++f) {
+        for (const std::uint32_t i : touch.fingers[f].contacts)
+          clusters[f].push_back(index(i));
+        std::sort(clusters[f].begin(), clusters[f].end());
       }
       std::sort(clusters.begin(), clusters.end());
       return std::pair(touch.cluster_count, clusters);

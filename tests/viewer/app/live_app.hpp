@@ -7,11 +7,14 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
+#include "support/begins.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/heard_link.hpp"
@@ -20,6 +23,7 @@ namespace palpa::viewer {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using Kind = WindowEvent::Kind;
 
 class LiveApp : public testing::Test {
  protected:
@@ -33,14 +37,14 @@ class LiveApp : public testing::Test {
     fs::copy_file(scene_, other_);
     begin("synthetic");
   }
-  void begin(const std::string& source, const std::string& shown = {}) {
+  /// A live run of the cube, with further options of the application.
+  void begin(const std::string& source, ViewerOptions options = {}) {
     app_.reset();
     heard_ = std::make_shared<test::Heard>();
-    ViewerOptions options;
     options.input.scene = scene_;
-    options.shown = shown;
-    options.given = {{"--scene", {scene_}},  {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
-                     {"--backend", {"cpu"}}, {"--noise-free", {}},    {"--hold", {"5s"}},     {"--link", {"heard"}}};
+    options.given.merge(
+        line::Given{{"--scene", {scene_}}, {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
+                    {"--backend", {"cpu"}}, {"--noise-free", {}}, {"--hold", {"5s"}}, {"--link", {"heard"}}});
     make(options);
   }
   void make(const ViewerOptions& options) {
@@ -53,65 +57,64 @@ class LiveApp : public testing::Test {
     host.goes_live = [this] { ++went_live_; };
     app_ = std::make_unique<App>(options, size_, std::move(host));
   }
+  /// A fingertip 3 mm in the cube, with further options.
+  void make_touch(line::Given more = {}) {
+    more.merge(line::Given{{"--scene", {scene_}},
+                           {"--points", {test::source_file("assets/finger.ply")}},
+                           {"--penetration", {"3mm"}},
+                           {"--backend", {"cpu"}}});
+    make(options_of(more));
+  }
 
   /// Runs the loop, with steps of a tenth of a second of the application's clock.
-  template <typename Condition>
-  bool goes_round_until(Condition condition) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > until) return false;
+  bool goes_round_until(const std::function<bool()>& condition) {
+    return test::begins([&] {
+      if (condition()) return true;
       go_round();
-      std::this_thread::sleep_for(2ms);
-    }
-    return true;
+      return false;
+    });
   }
   void go_round(int times = 1) {
     for (int i = 0; i < times; ++i)
       app_->advance(now_s_ += 0.1, size_);
   }
-  bool comes_to(LiveState state) {
-    return goes_round_until([&] { return app_->data().content.run.state == state; });
+  LiveState state() const { return app_->data().content.run.state; }
+  bool comes_to(LiveState wanted) {
+    return goes_round_until([&] { return state() == wanted; });
   }
-  /// For seconds of its clock; otherwise it would have started at once.
+  bool comes_to_sound() {
+    return goes_round_until([&] { return app_->data().content.run.sounding; });
+  }
+  bool shows_frame() {
+    return goes_round_until([&] { return app_->showed_frame(); });
+  }
+  /// Whether the array is silent and nothing begins for seconds of its clock; otherwise it would have begun at once.
   bool stays_off() {
     go_round(50);
-    return app_->data().content.run.state == LiveState::ended && stop_;
+    return state() == LiveState::ended && stop_ && !heard_->last_sounds;
   }
-  void key(char character, bool down = true, bool ctrl = false) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::key;
-    event.key = key_of(character);
-    event.down = down;
-    event.ctrl = ctrl;
-    app_->handle(event, size_);
-  }
-  void key(Key named) { key(static_cast<char>(named)); }
-  void copy_run() { key('c', true, true); }
+  void send(const WindowEvent& event) { app_->handle(event, size_); }
+  void key(char character, bool ctrl = false) { send({.kind = Kind::key, .ctrl = ctrl, .key = key_of(character)}); }
+  void key(Key named) { send({.kind = Kind::key, .key = named}); }
+  void button(Kind kind, double x, double y) { send({.kind = kind, .x = x, .y = y}); }
+  void drop(const fs::path& file) { send({.kind = Kind::drop, .text = file}); }
   /// Whether one of the lines that are shown has this text in it.
   bool says(const std::string& text) const {
     return std::ranges::any_of(app_->data().messages.toasts(),
                                [&](const Toast& toast) { return toast.text.find(text) != std::string::npos; });
   }
+  /// The same of the lines that were ever shown.
+  bool has_said(const std::string& text) const {
+    return std::ranges::any_of(app_->data().messages.log(),
+                               [&](const log::Line& line) { return line.text.find(text) != std::string::npos; });
+  }
+  bool comes_to_say(const std::string& text) {
+    return goes_round_until([&] { return has_said(text); });
+  }
   void all_off() { key('o'); }
   void point_at(const Vec3& world) {
     const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::move;
-    event.x = at.x, event.y = at.y;
-    app_->handle(event, size_);
-  }
-  void drop(const fs::path& file) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::drop;
-    event.text = file;
-    app_->handle(event, size_);
-  }
-  void button(WindowEvent::Kind kind, double x, double y) {
-    WindowEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    app_->handle(event, size_);
+    button(Kind::move, at.x, at.y);
   }
   /// Frames of a finger in the cube.
   fs::path recording() {
@@ -155,6 +158,13 @@ class LiveAppWithPanels : public LiveApp {
       app_->render(size_, 1, now_s_);
     }
   }
+  /// Presses a key, lets go of it, and draws.
+  void tap(Key named) {
+    key(named);
+    draw();
+    send({.kind = Kind::key, .key = named, .down = false});
+    draw();
+  }
   /// Where the widget is, after a picture has shown it.
   std::optional<Area> place_of_widget(const std::string& name) {
     draw();
@@ -162,12 +172,15 @@ class LiveAppWithPanels : public LiveApp {
     const auto found = named.find(name);
     return found == named.end() ? std::nullopt : std::optional(found->second);
   }
-  void click_at(double x, double y) {
-    button(WindowEvent::Kind::move, x, y);
+  void press_at(double x, double y) {
+    button(Kind::move, x, y);
     draw();
-    button(WindowEvent::Kind::press, x, y);
+    button(Kind::press, x, y);
     draw(1);
-    button(WindowEvent::Kind::release, x, y);
+  }
+  void click_at(double x, double y) {
+    press_at(x, y);
+    button(Kind::release, x, y);
     draw();
   }
   void click(const Area& area) { click_at((area.left + area.right) / 2, (area.top + area.bottom) / 2); }
@@ -176,16 +189,23 @@ class LiveAppWithPanels : public LiveApp {
     ASSERT_TRUE(area) << name;
     click(*area);
   }
-  void type(const std::string& text) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::text;
-    event.text = text;
-    app_->handle(event, size_);
+  /// Types a value into a field and ends it.
+  void type(const std::string& field, const std::string& text) {
+    click(field);
+    send({.kind = Kind::text, .text = text});
     draw();
-    key(Key::enter);
+    tap(Key::enter);
+  }
+  /// Presses the slider of the ceiling at its end and drags it to the middle, where it is held.
+  Vec2 hold_ceiling_in_the_middle() {
     draw();
-    key(static_cast<char>(Key::enter), false);
+    const Area slider = app_->data().places.ceiling.value_or(Area());
+    const Vec2 middle((slider.left + slider.right) / 2, (slider.top + slider.bottom) / 2);
+    press_at(slider.right - 4, middle.y);
     draw();
+    button(Kind::move, middle.x, middle.y);
+    draw();
+    return middle;
   }
   Area all_off_button() { return app_->data().places.all_off.value_or(Area()); }
 };

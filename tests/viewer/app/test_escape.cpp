@@ -9,79 +9,59 @@ namespace {
 class Escape : public LiveAppWithPanels {
  protected:
   Escape() : LiveAppWithPanels({900, 600}) {}
-  void escape() {
-    key(Key::escape);
-    draw();
-    key(static_cast<char>(Key::escape), false);
-    draw();
-  }
 };
 
-TEST_F(Escape, ClosesAListAndLeavesTheRunAlone) {
+TEST_F(Escape, ClosesTheInnermostFirstAndNeverARun) {
   ASSERT_TRUE(comes_to(LiveState::running));
   click("copy");
   ASSERT_TRUE(app_->data().places.list);
-  escape();
+  tap(Key::escape);
   EXPECT_FALSE(app_->data().places.list);
-  EXPECT_FALSE(app_->quitting());
-  EXPECT_EQ(app_->data().content.run.state, LiveState::running);
-}
-
-TEST_F(Escape, ClosesTheInnermostFirst) {
-  ASSERT_TRUE(comes_to(LiveState::running));
   key('g');
   draw();
   ASSERT_TRUE(app_->data().placing->chosen());
   key('h');
   click("open");
   ASSERT_TRUE(app_->data().picker);
-  escape();
+  tap(Key::escape);
   EXPECT_FALSE(app_->data().picker);
   EXPECT_TRUE(app_->data().help);
-  escape();
+  tap(Key::escape);
   EXPECT_FALSE(app_->data().help);
   EXPECT_TRUE(app_->data().placing->chosen());
-  escape();
+  tap(Key::escape);
   EXPECT_FALSE(app_->data().placing->chosen());
-  escape();
-  EXPECT_FALSE(app_->quitting()) << "a run never ends by Escape";
+  EXPECT_FALSE(says("Q quits"));
+  tap(Key::escape);
   EXPECT_TRUE(says("Q quits"));
+  EXPECT_FALSE(app_->quitting());
+  EXPECT_EQ(state(), LiveState::running);
 }
 
 TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   ASSERT_TRUE(comes_to(LiveState::running));
-  draw();
-  const Area slider = app_->data().places.ceiling.value_or(Area());
-  const double middle = (slider.left + slider.right) / 2, y = (slider.top + slider.bottom) / 2;
-  button(WindowEvent::Kind::move, slider.right - 4, y);
-  draw();
-  button(WindowEvent::Kind::press, slider.right - 4, y);
-  draw();
-  button(WindowEvent::Kind::move, middle, y);
-  draw();
+  const Vec2 held = hold_ceiling_in_the_middle();
   ASSERT_TRUE(app_->data().ceiling);
-  escape();
-  button(WindowEvent::Kind::release, middle, y);
+  tap(Key::escape);
+  button(Kind::release, held.x, held.y);
   draw();
   EXPECT_EQ(options().safety.ceiling, 1);
   EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
 }
 
-TEST_F(Escape, QuittingWhileTheArraySoundsTakesTwoPresses) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
+TEST_F(Escape, QuittingTakesTwoPressesWhileTheArraySoundsAndOneInSilence) {
+  ASSERT_TRUE(comes_to_sound());
   key('q');
   EXPECT_FALSE(app_->quitting());
   EXPECT_TRUE(says("press Q again"));
   now_s_ += 2.5;
   go_round();
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
+  ASSERT_TRUE(comes_to_sound());
   key('q');
   EXPECT_FALSE(app_->quitting()) << "too late to be the second press";
   key('q');
   EXPECT_TRUE(app_->quitting());
-}
-
-TEST_F(Escape, QuittingInSilenceTakesOne) {
+  begin("synthetic");
   ASSERT_TRUE(comes_to(LiveState::running));
   all_off();
   ASSERT_TRUE(comes_to(LiveState::ended));

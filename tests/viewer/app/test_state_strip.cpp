@@ -22,19 +22,22 @@ Content running_with(const std::string& link) {
 }
 
 TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
-  Content content = running_with("foci:udp:127.0.0.1:9000");
+  const auto says = [](const Content& content, const std::string& word, const std::string& more) {
+    EXPECT_EQ(array_status(content).word, word) << more;
+    EXPECT_EQ(array_status(content).more, more);
+  };
+  const std::string link = "foci:udp:127.0.0.1:9000";
+  Content content = running_with(link);
   EXPECT_EQ(array_status(content).word, "SILENT");
   content.run.sounding = true;
-  EXPECT_EQ(array_status(content).word, "SOUNDING");
-  EXPECT_EQ(array_status(content).more, "on foci:udp:127.0.0.1:9000");
+  says(content, "SOUNDING", "on " + link);
   content.run.stuck = true;
-  EXPECT_EQ(array_status(content).word, "SILENT") << "the array was unplugged";
-  EXPECT_EQ(array_status(content).more, "foci:udp:127.0.0.1:9000 takes no drives");
+  says(content, "SILENT", link + " takes no drives");
   content.run.state = LiveState::ended;
   EXPECT_EQ(array_status(content).word, "OFF") << "whatever sounded last";
   content.run.state = LiveState::failed;
   content.run.fault = "heard: broken";
-  EXPECT_EQ(array_status(content).more, "the run has failed: heard: broken");
+  says(content, "OFF", "the run has failed: heard: broken");
   content = running_with("null");
   EXPECT_EQ(array_status(content).more, "no array");
   content.run.sounding = true;
@@ -79,22 +82,19 @@ class StateStrip : public LiveAppWithPanels {
 };
 
 TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
-  ASSERT_TRUE(goes_round_until([&] { return app_->data().content.run.sounding; }));
+  ASSERT_TRUE(comes_to_sound());
   draw();
   expect_uncovered("at first");
-  for (const std::string name : {"Run", "Time", "View", "open", "copy"}) {
-    const std::optional<Area> area = place_of_widget(name);
+  const auto over = [&](const std::optional<Area>& area, const std::string& name) {
     ASSERT_TRUE(area) << name;
-    button(WindowEvent::Kind::move, area->left + 3, area->top + 3);
+    button(Kind::move, area->left + 3, area->top + 3);
     draw();
     expect_uncovered("over " + name);
-  }
-  for (const auto& area : {app_->data().places.start, app_->data().places.all_off, app_->data().places.ceiling}) {
-    ASSERT_TRUE(area);
-    button(WindowEvent::Kind::move, area->left + 3, area->top + 3);
-    draw();
-    expect_uncovered("over a switch");
-  }
+  };
+  for (const std::string name : {"Run", "Time", "View", "open", "copy"})
+    over(place_of_widget(name), name);
+  for (const auto& area : {app_->data().places.start, app_->data().places.all_off, app_->data().places.ceiling})
+    over(area, "a switch");
   key('h');
   draw();
   expect_uncovered("with the sheet of keys");
@@ -111,13 +111,7 @@ TEST_F(StateStrip, StaysInSightWhateverIsOpen) {
 }
 
 TEST_F(StateStrip, StaysWithoutPanels) {
-  ViewerOptions options;
-  options.input.scene = scene_;
-  options.shown = {};
-  options.no_panels = true;
-  options.given = {{"--scene", {scene_}},  {"--source", {"synthetic"}}, {"--layout", {"autd3"}},
-                   {"--backend", {"cpu"}}, {"--link", {"heard"}},       {"--no-panels", {}}};
-  make(options);
+  begin("synthetic", {.given = {{"--no-panels", {}}}, .no_panels = true});
   ASSERT_TRUE(comes_to(LiveState::running));
   EXPECT_FALSE(place_of_widget("Run"));
   EXPECT_TRUE(app_->data().places.all_off);
@@ -128,19 +122,11 @@ TEST_F(StateStrip, StaysWithoutPanels) {
 
 TEST_F(StateStrip, TheCeilingIsThatOfTheRun) {
   ASSERT_TRUE(comes_to(LiveState::running));
-  draw();
   EXPECT_EQ(options().safety.ceiling, 1);
-  const Area slider = app_->data().places.ceiling.value_or(Area());
-  const double middle = (slider.left + slider.right) / 2, y = (slider.top + slider.bottom) / 2;
-  button(WindowEvent::Kind::move, slider.right - 4, y);
-  draw();
-  button(WindowEvent::Kind::press, slider.right - 4, y);
-  draw();
-  button(WindowEvent::Kind::move, middle, y);
-  draw();
+  const Vec2 held = hold_ceiling_in_the_middle();
   EXPECT_EQ(options().safety.ceiling, 1) << "while it is held";
   ASSERT_TRUE(goes_round_until([&] { return heard_->last_sounds && heard_->loudest < 0.6; })) << "the array follows";
-  button(WindowEvent::Kind::release, middle, y);
+  button(Kind::release, held.x, held.y);
   draw();
   EXPECT_NEAR(options().safety.ceiling, 0.5, 0.05);
   ASSERT_TRUE(goes_round_until([&] { return heard_->last_sounds.load(); }));

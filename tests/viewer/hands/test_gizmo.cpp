@@ -25,20 +25,6 @@ Vec2 pixel(const Sight& sight, const Vec3& p) {
   return {at.x, at.y};
 }
 
-TEST(LineOfSight, UndoesProjection) {
-  for (const bool orthographic : {false, true}) {
-    const Sight sight = sight_from(0.7, 0.4, orthographic);
-    for (const Vec3& p : {Vec3(0), Vec3(0.03, -0.02, 0.05), Vec3(-0.06, 0.04, -0.07)}) {
-      const Vec2 at = pixel(sight, p);
-      const Ray ray = line_of_sight(sight.viewpoint, at.x, at.y, sight.width, sight.height);
-      const Vec3 to = p - ray.from;
-      EXPECT_LT(glm::length(to - ray.direction * glm::dot(to, ray.direction)), 1e-6);
-      EXPECT_GT(glm::dot(to, ray.direction), 0);
-      EXPECT_NEAR(glm::length(ray.direction), 1, 1e-12);
-    }
-  }
-}
-
 TEST(LineOfSight, MeetsNoPlaneThatItRunsAlong) {
   EXPECT_FALSE(meet({{0, 1, 0}, {1, 0, 0}}, {0, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(meet({{0, 1, 0}, {0, 1, 0}}, {0, 0, 0}, {0, 1, 0})) << "behind it";

@@ -15,6 +15,8 @@ SurfaceMark box(const char* name, double x, std::uint32_t solid) {
   return mark;
 }
 
+using Kind = WindowEvent::Kind;
+
 class PlacingTest : public testing::Test {
  protected:
   PlacingTest() {
@@ -25,23 +27,14 @@ class PlacingTest : public testing::Test {
     sight.viewpoint.azimuth = sight.viewpoint.elevation = 0;  // x to the right, y up
     placing.begin(rest, true, false);
   }
-  bool does(WindowEvent::Kind kind, const Vec2& at = {}, Button button = Button::left) {
-    WindowEvent event;
-    event.kind = kind;
-    event.x = at.x, event.y = at.y, event.button = button;
-    return placing.handle(event, sight);
+  bool send(const WindowEvent& event) { return placing.handle(event, sight); }
+  bool does(Kind kind, const Vec2& at = {}, Button button = Button::left) {
+    return send({.kind = kind, .x = at.x, .y = at.y, .button = button});
   }
-  bool key(Key key, bool ctrl = false) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::key;
-    event.key = key, event.ctrl = ctrl;
-    return placing.handle(event, sight);
-  }
+  bool key(Key key, bool ctrl = false) { return send({.kind = Kind::key, .ctrl = ctrl, .key = key}); }
+  bool key(char letter, bool ctrl = false) { return key(key_of(letter), ctrl); }
   bool scroll(double steps, bool shift = false, bool ctrl = false) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::scroll;
-    event.steps = steps, event.shift = shift, event.ctrl = ctrl;
-    return placing.handle(event, sight);
+    return send({.kind = Kind::scroll, .steps = steps, .shift = shift, .ctrl = ctrl});
   }
   Vec2 pixel(const Vec3& p) const {
     const Projected at = project(projection(sight.viewpoint, sight.width, sight.height), p);
@@ -52,8 +45,8 @@ class PlacingTest : public testing::Test {
   void drag(const Vec3& middle) {
     const Gizmo gizmo = gizmo_at(middle, sight);
     const Vec2 from = pixel(middle + Vec3(0.9 * gizmo.size_m, 0, 0));
-    EXPECT_TRUE(does(WindowEvent::Kind::press, from));
-    EXPECT_TRUE(does(WindowEvent::Kind::move, from + Vec2(30, 4)));
+    EXPECT_TRUE(does(Kind::press, from));
+    EXPECT_TRUE(does(Kind::move, from + Vec2(30, 4)));
   }
 
   Picture rest;
@@ -61,14 +54,11 @@ class PlacingTest : public testing::Test {
   Placing placing;
 };
 
-TEST_F(PlacingTest, AFingerWaitsAboveTheHighestSolid) {
+TEST_F(PlacingTest, AFingerWaitsAboveTheHighestSolidAndThenItsTipIsUnderThePointer) {
   EXPECT_LT(glm::distance(tip(), Vec3(0.03, 0.004, 0)), 1e-7);
-}
-
-TEST_F(PlacingTest, TheFingersTipIsUnderThePointer) {
   const double depth = tip().z;
   for (const Vec2& at : {Vec2(300, 200), Vec2(500, 450)}) {
-    EXPECT_FALSE(does(WindowEvent::Kind::move, at)) << "others may use the pointer, too";
+    EXPECT_FALSE(does(Kind::move, at)) << "others may use the pointer, too";
     EXPECT_LT(glm::distance(pixel(tip()), at), 1e-2);
     EXPECT_NEAR(tip().z, depth, 1e-9) << "in the plane that faces the viewer";
   }
@@ -79,43 +69,40 @@ TEST_F(PlacingTest, TheFingersTipIsUnderThePointer) {
   EXPECT_FALSE(scroll(1, false, true)) << "with Ctrl the wheel is the view's";
 }
 
-TEST_F(PlacingTest, TheFingerStaysWhereItIsToldTo) {
-  EXPECT_TRUE(key(key_of('m')));
+TEST_F(PlacingTest, TheFingerStaysWhileTheViewIsTurnedAndWhereItIsToldTo) {
+  does(Kind::move, {400, 300});
   const Vec3 before = tip();
-  does(WindowEvent::Kind::move, {300, 200});
+  EXPECT_FALSE(does(Kind::press, {400, 300}));
+  does(Kind::move, {500, 300});
+  EXPECT_EQ(tip(), before);
+  does(Kind::release, {500, 300});
+  does(Kind::move, {500, 300});
+  const Vec3 there = tip();
+  EXPECT_NE(there, before);
+  EXPECT_TRUE(key('m'));
+  does(Kind::move, {300, 200});
   EXPECT_FALSE(scroll(1));
-  EXPECT_EQ(tip(), before);
-}
-
-TEST_F(PlacingTest, TheFingerStaysWhileTheViewIsTurned) {
-  does(WindowEvent::Kind::move, {400, 300});
-  const Vec3 before = tip();
-  EXPECT_FALSE(does(WindowEvent::Kind::press, {400, 300}));
-  does(WindowEvent::Kind::move, {500, 300});
-  EXPECT_EQ(tip(), before);
-  does(WindowEvent::Kind::release, {500, 300});
-  does(WindowEvent::Kind::move, {500, 300});
-  EXPECT_NE(tip(), before);
+  EXPECT_EQ(tip(), there);
 }
 
 TEST_F(PlacingTest, ARightDragTurnsTheFingerAroundItsTip) {
   const Transform before = placing.finger();
-  EXPECT_TRUE(does(WindowEvent::Kind::press, {400, 300}, Button::right));
-  EXPECT_TRUE(does(WindowEvent::Kind::move, {550, 300}, Button::right));
-  EXPECT_TRUE(does(WindowEvent::Kind::release, {550, 300}, Button::right));
+  EXPECT_TRUE(does(Kind::press, {400, 300}, Button::right));
+  EXPECT_TRUE(does(Kind::move, {550, 300}, Button::right));
+  EXPECT_TRUE(does(Kind::release, {550, 300}, Button::right));
   EXPECT_EQ(Vec3(placing.finger()[3]), Vec3(before[3]));
   EXPECT_LT(glm::distance(Vec3(placing.finger()[1]), Vec3(std::sqrt(0.5), std::sqrt(0.5), 0)), 1e-9)
       << "its body leans to the right";
-  EXPECT_TRUE(key(key_of('z'), true));
+  EXPECT_TRUE(key('z', true));
   EXPECT_EQ(placing.finger(), before);
 }
 
 TEST_F(PlacingTest, AHandleMovesASolidAndUndoTakesItBack) {
   EXPECT_FALSE(placing.moved());
-  EXPECT_TRUE(key(key_of('g')));
+  EXPECT_TRUE(key('g'));
   EXPECT_EQ(placing.chosen(), 0u);
   drag({-0.03, -0.01, 0});
-  EXPECT_TRUE(does(WindowEvent::Kind::release));
+  EXPECT_TRUE(does(Kind::release));
   EXPECT_TRUE(placing.moved());
   const Transform pose = placing.poses()[0];
   EXPECT_GT(pose[3].x, 1e-3);
@@ -132,7 +119,7 @@ TEST_F(PlacingTest, AHandleMovesASolidAndUndoTakesItBack) {
   EXPECT_NE(placing.poses()[0], pose);
   EXPECT_TRUE(key(Key::escape));
   EXPECT_EQ(placing.poses()[0], pose) << "Escape lets go of it where it was";
-  EXPECT_TRUE(key(key_of('z'), true));
+  EXPECT_TRUE(key('z', true));
   EXPECT_FALSE(placing.moved());
   EXPECT_TRUE(key(Key::escape)) << "hides the handles";
   EXPECT_FALSE(placing.chosen());
@@ -141,21 +128,21 @@ TEST_F(PlacingTest, AHandleMovesASolidAndUndoTakesItBack) {
 
 TEST_F(PlacingTest, TheFingerHasHandlesAfterTheSolids) {
   for (int i = 0; i < 3; ++i)
-    key(key_of('g'));
+    key('g');
   EXPECT_EQ(placing.chosen(), 2u);
   const Vec3 before = tip();
-  does(WindowEvent::Kind::move, {300, 200});
+  does(Kind::move, {300, 200});
   EXPECT_EQ(tip(), before) << "it would run away from its handles";
   drag(before);
   EXPECT_GT(tip().x, before.x);
-  key(key_of('g'));
+  key('g');
   EXPECT_FALSE(placing.chosen());
 }
 
 TEST_F(PlacingTest, WhatWasMovedStaysInItsScene) {
-  key(key_of('g'));
+  key('g');
   drag({-0.03, -0.01, 0});
-  does(WindowEvent::Kind::release);
+  does(Kind::release);
   placing.begin(rest, true, true);
   EXPECT_TRUE(placing.moved());
   placing.begin(rest, false, false);

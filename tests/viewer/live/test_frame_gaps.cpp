@@ -23,19 +23,13 @@ Rhythm after(int frames, double between_s = every_s) {
   return rhythm;
 }
 
-TEST(FrameGaps, NobodyWaitsWhereThereAreNoFrames) {
-  EXPECT_FALSE(Rhythm().wait_until(3, 1));
-}
-
-TEST(FrameGaps, AFrameUnderWayIsWaitedFor) {
+TEST(FrameGaps, OnlyAFrameUnderWayIsWaitedForAndNotForLong) {
+  EXPECT_FALSE(Rhythm().wait_until(3, 1)) << "there are no frames";
+  EXPECT_FALSE(after(4).wait_until(0.3, 1e-3)) << "it is never planned";
   Rhythm rhythm = after(1);
   EXPECT_GT(rhythm.wait_until(1e-3, 1e-3).value_or(0), 0.1);
   rhythm.planned(0, takes_s);
   EXPECT_FALSE(rhythm.wait_until(takes_s, 1e-3)) << "when the next comes is not known yet";
-}
-
-TEST(FrameGaps, AFrameThatIsNeverPlannedIsNotWaitedForLong) {
-  EXPECT_FALSE(after(4).wait_until(0.3, 1e-3));
 }
 
 TEST(FrameGaps, WorkThatWouldNotEndBeforeTheNextFrameWaitsForIt) {

@@ -7,16 +7,17 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <glm/ext/matrix_transform.hpp>
 #include <memory>
 #include <thread>
 #include <vector>
 
-#include "base/error.hpp"
 #include "geometry/gltf/write.hpp"
 #include "heard_link.hpp"
 #include "session/links/sources.hpp"
 #include "session/threads.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -55,25 +56,26 @@ struct Bench {
   bool sounded() { return heard->sounded(); }
 };
 
-template <typename Condition>
-bool soon(LiveSession& live, Condition condition) {
-  const auto until = std::chrono::steady_clock::now() + 60s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > until) return false;
+bool soon(LiveSession& live, const std::function<bool()>& condition) {
+  return test::begins([&] {
+    if (condition()) return true;
     live.look();
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
+    return false;
+  });
+}
+bool is_over(LiveSession& live) {
+  return soon(live, [&] { return live.over(); });
+}
+bool runs(LiveSession& live) {
+  return soon(live, [&] { return live.state() == LiveState::running; });
 }
 
 /// Whether it ends although nobody looks.
 bool ends_unattended(LiveSession& live) {
-  const auto until = std::chrono::steady_clock::now() + 60s;
-  while (!live.over() && std::chrono::steady_clock::now() < until) {
+  return test::begins([&] {
     live.take();  // it counts as starting until it has taken ten snapshots
-    std::this_thread::sleep_for(10ms);
-  }
-  return live.over();
+    return live.over();
+  });
 }
 
 TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
@@ -98,7 +100,7 @@ TEST(Live, IsLookedAtAndFallsSilentWhenItIsSwitchedOff) {
   EXPECT_FALSE(picture.images.empty());
 
   live->all_off();
-  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  ASSERT_TRUE(is_over(*live));
   EXPECT_EQ(live->state(), LiveState::ended);
   EXPECT_EQ(live->fault(), "");
   EXPECT_TRUE(bench.heard->finished);
@@ -132,7 +134,7 @@ TEST(Live, PointsThatAreNoSkinAreShownApart) {
   EXPECT_EQ(picture.dropped_count, 0U);
 }
 
-TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
+TEST(Live, WhoDrawsIsKeptOutOfItsFramesWay) {
   Bench bench;
   const auto live = bench.start();
   double waited_s = 0;
@@ -141,7 +143,7 @@ TEST(Live, WhoAsksIsKeptOutOfItsFramesWay) {
     return waited_s > 0.02 && live->state() == LiveState::running;
   })) << live->fault();
   live->all_off();
-  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  ASSERT_TRUE(is_over(*live));
   EXPECT_LT(live->let_run(1e-3, 0.2), 0.2) << "no more frames come";
 }
 
@@ -170,11 +172,11 @@ TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
   EXPECT_NEAR(solids[0].bounds.high.y, -0.1, 1e-7);
 }
 
-TEST(Live, RecordsWhileItRuns) {
+TEST(Live, RecordsWhileItRunsAndToItsEnd) {
   Bench bench;
   const auto folder = test::scratch_folder("viewer-recorded");
-  const auto live = bench.start();
-  ASSERT_TRUE(soon(*live, [&] { return live->state() == LiveState::running; })) << live->fault();
+  auto live = bench.start();
+  ASSERT_TRUE(runs(*live)) << live->fault();
   const std::string taken = (folder / "taken").string(), made = (folder / "made").string();
   std::filesystem::create_directories(std::filesystem::path(taken) / "something");
   live->record(taken);  // this is reported, and ends nothing
@@ -191,20 +193,18 @@ TEST(Live, RecordsWhileItRuns) {
   const sensing::Recording recording = sensing::load_recording(made);
   EXPECT_GE(recording.entries.size(), 5u);
   EXPECT_EQ(recording.cameras.size(), live->scene()->cameras.size());
-}
 
-TEST(Live, ARecordingIsWholeWhenItsRunEndsByItself) {
-  Bench bench;
+  const std::string whole = (folder / "whole").string();
+  live.reset();
+  bench.stop = false;
   bench.frames = 60;
-  const auto folder = test::scratch_folder("viewer-recorded-to-the-end");
-  const std::string made = (folder / "made").string();
-  const auto live = bench.start();
-  live->record(made);
-  ASSERT_TRUE(soon(*live, [&] { return live->over(); }));
+  live = bench.start();
+  live->record(whole);
+  ASSERT_TRUE(is_over(*live));
   EXPECT_EQ(live->fault(), "");
   EXPECT_EQ(live->recording(), "") << "nothing is written any more";
   EXPECT_GT(live->recorded(), 0u);
-  EXPECT_EQ(sensing::load_recording(made).entries.size(), live->recorded());
+  EXPECT_EQ(sensing::load_recording(whole).entries.size(), live->recorded());
 }
 
 TEST(Live, EndsWithTheViewer) {
@@ -235,8 +235,8 @@ TEST(Live, AViewerThatHasDrawnLittleMayTakeLonger) {
     if (taken < 9) taken += live->take() ? 1 : 0;
     return taken == 9 && bench.sounded();
   })) << live->fault();
-  std::this_thread::sleep_for(200ms);
-  EXPECT_FALSE(bench.stop) << "a driver may still compile";
+  std::this_thread::sleep_for(200ms);  // a driver may still compile, so it is to wait
+  EXPECT_FALSE(bench.stop);
   EXPECT_TRUE(ends_unattended(*live));
   EXPECT_FALSE(bench.heard->last_sounds);
 }
@@ -256,8 +256,8 @@ TEST(Live, NeverWritesOverWhatItReads) {
   const std::string before = test::read_text(scene);
   LiveSession live(live_options({{"--scene", {scene.string()}}, {"--link", {"record:" + scene.string()}}}), {},
                    bench.stop, [] {});
-  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
-  EXPECT_NE(live.fault().find("--link: "), std::string::npos) << live.fault();
+  ASSERT_TRUE(is_over(live));
+  EXPECT_CONTAINS(live.fault(), "--link: ");
   EXPECT_EQ(test::read_text(scene), before);
 }
 
@@ -348,16 +348,6 @@ TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
   EXPECT_EQ(sounding.plan, &snapshot.plan);
 }
 
-TEST(Live, AFaultIsToldAndNothingSounds) {
-  Bench bench;
-  setup::LiveOptions options = live_options({{"--scene", {"/nowhere.glb"}}});
-  LiveSession live(std::move(options), {}, bench.stop, [] {});
-  ASSERT_TRUE(soon(live, [&] { return live.over(); }));
-  EXPECT_EQ(live.state(), LiveState::failed);
-  EXPECT_NE(live.fault().find("/nowhere.glb"), std::string::npos) << live.fault();
-  EXPECT_EQ(live.scene(), nullptr);
-}
-
 TEST(Starter, DoesNotGiveWayWithItsMaker) {
   const auto niceness = [] { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
   const int before = niceness();
@@ -408,13 +398,12 @@ TEST(DrawingThreads, GiveWayThoughTheyHaveBegun) {
 
 TEST(NextOutputs, ARunThatRestartsOverwritesNothing) {
   const auto folder = test::scratch_folder("live-next-outputs");
-  const std::string events = (folder / "events.jsonl").string(), drives = (folder / "drives").string(),
-                    take = (folder / "take.1").string();
+  const std::string events = folder / "events", drives = folder / "drives", take = folder / "take.1";
   const std::vector<session::LinkKind> links = session::builtin_links();
   NextOutputs outputs;
   const auto begin = [&](bool writes) {
     setup::LiveOptions options;
-    options.events = events;
+    options.events = events + ".jsonl";
     options.record = take + "/";
     options.link = "record:" + drives;
     const auto lines = outputs.name(options, links);
@@ -430,22 +419,20 @@ TEST(NextOutputs, ARunThatRestartsOverwritesNothing) {
   EXPECT_TRUE(begin(false).second.empty()) << "nothing was written there";
   EXPECT_EQ(begin(true).first.record, take);
   const auto [second, told] = begin(true);
-  EXPECT_EQ(second.events, (folder / "events-2.jsonl").string());
-  EXPECT_EQ(second.link, "record:" + (folder / "drives-2").string());
-  EXPECT_EQ(second.record, (folder / "take.1-2").string());
+  EXPECT_EQ(second.events, events + "-2.jsonl");
+  EXPECT_EQ(second.link, "record:" + drives + "-2");
+  EXPECT_EQ(second.record, take + "-2");
   ASSERT_EQ(told.size(), 3u);
-  EXPECT_EQ(told[0], "--events: " + events + " is kept, this run writes " + second.events);
-  test::write_text(folder / "events-3.jsonl", "somebody else's");
-  EXPECT_EQ(begin(true).first.events, (folder / "events-4.jsonl").string());
+  EXPECT_EQ(told[0], "--events: " + events + ".jsonl is kept, this run writes " + second.events);
+  test::write_text(events + "-3.jsonl", "somebody else's");
+  EXPECT_EQ(begin(true).first.events, events + "-4.jsonl");
 
   setup::LiveOptions streams;
-  streams.events = "-";
   streams.link = "foci:udp:127.0.0.1:9000";
-  for (int i = 0; i < 2; ++i)
-    EXPECT_TRUE(outputs.name(streams, links).empty());
-  streams.events = "/dev/null";
-  for (int i = 0; i < 2; ++i)
-    EXPECT_TRUE(outputs.name(streams, links).empty());
+  for (const char* stream : {"-", "-", "/dev/null", "/dev/null"}) {
+    streams.events = stream;
+    EXPECT_TRUE(outputs.name(streams, links).empty()) << stream;
+  }
 }
 
 TEST(TimeBins, CountTenthsOfTheBudget) {

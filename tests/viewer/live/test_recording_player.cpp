@@ -41,7 +41,7 @@ std::uint64_t next(sensing::DepthSource& source, double timeout_s = 5) {
   return set.frames.front().depth.front();
 }
 
-TEST(RecordingPlayer, PlaysStopsStepsAndGoes) {
+TEST(RecordingPlayer, PlaysStopsStepsAndGoesWithinItsFrames) {
   RecordingPlayer player;
   EXPECT_FALSE(player.now());
   const auto source = open(player, "viewer-player");
@@ -49,36 +49,30 @@ TEST(RecordingPlayer, PlaysStopsStepsAndGoes) {
   EXPECT_EQ(player.now()->frames, frames);
   EXPECT_NEAR(player.now()->length_s, 0.04, 1e-12);
   EXPECT_EQ(next(*source), 1u);
-  EXPECT_EQ(next(*source), 2u);
-
-  Playback play = *player.now();
-  play.playing = false;
-  player.play(play);
-  EXPECT_EQ(next(*source, 0.05), 0u) << "it stands still";
-  player.step(1);
-  EXPECT_EQ(next(*source), 3u);
-  player.step(-2);
-  EXPECT_EQ(next(*source), 1u);
-  EXPECT_EQ(next(*source, 0.05), 0u);
-
-  player.go_to(4);
-  EXPECT_EQ(next(*source), 5u);
-  EXPECT_EQ(player.now()->frame, 4u);
-}
-
-TEST(RecordingPlayer, StopsAndGoesOnWhereItIs) {
-  RecordingPlayer player;
-  const auto source = open(player, "viewer-player-space");
-  EXPECT_EQ(next(*source), 1u);
   Playback seen = *player.now();  // as in the last picture
   EXPECT_EQ(next(*source), 2u);
   EXPECT_EQ(next(*source), 3u);
+
   seen.playing = false;
   player.play(seen);
+  EXPECT_EQ(player.now()->frame, 2u) << "it stops where it is";
+  EXPECT_EQ(next(*source, 0.05), 0u) << "it stands still";
+  player.step(1);
+  EXPECT_EQ(next(*source), 4u);
+  player.step(-2);
+  EXPECT_EQ(next(*source), 2u);
+  EXPECT_EQ(next(*source, 0.05), 0u);
+  player.step(-5);
+  EXPECT_EQ(next(*source), 1u) << "there is no frame before the first";
+  player.step(9);
+  EXPECT_EQ(next(*source), frames) << "nor after the last";
+
+  player.go_to(2);
+  EXPECT_EQ(next(*source), 3u);
   EXPECT_EQ(player.now()->frame, 2u);
   seen.playing = true;
   player.play(seen);
-  EXPECT_EQ(next(*source), 4u);
+  EXPECT_EQ(next(*source), 4u) << "it goes on where it is";
 }
 
 TEST(RecordingPlayer, TimesAndNumbersGoOnWhereverItIs) {

@@ -2,21 +2,22 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
+#include <initializer_list>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "heard_link.hpp"
-#include "support/shared_data.hpp"
+#include "support/begins.hpp"
+#include "support/thrown.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/run_control.hpp"
 
 namespace palpa::viewer {
 namespace {
 
-using namespace std::chrono_literals;
+using enum RunState;
+enum class Act { change, start, switch_off, stay, begin, wait };
 
 /// A run of a synthetic finger in a cube, on the processor.
 class RunControls : public testing::Test {
@@ -30,19 +31,48 @@ class RunControls : public testing::Test {
 
   /// Runs the loop like a viewer, but starts nothing.
   bool comes_to(RunState state) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
-    while (run_->state() != state) {
-      if (std::chrono::steady_clock::now() > until) return false;
+    return test::begins([&] {
+      if (run_->state() == state) return true;
       if (run_->session()) run_->session()->look();
       if (const auto fault = run_->advance()) ends_.push_back(*fault);
-      std::this_thread::sleep_for(2ms);
-    }
-    return true;
+      return false;
+    });
   }
-  /// From no run, or an ended one, to a running one.
-  bool runs(const setup::LiveOptions& options) {
-    run_->start(options);
-    return run_->begin() && comes_to(RunState::running);
+  struct Step {
+    Act act;
+    RunState then;
+    bool off = true;  ///< what switch_off() says
+  };
+  /// Does one thing after the other, each with these options, and checks the state after each.
+  void goes(std::initializer_list<Step> steps, const setup::LiveOptions& options = test::heard_options()) {
+    int number = 0;
+    for (const Step& step : steps) {
+      SCOPED_TRACE(number++);
+      switch (step.act) {
+        case Act::change:
+          run_->change(options);
+          break;
+        case Act::start:
+          run_->start(options);
+          break;
+        case Act::switch_off:
+          EXPECT_EQ(run_->switch_off(), step.off);
+          break;
+        case Act::stay:
+          run_->stay();
+          break;
+        case Act::begin:
+          ASSERT_TRUE(run_->begin());
+          break;
+        case Act::wait:
+          ASSERT_TRUE(comes_to(step.then));
+          break;
+      }
+      EXPECT_EQ(run_->state(), step.then);
+      EXPECT_EQ(run_->restarts(), step.then == restarting || step.then == ready);
+      EXPECT_EQ(run_->under_way(), step.then == loading || step.then == running || step.then == restarting ||
+                                       step.then == switching_off);
+    }
   }
 
   std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
@@ -52,22 +82,11 @@ class RunControls : public testing::Test {
 };
 
 TEST_F(RunControls, BeginsWhenItIsAskedTo) {
-  EXPECT_EQ(run_->state(), RunState::none);
   EXPECT_FALSE(run_->session());
-  EXPECT_FALSE(run_->switch_off()) << "there is nothing to switch off";
   EXPECT_FALSE(run_->advance());
-  ASSERT_TRUE(run_->begin());
-  EXPECT_EQ(run_->state(), RunState::none) << "nobody has said with which options";
+  goes({{Act::switch_off, none, false}, {Act::begin, none}});  // nobody has said with which options
   EXPECT_TRUE(run_->finish(0));
-
-  run_->change(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::ready);
-  EXPECT_TRUE(run_->restarts());
-  ASSERT_TRUE(run_->begin());
-  EXPECT_EQ(run_->state(), RunState::loading);
-  EXPECT_TRUE(run_->under_way());
-  EXPECT_FALSE(run_->restarts());
-  ASSERT_TRUE(comes_to(RunState::running));
+  goes({{Act::change, ready}, {Act::begin, loading}, {Act::wait, running}, {Act::stay, running}});
   EXPECT_EQ(run_->options().scene, test::heard_options().scene);
   EXPECT_TRUE(run_->take_scene()) << "it was there before the first frame";
   EXPECT_FALSE(run_->take_scene()) << "once";
@@ -77,109 +96,50 @@ TEST_F(RunControls, BeginsWhenItIsAskedTo) {
 }
 
 TEST_F(RunControls, EndsByItselfAndBeginsAgainWithOtherOptions) {
-  run_->start(test::heard_options(3));
-  ASSERT_TRUE(run_->begin());
-  ASSERT_TRUE(comes_to(RunState::ended));
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, ended}}, test::heard_options(3));
   EXPECT_EQ(ends_, std::vector<std::string>{""}) << "without a fault, once";
-  EXPECT_FALSE(run_->under_way());
   EXPECT_FALSE(run_->advance()) << "it was reported already";
-
-  run_->change(broken());
-  EXPECT_EQ(run_->state(), RunState::ready);
+  goes({{Act::change, ready}}, broken());
   EXPECT_EQ(run_->options().scene, test::heard_options().scene) << "of the session that is there";
   EXPECT_EQ(run_->next().scene, broken().scene);
-  ASSERT_TRUE(run_->begin());
-  ASSERT_TRUE(comes_to(RunState::failed));
+  goes({{Act::begin, loading}, {Act::wait, failed}});
   ASSERT_EQ(ends_.size(), 2u);
-  EXPECT_NE(ends_[1].find("/nowhere.glb"), std::string::npos) << ends_[1];
+  EXPECT_CONTAINS(ends_[1], "/nowhere.glb");
   EXPECT_FALSE(run_->take_scene());
-
-  EXPECT_TRUE(runs(test::heard_options()));
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, running}});
 }
 
 TEST_F(RunControls, ASessionThatIsUnderWayEndsBeforeTheNext) {
-  ASSERT_TRUE(runs(test::heard_options()));
-  run_->change(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::restarting);
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, running}, {Act::change, restarting}});
   EXPECT_TRUE(stop_) << "it is silent";
-  EXPECT_TRUE(run_->restarts());
-  EXPECT_TRUE(run_->under_way());
-  ASSERT_TRUE(run_->begin());
-  EXPECT_EQ(run_->state(), RunState::restarting) << "it is not over";
-  run_->change(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::restarting);
-  ASSERT_TRUE(comes_to(RunState::ready));
+  goes({{Act::begin, restarting}, {Act::change, restarting}, {Act::wait, ready}});
   EXPECT_EQ(ends_.size(), 1u);
   EXPECT_TRUE(run_->session()) << "it is there until the next begins";
-  ASSERT_TRUE(run_->begin());
+  goes({{Act::begin, loading}});
   EXPECT_FALSE(stop_);
   EXPECT_FALSE(run_->scene());
-  ASSERT_TRUE(comes_to(RunState::running));
-}
-
-TEST_F(RunControls, WhatIsReadyNeedNotBegin) {
-  ASSERT_TRUE(runs(test::heard_options()));
-  run_->stay();
-  EXPECT_EQ(run_->state(), RunState::running);
-  run_->change(test::heard_options());
-  ASSERT_TRUE(comes_to(RunState::ready));
-  run_->stay();
-  EXPECT_EQ(run_->state(), RunState::ended);
-  EXPECT_FALSE(run_->restarts());
+  goes({{Act::wait, running}, {Act::change, restarting}, {Act::wait, ready}, {Act::stay, ended}});
 }
 
 TEST_F(RunControls, WhatIsSwitchedOffStaysSoUntilItIsStarted) {
-  ASSERT_TRUE(runs(test::heard_options()));
-  EXPECT_TRUE(run_->switch_off());
-  EXPECT_EQ(run_->state(), RunState::switching_off);
-  EXPECT_FALSE(run_->switch_off()) << "it was";
-  run_->change(test::heard_options(5));
-  EXPECT_EQ(run_->state(), RunState::switching_off) << "other options begin nothing";
-  ASSERT_TRUE(comes_to(RunState::switched_off));
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, running}, {Act::switch_off, switching_off}});
+  goes({{Act::switch_off, switching_off, false}, {Act::change, switching_off}, {Act::wait, switched_off}});
   EXPECT_EQ(ends_.size(), 1u);
-  run_->change(test::heard_options(7));
-  EXPECT_EQ(run_->state(), RunState::switched_off);
-  ASSERT_TRUE(run_->begin());
-  EXPECT_EQ(run_->state(), RunState::switched_off);
+  goes({{Act::change, switched_off}, {Act::begin, switched_off}}, test::heard_options(7));
   EXPECT_TRUE(stop_);
   EXPECT_EQ(run_->next().frames, 7u) << "with these it would start";
-  EXPECT_FALSE(run_->switch_off());
-  run_->start(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::ready);
-  EXPECT_TRUE(run_->switch_off()) << "it is never too late";
-  EXPECT_EQ(run_->state(), RunState::switched_off);
-  EXPECT_TRUE(runs(test::heard_options()));
+  goes({{Act::switch_off, switched_off, false}, {Act::start, ready}, {Act::switch_off, switched_off}});
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, running}});
+  // While it is being switched off, the last word counts.
+  goes({{Act::switch_off, switching_off}, {Act::start, restarting}, {Act::switch_off, switching_off}});
+  goes({{Act::start, restarting}, {Act::wait, ready}, {Act::begin, loading}, {Act::wait, running}});
 }
 
-TEST_F(RunControls, StartedWhileItIsBeingSwitchedOffItRestarts) {
-  ASSERT_TRUE(runs(test::heard_options()));
-  EXPECT_TRUE(run_->switch_off());
-  run_->start(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::restarting);
-  EXPECT_TRUE(run_->switch_off());
-  EXPECT_EQ(run_->state(), RunState::switching_off) << "the last word counts";
-  run_->start(test::heard_options());
-  ASSERT_TRUE(comes_to(RunState::ready));
-  ASSERT_TRUE(run_->begin());
-  EXPECT_TRUE(comes_to(RunState::running));
-}
-
-TEST_F(RunControls, SwitchedOffAfterItsEndItBeginsNothing) {
-  run_->start(test::heard_options(3));
-  ASSERT_TRUE(run_->begin());
-  ASSERT_TRUE(comes_to(RunState::ended));
-  EXPECT_TRUE(run_->switch_off());
-  EXPECT_EQ(run_->state(), RunState::switched_off);
-  run_->change(test::heard_options());
-  EXPECT_EQ(run_->state(), RunState::switched_off);
-}
-
-TEST_F(RunControls, WhatLoadsCanBeSwitchedOff) {
-  run_->start(test::heard_options());
-  ASSERT_TRUE(run_->begin());
-  EXPECT_TRUE(run_->switch_off());
-  ASSERT_TRUE(comes_to(RunState::switched_off));
-  EXPECT_FALSE(heard_->sounded());
+TEST_F(RunControls, SwitchedOffBeforeOrAfterItsRunItBeginsNothing) {
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::switch_off, switching_off}, {Act::wait, switched_off}});
+  EXPECT_FALSE(heard_->sounded()) << "it was loading";
+  goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, ended}}, test::heard_options(3));
+  goes({{Act::switch_off, switched_off}, {Act::change, switched_off}});
 }
 
 }  // namespace

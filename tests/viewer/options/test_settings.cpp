@@ -1,10 +1,9 @@
 // The settings that the viewer stores.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
-#include "base/error.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "viewer/options/settings.hpp"
 
 namespace palpa::viewer {
@@ -56,14 +55,8 @@ TEST(Settings, ABrokenFileIsToldWithItsLine) {
   for (const char* text : {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n",
                            "fine_pictures = \"often\"\n", "finger_colour = \"SA2\"\n", "[layers.solids]\nopacity = 2\n",
                            "[window]\nx = 1\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
-    std::ofstream(file) << text;
-    try {
-      load_settings(file);
-      ADD_FAILURE() << text;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Exit::bad_input);
-      EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
-    }
+    test::write_text(file, text);
+    EXPECT_REFUSED(load_settings(file), file.string());
   }
 }
 

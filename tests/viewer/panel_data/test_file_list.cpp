@@ -60,19 +60,16 @@ TEST(FileList, ARecordingIsNoFolderToEnter) {
   EXPECT_FALSE(is_folder_to_enter(picker));
 }
 
-TEST(FileList, UsualFoldersExistAndAreDifferent) {
-  const std::vector<NamedFolder> folders = starting_folders(std::filesystem::current_path().string());
+TEST(FileList, UsualFoldersExistAndAreDifferentAndTheCurrentOneIsNamedBriefly) {
+  const std::string here = std::filesystem::current_path().string();
+  EXPECT_EQ(chosen_file({.folder = here, .name = "model.glb"}), "model.glb");
+  const std::vector<NamedFolder> folders = starting_folders(here);
   ASSERT_FALSE(folders.empty());
-  EXPECT_EQ(folders.front().folder, std::filesystem::current_path().string());
+  EXPECT_EQ(folders.front().folder, here);
   for (const NamedFolder& place : folders) {
     EXPECT_TRUE(std::filesystem::is_directory(place.folder)) << place.folder;
     EXPECT_EQ(std::ranges::count(folders, place.folder, &NamedFolder::folder), 1) << place.name;
   }
-}
-
-TEST(FileList, NamesWhatIsBelowTheCurrentFolderBriefly) {
-  FilePicker picker{.folder = std::filesystem::current_path().string(), .name = "model.glb"};
-  EXPECT_EQ(chosen_file(picker), "model.glb");
 }
 
 }  // namespace

@@ -9,23 +9,18 @@
 namespace palpa::viewer {
 namespace {
 
-TEST(UiKeys, AreTextFromThePressOnATextOn) {
+TEST(UiKeys, AreTextFromThePressOnAFieldToItsEnd) {
   Ui ui(false);
   const auto picture = [&] {
     ui.begin(200, 100, 1, 0.01);
     ui.end();
   };
   const auto typed = [&](Key key) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::key;
-    event.key = key;
-    const bool taken = ui.take(event);
-    event.down = false;
-    ui.take(event);
+    const bool taken = ui.take({.kind = WindowEvent::Kind::key, .key = key});
+    ui.take({.kind = WindowEvent::Kind::key, .key = key, .down = false});
     return taken;
   };
-  WindowEvent press;
-  press.kind = WindowEvent::Kind::press;
+  const WindowEvent press{.kind = WindowEvent::Kind::press};
   picture();
   EXPECT_FALSE(typed(key_of('o')));
   ui.take(press, true);
@@ -38,7 +33,7 @@ TEST(UiKeys, AreTextFromThePressOnATextOn) {
 }
 
 /// Where fontconfig is missing, there is no file, and palpa's own strokes are used.
-TEST(FileFont, ThatFontconfigNamesCanBeDrawn) {
+TEST(FileFont, IsDrawnInPlaceOfStrokes) {
   const std::string file = fontconfig_file();
   if (file.empty()) GTEST_SKIP() << "skipped: no fontconfig, or no font";
   Ui ui(false);
@@ -55,11 +50,8 @@ TEST(FileFont, ThatFontconfigNamesCanBeDrawn) {
 
 TEST(UiKeys, OneThatIsHeldDownIsOneChange) {
   Ui ui(false);
-  WindowEvent event;
-  event.kind = WindowEvent::Kind::key;
-  event.key = key_of('a');
   for (int i = 0; i < 100; ++i)
-    ui.take(event);
+    ui.take({.kind = WindowEvent::Kind::key, .key = key_of('a')});
   int pictures = 0;
   for (; ui.restless() && pictures < 100; ++pictures) {
     ui.begin(200, 100, 1, 0.01);

@@ -1,9 +1,10 @@
 // The chart of what skin feels: its place, the heights of its bars, and when it is not drawn.
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include "viewer/picture/chart.hpp"
 #include "viewer/render/overlay.hpp"
@@ -30,19 +31,8 @@ Picture with(std::vector<std::vector<SpectrumMark>> spectra) {
 }
 
 TEST(Chart, TopsAreRound) {
-  EXPECT_DOUBLE_EQ(chart_top(0.9), 1);
-  EXPECT_DOUBLE_EQ(chart_top(1), 1);
-  EXPECT_DOUBLE_EQ(chart_top(1.1), 2);
-  EXPECT_DOUBLE_EQ(chart_top(3), 5);
-  EXPECT_DOUBLE_EQ(chart_top(0.07), 0.1);
-  EXPECT_DOUBLE_EQ(chart_top(0), 1);
-  EXPECT_DOUBLE_EQ(chart_top(-1), 1);
-}
-
-TEST(Chart, IsAbsentWithoutSpectraOrRoom) {
-  EXPECT_TRUE(chart(with({})).empty());
-  EXPECT_TRUE(chart(with({{{200, 1, 1}}}), 320, 200).empty());
-  EXPECT_FALSE(chart(with({{{200, 1, 1}}})).empty());
+  for (const auto& [most, top] : {std::pair(0.9, 1.0), {1, 1}, {1.1, 2}, {3, 5}, {0.07, 0.1}, {0, 1}, {-1, 1}})
+    EXPECT_DOUBLE_EQ(chart_top(most), top) << most;
 }
 
 TEST(Chart, TheScaleStandsBesideItOrAboveIt) {
@@ -79,10 +69,12 @@ TEST(Chart, BarsAreAsHighAsTheirLines) {
   EXPECT_NEAR(felt[1], pressure[1], 0.01);
 }
 
-TEST(Chart, WhatIsLookedAtMakesRoomForIt) {
+TEST(Chart, WhatIsLookedAtMakesRoomForItWhereItIsDrawn) {
   const Picture picture = with({{{200, 1, 1}}});
+  EXPECT_TRUE(chart(with({})).empty()) << "no spectra";
   EXPECT_EQ(chart_share(with({}), 1280, 800, 1), 0);
-  EXPECT_EQ(chart_share(picture, 400, 800, 1), 0) << "not drawn";
+  EXPECT_TRUE(chart(picture, 320, 200).empty()) << "no room";
+  EXPECT_EQ(chart_share(picture, 400, 800, 1), 0);
   double right = 0;
   for (const auto& s : chart(picture))
     right = std::max({right, double{s.from.x}, double{s.to.x}});
@@ -104,12 +96,10 @@ TEST(Chart, StaysInItsCorner) {
 }
 
 TEST(Overlay, ScaleBarIsOneTwoOrFive) {
-  EXPECT_NEAR(scale_bar_length(0.0123), 0.01, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.0999), 0.05, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.02), 0.02, 1e-12);
-  EXPECT_NEAR(scale_bar_length(0.1), 0.1, 1e-12);
-  EXPECT_GT(scale_bar_length(0), 0);
-  EXPECT_GT(scale_bar_length(std::numeric_limits<double>::quiet_NaN()), 0);
+  for (const auto& [most, length] : {std::pair(0.0123, 0.01), {0.0999, 0.05}, {0.02, 0.02}, {0.1, 0.1}})
+    EXPECT_NEAR(scale_bar_length(most), length, 1e-12);
+  for (const double odd : {0.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_GT(scale_bar_length(odd), 0);
 }
 
 }  // namespace

@@ -1,45 +1,30 @@
 // Sound in the picture: planes, colours on the skin, and their colour bars.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <complex>
 #include <glm/geometric.hpp>
+#include <utility>
+#include <vector>
 
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
-#include "support/device.hpp"
-#include "viewer/picture/palette.hpp"
-#include "viewer/render/drawing_test.hpp"
-#include "viewer/render/offscreen.hpp"
-#include "viewer/scenes.hpp"
+#include "viewer/picture/field_marks.hpp"
+#include "viewer/render/drawn.hpp"
 #include "viewer/sound/field_slice.hpp"
 
 namespace palpa::viewer {
 namespace {
 
 using ViewerField = test::DrawingTest;
+using test::distance;
+using test::pixel_at;
 using Pressures = std::vector<std::complex<double>>;
 
 constexpr std::uint32_t width = 640, height = 400;
 
-Pixels draw(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint = test::front_viewpoint()) {
-  DrawnPicture drawn(test::test_device());
-  drawn.update(picture, state);
-  Offscreen offscreen(test::test_device(), width, height);
-  offscreen.draw(drawn, viewpoint);
-  return offscreen.pixels();
-}
-
-int distance(const std::uint8_t* pixel, const Colour& colour) {
-  int worst = 0;
-  for (int i = 0; i < 3; ++i)
-    worst = std::max(worst, std::abs(static_cast<int>(to_pixel(colour) >> (8 * i) & 255) - pixel[i]));
-  return worst;
-}
-
-const std::uint8_t* at(const Pixels& pixels, const Vec3& world) {
-  const Projected p = project(projection(test::front_viewpoint(), width, height), world);
-  return pixels.at(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y));
+Pixels draw(const Picture& picture, const ViewState& state) {
+  return test::shoot(picture, {.state = state, .width = width, .height = height});
 }
 
 TEST(FieldMarks, SamplesAreThePlanesPixels) {
@@ -62,7 +47,7 @@ TEST(FieldMarks, BarsEndAtRoundNumbers) {
     EXPECT_NEAR(round_up(most), end, 1e-9) << most;
 }
 
-TEST(FieldMarks, LoudPlanesAreByShareOfTheLargest) {
+TEST(FieldMarks, LoudPlanesShowTheShareOfTheLargestPressure) {
   Picture picture;
   const SliceGrid grid{2, 1};
   const Pressures quiet{{0, 300}, {400, 0}}, loud{{0, 2 * array::linear_pressure_pa}, {0, 0}};
@@ -117,11 +102,11 @@ TEST_F(ViewerField, ASliceIsTheFieldWhereItIs) {
   picture.skin_points.emplace_back(-0.02f, -0.01f, -0.01f);
   ViewState state = test::bare_view();
   const Pixels without = draw(picture, state);
-  EXPECT_GT(distance(at(without, {-0.02, -0.01, -0.01}), theme_of(false).background), 10);
+  EXPECT_GT(distance(pixel_at(without, {-0.02, -0.01, -0.01}), test::paper()), 10);
   state.layers[Layer::slice].visible = true;
   const Pixels with = draw(picture, state);
-  EXPECT_LE(distance(at(with, points[loudest]), drawing::map_colour(peak / most)), 12);
-  EXPECT_GT(distance(at(with, {-0.02, -0.01, -0.01}), theme_of(false).skin_point), 40);
+  EXPECT_LE(distance(pixel_at(with, points[loudest]), drawing::map_colour(peak / most)), 12);
+  EXPECT_GT(distance(pixel_at(with, {-0.02, -0.01, -0.01}), theme_of(false).skin_point), 40);
 }
 
 TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
@@ -141,11 +126,11 @@ TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
   const Pixels heat = draw(picture, state);
   // Without the layer, the skin has faintly its own colour. With the layer, it is dark on the left and bright on the
   // right, and nothing shines through.
-  EXPECT_GT(at(skin, {-0.019, 0.003, 0.02})[1], 170);
-  EXPECT_LT(at(heat, {-0.019, 0.003, 0.02})[1], 60);
-  EXPECT_GT(at(heat, {0.019, 0.003, 0.02})[0], at(heat, {-0.019, 0.003, 0.02})[0] + 100);
+  EXPECT_GT(pixel_at(skin, {-0.019, 0.003, 0.02})[1], 170);
+  EXPECT_LT(pixel_at(heat, {-0.019, 0.003, 0.02})[1], 60);
+  EXPECT_GT(pixel_at(heat, {0.019, 0.003, 0.02})[0], pixel_at(heat, {-0.019, 0.003, 0.02})[0] + 100);
   state.layers[Layer::heat].opacity = 0.3f;
-  EXPECT_GT(at(draw(picture, state), {-0.019, 0.003, 0.02})[1], 120);
+  EXPECT_GT(pixel_at(draw(picture, state), {-0.019, 0.003, 0.02})[1], 120);
 }
 
 TEST_F(ViewerField, BarsStandBetweenAxesAndScale) {

@@ -73,8 +73,7 @@ TEST(Stereo, WhatIsInMidairIsOnTheLineFromTheEye) {
 TEST(Stereo, AnEyeBehindTheScreenIsRefused) {
   sensing::Screen screen = leaning_screen();
   screen.eye_m = transform_point(screen.T_world_screen, {0, 0, -0.1});
-  const std::string error = test::error_of([&] { (void)onto(screen, screen.eye_m); }, Exit::usage);
-  EXPECT_CONTAINS(error, "in front of the screen");
+  EXPECT_ERROR(onto(screen, screen.eye_m), Exit::usage, "in front of the screen");
 }
 
 TEST(Stereo, ThroughEverySlitEachEyeSeesItsOwnPixels) {
@@ -126,32 +125,18 @@ TEST(Stereo, TwoPicturesBecomeOne) {
                                         usual_barrier(screen, eyes, mode.value, 64, 48), mode.value);
     ASSERT_EQ(out.width, 64u) << mode.word;
     ASSERT_EQ(out.height, 48u) << mode.word;
-    const auto is_left_at = [&](std::uint32_t x, std::uint32_t y) { return out.at(x, y)[0] == 200; };
+    const auto left = [&](std::uint32_t x, std::uint32_t y) { return out.at(x, y)[0] == 200; };
     for (std::uint32_t y = 0; y < 48; ++y) {
       for (std::uint32_t x = 0; x < 64; ++x) {
-        switch (mode.value) {
-          case Stereo::side_by_side:
-            ASSERT_EQ(is_left_at(x, y), x < 32);
-            break;
-          case Stereo::top_bottom:
-            ASSERT_EQ(is_left_at(x, y), y < 24);
-            break;
-          case Stereo::anaglyph:
-            ASSERT_EQ(out.at(x, y)[0], 119) << "as bright as the left one";
-            ASSERT_EQ(out.at(x, y)[1], 50);
-            ASSERT_EQ(out.at(x, y)[2], 150);
-            break;
-          case Stereo::columns:
-            ASSERT_EQ(is_left_at(x, y), is_left_at(x, 0));
-            ASSERT_TRUE(x == 0 || is_left_at(x, y) != is_left_at(x - 1, y)) << "neighbours differ";
-            break;
-          case Stereo::rows:
-            ASSERT_EQ(is_left_at(x, y), is_left_at(0, y));
-            ASSERT_TRUE(y == 0 || is_left_at(x, y) != is_left_at(x, y - 1)) << "neighbours differ";
-            break;
-          case Stereo::none:
-            break;
-        }
+        const std::uint8_t* at = out.at(x, y);
+        const bool right_of_another = x == 0 || left(x, 0) != left(x - 1, 0);
+        const bool below_another = y == 0 || left(0, y) != left(0, y - 1);
+        const bool as_it_should = mode.value == Stereo::side_by_side ? left(x, y) == (x < 32)
+                                  : mode.value == Stereo::top_bottom ? left(x, y) == (y < 24)
+                                  : mode.value == Stereo::columns    ? left(x, y) == left(x, 0) && right_of_another
+                                  : mode.value == Stereo::rows       ? left(x, y) == left(0, y) && below_another
+                                  : at[0] == 119 && at[1] == 50 && at[2] == 150;  // red as bright as the left one
+        ASSERT_TRUE(as_it_should) << mode.word << " " << x << " " << y;
       }
     }
   }

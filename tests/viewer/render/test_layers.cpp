@@ -1,41 +1,20 @@
 // The look of layers, separated parts, sections and images.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
-#include "drawing_test.hpp"
-#include "support/device.hpp"
+#include "drawn.hpp"
 #include "viewer/picture/depth_image.hpp"
-#include "viewer/picture/palette.hpp"
-#include "viewer/render/offscreen.hpp"
-#include "viewer/scenes.hpp"
 
 namespace palpa::viewer {
 namespace {
 
 using ViewerLayers = test::DrawingTest;
+using test::distance;
+using test::pixel_at;
 
 constexpr std::uint32_t width = 240, height = 180;
 
-Pixels draw(const Picture& picture, const ViewState& state, const Viewpoint& viewpoint = test::front_viewpoint()) {
-  DrawnPicture drawn(test::test_device());
-  drawn.update(picture, state);
-  Offscreen offscreen(test::test_device(), width, height);
-  offscreen.draw(drawn, viewpoint);
-  return offscreen.pixels();
-}
-
-const std::uint8_t* at(const Pixels& pixels, const Vec3& world, const Viewpoint& viewpoint = test::front_viewpoint()) {
-  const Projected p = project(projection(viewpoint, pixels.width, pixels.height), world);
-  return pixels.at(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y));
-}
-
-/// Largest difference of a channel, in steps of 255.
-int distance(const std::uint8_t* pixel, const Colour& colour) {
-  int worst = 0;
-  for (int i = 0; i < 3; ++i)
-    worst = std::max(worst, std::abs(static_cast<int>(to_pixel(colour) >> (8 * i) & 255) - pixel[i]));
-  return worst;
+Pixels draw(const Picture& picture, const ViewState& state) {
+  return test::shoot(picture, {.state = state, .width = width, .height = height});
 }
 
 /// The mean difference of the two, in steps of 255.
@@ -112,15 +91,15 @@ TEST_F(ViewerLayers, PartsAreTakenApartFromTheirSolidsMiddle) {
   EXPECT_EQ(ways[1], Vec3(0.02, 0, 0));
   EXPECT_EQ(ways[2], Vec3(0));
   ViewState state = test::bare_view();
-  const Colour paper = theme_of(false).background;
+  const Colour paper = test::paper();
   const Pixels together = draw(picture, state);
-  EXPECT_GT(distance(at(together, {0.006, 0.004, 0.01}), paper), 20);
-  EXPECT_LE(distance(at(together, {0.03, 0.004, 0.01}), paper), 1);
+  EXPECT_GT(distance(pixel_at(together, {0.006, 0.004, 0.01}), paper), 20);
+  EXPECT_LE(distance(pixel_at(together, {0.03, 0.004, 0.01}), paper), 1);
   state.explode = 1;
   const Pixels exploded = draw(picture, state);
-  EXPECT_LE(distance(at(exploded, {0.006, 0.004, 0.01}), paper), 1);
-  EXPECT_GT(distance(at(exploded, {0.03, 0.004, 0.01}), paper), 20);
-  EXPECT_GT(distance(at(exploded, {0, 0.024, 0.005}), paper), 20);
+  EXPECT_LE(distance(pixel_at(exploded, {0.006, 0.004, 0.01}), paper), 1);
+  EXPECT_GT(distance(pixel_at(exploded, {0.03, 0.004, 0.01}), paper), 20);
+  EXPECT_GT(distance(pixel_at(exploded, {0, 0.024, 0.005}), paper), 20);
   EXPECT_EQ(extent(picture, Extent::objects, state).high.x, 0.04);
   EXPECT_EQ(extent(picture, Extent::objects).high.x, 0.02);
 }
@@ -131,15 +110,15 @@ TEST_F(ViewerLayers, ASectionIsAnEllipseInItsFingersColour) {
   picture.fingers[1].section =
       SectionMark{{0, 0, 0}, {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}, {0.02f, 0.01f}};
   ViewState state = test::bare_view();
-  const Colour paper = theme_of(false).background;
-  EXPECT_LE(distance(at(draw(picture, state), {0.012, 0.004, 0}), paper), 1) << "hidden at first";
+  const Colour paper = test::paper();
+  EXPECT_LE(distance(pixel_at(draw(picture, state), {0.012, 0.004, 0}), paper), 1) << "hidden at first";
   state.layers[Layer::sections].visible = true;
   const Pixels pixels = draw(picture, state);
   const Colour blue = mix(paper, finger_colour(1), 0.22f);
-  EXPECT_LE(distance(at(pixels, {0.012, 0.004, 0}), blue), 3);
-  EXPECT_LE(distance(at(pixels, {-0.012, -0.004, 0}), blue), 3);
-  EXPECT_LE(distance(at(pixels, {0.018, 0.008, 0}), paper), 1) << "beyond the ellipse, within its box";
-  EXPECT_LE(distance(at(pixels, {0.0225, 0.0002, 0}), finger_colour(1)), 60) << "the first axis leads beyond the rim";
+  EXPECT_LE(distance(pixel_at(pixels, {0.012, 0.004, 0}), blue), 3);
+  EXPECT_LE(distance(pixel_at(pixels, {-0.012, -0.004, 0}), blue), 3);
+  EXPECT_LE(distance(pixel_at(pixels, {0.018, 0.008, 0}), paper), 1) << "beyond the ellipse, within its box";
+  EXPECT_LE(distance(pixel_at(pixels, {0.0225, 0.0002, 0}), finger_colour(1)), 60) << "the axis leads beyond the rim";
 }
 
 TEST_F(ViewerLayers, AnImageHasItsPixelsWhereItsCornersAre) {
@@ -156,11 +135,11 @@ TEST_F(ViewerLayers, AnImageHasItsPixelsWhereItsCornersAre) {
   ViewState state = test::bare_view();
   state.layers[Layer::depth].visible = true;
   const Pixels pixels = draw(picture, state);
-  EXPECT_LE(distance(at(pixels, {-0.014, 0.014, 0}), red), 2);
-  EXPECT_LE(distance(at(pixels, {0.014, 0.014, 0}), green), 2);
-  EXPECT_LE(distance(at(pixels, {-0.014, -0.014, 0}), blue), 2);
-  EXPECT_LE(distance(at(pixels, {0.014, -0.014, 0}), mix(theme_of(false).background, grey, 0.5f)), 3);
-  EXPECT_LE(distance(at(pixels, {0, 0.014, 0}), mix(red, green, 0.5f)), 8) << "halfway between two pixels";
+  EXPECT_LE(distance(pixel_at(pixels, {-0.014, 0.014, 0}), red), 2);
+  EXPECT_LE(distance(pixel_at(pixels, {0.014, 0.014, 0}), green), 2);
+  EXPECT_LE(distance(pixel_at(pixels, {-0.014, -0.014, 0}), blue), 2);
+  EXPECT_LE(distance(pixel_at(pixels, {0.014, -0.014, 0}), mix(test::paper(), grey, 0.5f)), 3);
+  EXPECT_LE(distance(pixel_at(pixels, {0, 0.014, 0}), mix(red, green, 0.5f)), 8) << "halfway between two pixels";
 }
 
 TEST_F(ViewerLayers, DepthIsLightWhereItIsNear) {

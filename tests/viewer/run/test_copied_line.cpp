@@ -36,7 +36,10 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-void expect_same_picture(const std::vector<std::string>& line) {
+TEST_F(CopiedLine, DrawsThePictureAgain) {
+  const std::vector<std::string> line =
+      test::cube_touch({"--backend", "cpu", "--layout", "autd3", "--show", "sections", "--hide", "grid", "--opacity",
+                        "solids=0.5", "--dark"});
   const auto folder = test::scratch_folder("viewer-copied");
   const std::string shown = (folder / "shown.png").string(), copied = (folder / "copied.png").string();
   test::write_text(folder / "script", "key space\ndrag 100 80 140 90\nscroll 2\nkey 5\nkey .\ndraw\n");
@@ -50,35 +53,25 @@ void expect_same_picture(const std::vector<std::string>& line) {
     std::vector<std::string>& values = given[line[i]];
     if (i + 1 < line.size() && !line[i + 1].starts_with("--")) values.push_back(line[++i]);
   }
-  const ViewerOptions options = options_of(given);
   std::atomic<bool> stop{false};
   std::string text;
-  AppHost host;
-  host.stop = &stop;
-  host.panels = false;
-  host.copy = [&](const std::string& copy) { text = copy; };
   const Size size{320, 200};
-  App app(options, size, std::move(host));
-  const auto event = [&](WindowEvent::Kind kind, double x, double y, Key key = Key::other) {
-    WindowEvent e;
-    e.kind = kind;
-    e.x = x, e.y = y;
-    e.key = key;
-    e.steps = 2;
-    app.handle(e, size);
-    app.advance(0.01, size);
-  };
+  App app(options_of(given), size,
+          {.stop = &stop, .copy = [&](const std::string& copy) { text = copy; }, .panels = false});
   using Kind = WindowEvent::Kind;
-  event(Kind::key, 0, 0, Key::space);
-  event(Kind::move, 100, 80);
-  event(Kind::press, 100, 80);
-  event(Kind::move, 120, 85);
-  event(Kind::move, 140, 90);
-  event(Kind::release, 140, 90);
-  event(Kind::scroll, 140, 90);
-  event(Kind::key, 0, 0, key_of('5'));
-  event(Kind::key, 0, 0, key_of('.'));
-  event(Kind::key, 0, 0, key_of('c'));
+  for (const WindowEvent& event : {WindowEvent{.kind = Kind::key, .key = Key::space},
+                                   {.kind = Kind::move, .x = 100, .y = 80},
+                                   {.kind = Kind::press, .x = 100, .y = 80},
+                                   {.kind = Kind::move, .x = 120, .y = 85},
+                                   {.kind = Kind::move, .x = 140, .y = 90},
+                                   {.kind = Kind::release, .x = 140, .y = 90},
+                                   {.kind = Kind::scroll, .x = 140, .y = 90, .steps = 2},
+                                   {.kind = Kind::key, .key = key_of('5')},
+                                   {.kind = Kind::key, .key = key_of('.')},
+                                   {.kind = Kind::key, .key = key_of('c')}}) {
+    app.handle(event, size);
+    app.advance(0.01, size);
+  }
   std::vector<std::string> again = words_of(text);
   std::ranges::replace(again, "picture.png", copied);
   ASSERT_GT(again.size(), 3u) << text;
@@ -87,11 +80,6 @@ void expect_same_picture(const std::vector<std::string>& line) {
   const auto run = test::viewer_here(again);
   ASSERT_EQ(run.exit_code, 0) << run.err << "\n" << text;
   EXPECT_LT(drawing::mean_difference(drawing::read_png(shown), drawing::read_png(copied)), 1e-4) << text;
-}
-
-TEST_F(CopiedLine, DrawsThePictureAgain) {
-  expect_same_picture(test::with(test::cube_touch({"--backend", "cpu", "--layout", "autd3"}),
-                                 {"--show", "sections", "--hide", "grid", "--opacity", "solids=0.5", "--dark"}));
 }
 
 }  // namespace

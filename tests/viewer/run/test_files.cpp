@@ -52,17 +52,19 @@ class ViewerFiles : public testing::Test {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  std::vector<std::string> names_of(const std::string& file) {
+  /// Names of a file, if it exists; else of one that would be made. Not `all`: only a link to it.
+  std::vector<std::string> names_of(const std::string& file, bool all = true) {
     const fs::path at(path(file));
     fs::remove(path("soft"));
     fs::remove(path("hard"));
-    ::close(open_);
+    ::close(std::exchange(open_, -1));
     fs::create_symlink(at, path("soft"));
     const std::string folder = at.parent_path().string();
     std::vector<std::string> names{
         path("soft"), at.string(), folder + "//" + at.filename().string(),
         folder + "/../" + at.parent_path().filename().string() + "/" + at.filename().string()};
-    if (!fs::exists(at)) return names;
+    if (!all) names.resize(1);
+    if (!all || !fs::exists(at)) return names;
     fs::create_hard_link(at, path("hard"));
     open_ = ::open(at.c_str(), O_RDWR);  // a child process inherits it
     names.insert(names.end(), {path("hard"), "/proc/self/fd/" + std::to_string(open_)});
@@ -100,71 +102,61 @@ class ViewerFiles : public testing::Test {
   fs::path folder_ = test::scratch_folder("viewer-files");
   int open_ = -1;
   bool first_ = true;
+  const std::vector<std::string> live_{"--scene",        path("scene.gltf"), "--rig",
+                                       path("rig.toml"), "--source",         "recording:" + path("take")};
   const std::string read_ = "is read by this command, name another file", same_ = "name the same file";
 };
 
-TEST_F(ViewerFiles, ThatAPictureIsMadeOfAreNoOutputs) {
+TEST_F(ViewerFiles, WhatAPictureIsMadeOfIsNotWritten) {
   script("draw\n");
-  const std::vector<std::string> picture{"--scene",     path("scene.gltf"),    "--points",   path("finger.ply"),
-                                         "--layout",    path("layout.toml"),   "--skin",     path("skin.ply"),
-                                         "--reference", path("reference.png"), "--interact", path("script")};
+  const std::vector<std::string> scene{"--scene", path("scene.gltf")};
+  const std::vector<std::string> picture =
+      with(scene, {"--points", path("finger.ply"), "--layout", path("layout.toml"), "--skin", path("skin.ply"),
+                   "--reference", path("reference.png"), "--interact", path("script")});
   for (const std::string file : {"scene.gltf", "corners.bin", "picture.png", "finger.ply", "layout.toml", "skin.ply",
                                  "script", "reference.png"}) {
-    std::vector<std::string> names = names_of(file);
-    if (file != "scene.gltf" && file != "reference.png") names.resize(1);
-    for (const std::string& name : names) {
-      expect_refused(with(picture, {"--screenshot", name}), read_);
-      expect_refused(with(picture, {"--json", name}), read_);
+    for (const std::string& name : names_of(file, file == "scene.gltf" || file == "reference.png")) {
+      for (const char* output : {"--screenshot", "--json"})
+        expect_refused(with(picture, {output, name}), read_);
     }
   }
-  expect_refused({"--scene", path("scene.gltf"), "--participant", "--screen", path("screen.toml"), "--screenshot",
-                  path("screen.toml")},
-                 read_);
-  for (const std::string& file : {path("depth.png"), path("camera.toml")})
-    expect_refused({"--scene", path("scene.gltf"), "--depth", path("depth.png"), "--camera", path("camera.toml"),
-                    "--screenshot", file},
-                   read_);
+  const std::string screen = path("screen.toml"), depth = path("depth.png"), camera = path("camera.toml");
+  expect_refused(with(scene, {"--participant", "--screen", screen, "--screenshot", screen}), read_);
+  for (const std::string& file : {depth, camera})
+    expect_refused(with(scene, {"--depth", depth, "--camera", camera, "--screenshot", file}), read_);
   // A file that does not exist yet, compared with itself.
   for (const std::string& name : names_of("absent.png"))
-    expect_refused({"--scene", path("scene.gltf"), "--reference", path("absent.png"), "--screenshot", name}, read_);
+    expect_refused(with(scene, {"--reference", path("absent.png"), "--screenshot", name}), read_);
 }
 
-TEST_F(ViewerFiles, ThatALiveRunReadsAreNoOutputs) {
-  const std::vector<std::string> live{"--scene",        path("scene.gltf"), "--rig",
-                                      path("rig.toml"), "--source",         "recording:" + path("take")};
-  const std::vector<std::pair<std::string, std::string>> outputs{
-      {"--screenshot", ""}, {"--json", ""}, {"--events", ""}, {"--link", "record:"}};
+TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
   for (const std::string file : {"scene.gltf", "rig.toml"}) {
-    std::vector<std::string> names = names_of(file);
-    if (file != "rig.toml") names.resize(1);
-    for (const std::string& name : names) {
-      for (const auto& [option, prefix] : outputs)
-        expect_refused(with(live, {option, prefix + name}), read_);
+    for (const std::string& name : names_of(file, file == "rig.toml")) {
+      for (const char* output : {"--screenshot", "--json", "--events"})
+        expect_refused(with(live_, {output, name}), read_);
+      expect_refused(with(live_, {"--link", "record:" + name}), read_);
     }
   }
   for (const std::string file :
        {"corners.bin", "mask.png", "layout.toml", "take/recording.toml", "take/times.csv", "take/depth-0.png"})
-    expect_refused(with(live, {"--link", "record:" + path(file)}), read_);
+    expect_refused(with(live_, {"--link", "record:" + path(file)}), read_);
   // The guard, another process, reads these. Only the program knows links to boards.
   fs::create_directories(folder_ / "boards");
   write_text(folder_ / "boards/sonicsurface.txt", "0\n");
-  for (const auto& [option, prefix] : outputs) {
-    if (option == "--link") continue;
+  for (const char* output : {"--screenshot", "--json", "--events"}) {
     first_ = true;
-    expect_refused(with(live, {"--link", "openmpd", "--board-files", path("boards"), option,
-                               prefix + path("boards/sonicsurface.txt")}),
+    expect_refused(with(live_, {"--link", "openmpd", "--board-files", path("boards"), output,
+                                path("boards/sonicsurface.txt")}),
                    read_);
   }
 }
 
-TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
+TEST_F(ViewerFiles, AShotIsNoFileThatIsRead) {
   const std::vector<std::string> touch{"--scene", path("scene.gltf"), "--points",    path("finger.ply"), "--backend",
                                        "cpu",     "--interact",       path("script")};
   script("draw\n");
   for (const std::string file : {"finger.ply", "corners.bin", "picture.png", "script", "scene.gltf"}) {
-    std::vector<std::string> names = names_of(file);
-    if (file != "script" && file != "scene.gltf") names.resize(1);
-    for (const std::string& name : names) {
+    for (const std::string& name : names_of(file, file == "script" || file == "scene.gltf")) {
       script("draw\nshot " + name + "\ndraw\n");
       expect_refused(touch, "shot in line 2 of --interact");
     }
@@ -179,20 +171,11 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
     }
   }
   // Files of a live run, which are read while the script is played, and dropped files.
-  const std::vector<std::string> live{"--scene",    path("scene.gltf"),
-                                      "--rig",      path("rig.toml"),
-                                      "--source",   "recording:" + path("take"),
-                                      "--backend",  "cpu",
-                                      "--interact", path("script")};
   for (const std::string file : {"mask.png", "corners.bin", "layout.toml", "take/depth-0.png"}) {
     script("draw\nshot " + path(file) + "\ndraw\n");
-    expect_refused(live, read_);
+    expect_refused(with(live_, {"--backend", "cpu", "--interact", path("script")}), read_);
   }
-  fs::copy_file(folder_ / "scene.gltf", folder_ / "second.gltf");
-  write_text(folder_ / "second.gltf", [&] {
-    std::string text = test::read_text(folder_ / "scene.gltf");
-    return text.replace(text.find("corners.bin"), 11, "dropped.bin");
-  }());
+  test::write_scene(folder_ / "second.gltf", "dropped.bin");
   test::write_tetrahedron(folder_ / "dropped.bin");
   script("draw\ndrop " + path("second.gltf") + "\nshot " + path("dropped.bin") + "\ndraw\n");
   expect_refused(touch, "is read by this command");
@@ -203,7 +186,7 @@ TEST_F(ViewerFiles, ThatShotsNameAreNotWhatIsRead) {
   EXPECT_EQ(viewer(touch).exit_code, 0);
 }
 
-TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
+TEST_F(ViewerFiles, WhatAModelOrARecordingNamesIsInItsFolder) {
   write_text(folder_ / "short.bin", "Q7");
   fs::create_directory(folder_ / "theirs");
   test::write_scene(folder_ / "theirs/model.gltf", "../short.bin");
@@ -216,7 +199,7 @@ TEST_F(ViewerFiles, ThatAModelOrARecordingNamesStayInItsFolder) {
       "--allow-outside", 4);
 }
 
-TEST_F(ViewerFiles, ThatAreTheViewersSettingsAreNoOutputs) {
+TEST_F(ViewerFiles, TheViewersSettingsAreNotWritten) {
   fs::create_directories(folder_ / "palpa");
   write_text(folder_ / "palpa/viewer.toml", "dark = true\n");
   setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
@@ -227,7 +210,7 @@ TEST_F(ViewerFiles, ThatAreTheViewersSettingsAreNoOutputs) {
   unsetenv("XDG_CONFIG_HOME");
 }
 
-TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
+TEST_F(ViewerFiles, NoFileIsWrittenTwice) {
   for (const std::string file : {"new", "old"}) {
     for (const std::string& name : names_of(file)) {
       expect_refused({"--scene", path("scene.gltf"), "--json", path(file), "--screenshot", name}, same_);
@@ -245,7 +228,7 @@ TEST_F(ViewerFiles, ThatAreWrittenAreNotWrittenTwice) {
                  "one lies in the folder of the other");
 }
 
-TEST_F(ViewerFiles, ThatAnyOptionNamesAreTried) {
+TEST_F(ViewerFiles, EveryOptionThatNamesAFileIsTried) {
   // A new option that names a file must be tried above.
   const std::set<std::string> inputs{"--scene",  "--points", "--depth",  "--camera",    "--rig",      "--layout",
                                      "--source", "--skin",   "--screen", "--reference", "--interact", "--board-files"},

@@ -1,18 +1,18 @@
-// palpa-viewer without a window: each test runs one line with the program; similar lines that draw or are refused run
-// in this process.
+// palpa-viewer without a window. Lines that need the program itself start it; others run in this process.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+#include <iterator>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "cli/support/process.hpp"
 #include "drawing/png.hpp"
 #include "geometry/files/ply.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "sensing/grey_png.hpp"
@@ -21,258 +21,189 @@
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "viewer_here.hpp"
 
-namespace palpa {
+namespace palpa::test {
 namespace {
 
-using Viewer = test::DrawingTest;
+using Line = std::vector<std::string>;
 
-using test::cube_touch;
-using test::host_touch;
-using test::source_file;
-using test::viewer;
-using test::viewer_here;
+class Viewer : public DrawingTest {
+ protected:
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  /// The bytes of the picture of a line, drawn within this process; it is in "shot.png" then.
+  std::string shot(const Line& line) {
+    const Result run = viewer_here(with(line, {"--quiet", "--screenshot", path("shot.png")}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return read_text(folder_ / "shot.png");
+  }
+  drawing::Pixels pixels(const Line& line) {
+    shot(line);
+    return drawing::read_png(path("shot.png"));
+  }
+  std::string script(const std::string& text) {
+    write_text(folder_ / "script", text);
+    return path("script");
+  }
+  std::string ball(int finely) {
+    const geometry::Mesh mesh = geometry::icosphere(6e-3, finely);
+    geometry::write_ply(path("ball.ply"), mesh.positions, mesh.triangles);
+    return path("ball.ply");
+  }
 
-TEST_F(Viewer, WritesAScreenshotWithoutADisplay) {
-  const auto folder = test::scratch_folder("viewer-shot");
-  const std::string shot = (folder / "p.png").string();
-  const auto run = viewer(cube_touch(
-      {"--headless", "--frames", "3", "--screenshot", shot, "--skin", source_file("assets/finger.ply").string()}));
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(run.err, "");
-  const drawing::Pixels pixels = drawing::read_png(shot);
-  EXPECT_EQ(pixels.width, 320u);
-  EXPECT_EQ(pixels.height, 200u);
+  const std::filesystem::path folder_ = scratch_folder("viewer-program");
+  const std::string cube_ = source_file("assets/cube.glb").string();
+  const Line synthetic_{"--scene", cube_, "--source", "synthetic", "--layout", "autd3", "--headless"};
+  const Line live_ = with(synthetic_, {"--backend", "cpu", "--noise-free", "--size", "320x200"});
+};
+
+TEST_F(Viewer, TheSameCommandGivesTheSameBytesWithoutADisplayOnEitherBackend) {
+  const Line same{"--frames", "3", "--skin", source_file("assets/finger.ply").string()};
+  for (const char* name : {"a.png", "b.png"}) {
+    const Result run = viewer(cube_touch(with(same, {"--headless", "--screenshot", path(name)})));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+  }
+  EXPECT_EQ(read_text(folder_ / "a.png"), read_text(folder_ / "b.png"));
+  const drawing::Pixels a = drawing::read_png(path("a.png"));
+  EXPECT_TRUE(a.width == 320 && a.height == 200);
+  EXPECT_LT(drawing::mean_difference(a, pixels(host_touch(same))), 1e-4);
+}
+
+TEST_F(Viewer, AnArrayAloneIsAPicture) {
+  EXPECT_EQ(pixels({"--layout", "sonicsurface", "--headless"}).width, 1280u);
 }
 
 TEST_F(Viewer, BrokenSettingsAreToldInOneLineWithoutAWindow) {
-  const auto folder = test::scratch_folder("viewer-broken-settings");
-  std::filesystem::create_directory(folder / "palpa");
+  std::filesystem::create_directory(folder_ / "palpa");
   const auto warned = [&](const std::string& text) {
-    std::ofstream(folder / "palpa" / "viewer.toml") << text;
-    const auto run = test::run_program(PALPA_VIEWER_BINARY, {"--headless", "--layout", "openmpd", "--size", "64x64"},
-                                       {{{"DISPLAY", ""}, {"XDG_CONFIG_HOME", folder.string()}}});
+    write_text(folder_ / "palpa" / "viewer.toml", text);
+    const Result run = run_program(PALPA_VIEWER_BINARY, {"--headless", "--layout", "openmpd", "--size", "64x64"},
+                                   {{{"DISPLAY", ""}, {"XDG_CONFIG_HOME", folder_.string()}}});
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return run.err_lines();
   };
   EXPECT_TRUE(warned("dark = true\n").empty());
   const std::vector<std::string> lines = warned("dark = 3\n");
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_NE(lines[0].find("palpa/viewer.toml"), std::string::npos) << lines[0];
-  EXPECT_NE(lines[0].find("does not use it"), std::string::npos) << lines[0];
-}
-
-TEST_F(Viewer, TheSameCommandGivesTheSameBytesOnEitherBackend) {
-  const auto folder = test::scratch_folder("viewer-same");
-  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string(), c = (folder / "c.png").string();
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", a, "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer(cube_touch({"--headless", "--screenshot", b, "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer_here(host_touch({"--screenshot", c, "--quiet"})).exit_code, 0);
-  EXPECT_EQ(test::read_text(a), test::read_text(b));
-  EXPECT_LT(drawing::mean_difference(drawing::read_png(a), drawing::read_png(c)), 1e-4);
+  EXPECT_CONTAINS(lines[0], "palpa/viewer.toml");
+  EXPECT_CONTAINS(lines[0], "does not use it");
 }
 
 TEST_F(Viewer, TheSpectrumIsAChartInItsCornerBesideWhatIsLookedAt) {
-  const auto folder = test::scratch_folder("viewer-spectrum");
-  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
-  const std::vector<std::string> more{"--quiet", "--hide", "grid", "--screenshot"};
-  ASSERT_EQ(viewer_here(host_touch(test::with(more, {a}), "640x400")).exit_code, 0);
-  ASSERT_EQ(viewer(host_touch(test::with(more, {b, "--spectrum"}), "640x400")).exit_code, 0);
-  const drawing::Pixels without = drawing::read_png(a), with = drawing::read_png(b);
+  const Line bare = host_touch({"--hide", "grid"}, "640x400");
+  const drawing::Pixels without = pixels(bare), with_it = pixels(with(bare, {"--spectrum"}));
   // The chart is in its corner, and no part of the cube is there. To the right, there is more than before. To the left,
   // there is only the legend at the top.
-  const auto drawn = [](const drawing::Pixels& pixels, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
+  const auto drawn = [](const drawing::Pixels& picture, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
                         std::uint32_t y1) {
     std::size_t count = 0;
     for (std::uint32_t y = y0; y < y1; ++y) {
       for (std::uint32_t x = x0; x < x1; ++x)
-        count += !std::equal(pixels.at(x, y), pixels.at(x, y) + 3, pixels.at(2, 397));
+        count += !std::equal(picture.at(x, y), picture.at(x, y) + 3, picture.at(2, 397));
     }
     return count;
   };
-  EXPECT_GT(drawn(with, 95, 175, 504, 397), 3000u);
-  EXPECT_EQ(drawn(with, 95, 110, 504, 170), 0u) << "between legend and chart";
+  EXPECT_GT(drawn(with_it, 95, 175, 504, 397), 3000u);
+  EXPECT_EQ(drawn(with_it, 95, 110, 504, 170), 0u) << "between legend and chart";
   EXPECT_GT(drawn(without, 95, 110, 504, 170), 1000u) << "where the cube is without it";
-  EXPECT_GT(drawn(with, 506, 0, 640, 380), 2000u);
-  const auto nothing = viewer_here({"--scene", source_file("assets/cube.glb").string(), "--headless", "--spectrum"});
-  test::expect_failure(nothing, 2, "--spectrum");
+  EXPECT_GT(drawn(with_it, 506, 0, 640, 380), 2000u);
 }
 
 TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
-  const auto folder = test::scratch_folder("viewer-live");
-  const std::string shot = (folder / "p.png").string(), early = (folder / "early.png").string();
-  std::ofstream(folder / "log") << "draw 2\nkey 7\nclick 100 100\nkey h\ndraw 2\nkey o\ndraw\nshot " << early << "\n";
-  const std::vector<std::string> live{"--scene",    source_file("assets/cube.glb").string(),
-                                      "--source",   "synthetic",
-                                      "--layout",   "autd3",
-                                      "--headless", "--size",
-                                      "400x300"};
-  const auto run = viewer(test::with(live, {"--frames", "2", "--screenshot", shot}));
+  const Line live = with(synthetic_, {"--size", "400x300"});
+  const Result run = viewer(with(live, {"--frames", "2", "--screenshot", path("p.png")}));
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(drawing::read_png(shot).width, 400u);
-  EXPECT_NE(run.out.find("frame to drives: median "), std::string::npos) << "as palpa run ends: " << run.out;
-  const auto scripted = viewer_here(
-      test::with(live, {"--backend", "cpu", "--quiet", "--panels", "--interact", (folder / "log").string()}));
+  EXPECT_EQ(drawing::read_png(path("p.png")).width, 400u);
+  EXPECT_CONTAINS(run.out, "frame to drives: median ") << "as palpa run ends";
+  const std::string played =
+      script("draw 2\nkey 7\nclick 100 100\nkey h\ndraw 2\nkey o\ndraw\nshot " + path("early.png") + "\n");
+  const Result scripted = viewer_here(with(live, {"--backend", "cpu", "--quiet", "--panels", "--interact", played}));
   EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
-  EXPECT_GT(drawing::mean_difference(drawing::read_png(shot), drawing::read_png(early)), 0.02) << "panels and sheet";
-
-  test::expect_failure(viewer_here({"--scene", "/nowhere.glb", "--source", "synthetic", "--headless"}), 4,
-                       "/nowhere.glb");
-  test::expect_failure(viewer_here(test::with(live, {"--points", "x.ply"})), 2, "--source");
-  test::expect_failure(
-      viewer_here({"--scene", source_file("assets/cube.glb").string(), "--link", "null", "--headless"}), 2, "--source");
-  std::ofstream(folder / "bad") << "draw\njump\n";
-  test::expect_failure(viewer_here(test::with(live, {"--interact", (folder / "bad").string()})), 4, ":2: ");
+  EXPECT_GT(drawing::mean_difference(drawing::read_png(path("p.png")), drawing::read_png(path("early.png"))), 0.02)
+      << "panels and sheet";
 }
 
-TEST_F(Viewer, FramesAdvanceTheRunningFocus) {
-  const auto folder = test::scratch_folder("viewer-slots");
-  const auto arguments = [](const std::vector<std::string>& more) {
-    return host_touch(test::with({"--quiet", "--frame", "touch"}, more));
+TEST_F(Viewer, FramesAdvanceTheRunningFocusAndAVideoIsEveryFrame) {
+  const auto touch = [](const Line& more) { return host_touch(with({"--frame", "touch"}, more)); };
+  const auto pictures_in = [](const std::string& film) {
+    return std::distance(std::filesystem::directory_iterator(film), {});
   };
-  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
-    const std::string file = (folder / name).string();
-    EXPECT_EQ(viewer_here(test::with(arguments(more), {"--screenshot", file})).exit_code, 0);
-    return test::read_text(file);
-  };
-  const std::string first = shot("1.png", {}), second = shot("2.png", {"--frames", "2"});
+  const std::string first = shot(touch({})), second = shot(touch({"--frames", "2"}));
   EXPECT_NE(second, first);
-  EXPECT_EQ(shot("s.png", {"--slot", "1"}), second);
-  const auto filmed = viewer(arguments({"--frames", "11", "--video", (folder / "film").string()}));
+  EXPECT_EQ(shot(touch({"--slot", "1"})), second);
+  const Line filming{"--frames", "11", "--video", path("film"), "--screenshot", path("last.png")};
+  const Result filmed = viewer(touch(filming));
   ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
-  EXPECT_EQ(test::read_text(folder / "film/000010.png"), first);  // ten foci: one full turn
-  EXPECT_EQ(test::read_text(folder / "film/000001.png"), second);
-}
-
-TEST_F(Viewer, AVideoIsEveryFrame) {
-  const auto folder = test::scratch_folder("viewer-video");
-  const std::string video = (folder / "frames").string(), shot = (folder / "last.png").string();
-  const auto run = viewer(cube_touch({"--headless", "--frames", "3", "--video", video, "--screenshot", shot}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.out.find(video), std::string::npos);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(video), {}), 3);
-  const std::string first = test::read_text(folder / "frames/000000.png");
-  EXPECT_NE(first, test::read_text(folder / "frames/000001.png"));
-  EXPECT_EQ(test::read_text(folder / "frames/000002.png"), test::read_text(shot));
-  test::expect_failure(viewer_here(host_touch({"--video", video})), 2, "not empty");
-  test::expect_failure(viewer_here(host_touch({"--video", "/no/such/folder"})), 1, "/no/such/folder");
-  const std::string live = (folder / "live").string();
-  const auto filmed = viewer_here({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
-                                   "--noise-free", "--layout", "autd3", "--backend", "cpu", "--headless", "--quiet",
-                                   "--size", "320x200", "--frames", "3", "--video", live, "--screenshot", shot});
-  ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(live), {}), 3);
-  EXPECT_EQ(test::read_text(folder / "live/000002.png"), test::read_text(shot));
+  EXPECT_CONTAINS(filmed.out, path("film"));
+  EXPECT_EQ(pictures_in(path("film")), 11);
+  EXPECT_EQ(read_text(path("film/000001.png")), second);
+  EXPECT_EQ(read_text(path("film/000010.png")), first) << "ten foci: one full turn";
+  EXPECT_EQ(read_text(path("last.png")), first);
+  expect_failure(viewer_here(touch(filming)), 2, "not empty");
+  const std::string last = shot(with(live_, {"--frames", "3", "--video", path("live")}));
+  EXPECT_EQ(read_text(path("live/000002.png")), last);
+  EXPECT_EQ(pictures_in(path("live")), 3);
 }
 
 TEST_F(Viewer, LayersAreShownAndHidden) {
-  const auto folder = test::scratch_folder("viewer-layers");
-  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
-    const std::string file = (folder / name).string();
-    EXPECT_EQ(viewer_here(host_touch(test::with({"--quiet", "--screenshot", file}, more))).exit_code, 0);
-    return test::read_text(file);
-  };
-  const std::string usual = shot("usual.png", {}), bare = shot("bare.png", {"--hide", "grid,legend"});
-  ASSERT_EQ(
-      viewer(host_touch({"--quiet", "--hide", "grid,legend", "--screenshot", (folder / "b.png").string()})).exit_code,
-      0);
-  EXPECT_EQ(test::read_text(folder / "b.png"), bare);
-  EXPECT_NE(shot("sections.png", {"--show", "sections"}), usual);
+  const std::string usual = shot(host_touch({})), bare = shot(host_touch({"--hide", "grid,legend"}));
+  EXPECT_NE(shot(host_touch({"--show", "sections"})), usual);
   EXPECT_NE(bare, usual);
-  EXPECT_EQ(shot("none.png", {"--opacity", "grid=0,legend=0"}), bare);
-  const auto refused = [&](const std::vector<std::string>& more, const char* part) {
-    test::expect_failure(viewer_here(host_touch(more)), 2, part);
-  };
-  refused({"--hide", "grid,nonsense"}, "'nonsense' is not a layer; give solids");
-  refused({"--show", "grid,"}, "--show");
-  refused({"--opacity", "solids"}, "--opacity");
-  refused({"--opacity", "solids=2"}, "solids=2");
-  refused({"--explode", "2"}, "--explode");
+  EXPECT_EQ(shot(host_touch({"--opacity", "grid=0,legend=0"})), bare);
+  ASSERT_EQ(viewer(host_touch({"--quiet", "--hide", "grid,legend", "--screenshot", path("b.png")})).exit_code, 0);
+  EXPECT_EQ(read_text(path("b.png")), bare) << "the program draws the same bytes";
 }
 
 TEST_F(Viewer, TheFieldOfTheSlotStandsInAPlane) {
-  const auto folder = test::scratch_folder("viewer-slice");
-  const std::string layout = (folder / "four.toml").string();
-  {
-    std::ofstream file(layout);
-    for (const char* place : {"-0.05, -0.05", "0.05, -0.05", "-0.05, 0.05", "0.05, 0.05"})
-      file << "[[transducer]]\nposition_m = [" << place << ", 0]\naxis = [0, 0, 1]\n";
-  }
-  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
-    const std::string file = (folder / name).string();
-    const std::vector<std::string> all{"--quiet", "--layout", layout,         "--frame", "touch",
-                                       "--hide",  "array",    "--screenshot", file};
-    EXPECT_EQ(viewer_here(host_touch(test::with(all, more))).exit_code, 0);
-    return test::read_text(file);
+  std::string layout;
+  for (const char* place : {"-0.05, -0.05", "0.05, -0.05", "-0.05, 0.05", "0.05, 0.05"})
+    layout += "[[transducer]]\nposition_m = [" + std::string(place) + ", 0]\naxis = [0, 0, 1]\n";
+  write_text(folder_ / "four.toml", layout);
+  const auto touch = [&](const Line& more) {
+    return shot(host_touch(with({"--layout", path("four.toml"), "--frame", "touch", "--hide", "array"}, more)));
   };
-  const std::string slice = shot("xz.png", {"--slice", "xz", "--slice-size", "20mm"});
-  EXPECT_NE(shot("none.png", {}), slice);
-  EXPECT_NE(shot("xy.png", {"--slice", "xy", "--slice-size", "20mm"}), slice);
-  EXPECT_NE(shot("at.png", {"--slice-at", "0,-1mm,0", "--slice-size", "20mm"}), slice);
-  EXPECT_NE(shot("next.png", {"--slice", "xz", "--slice-size", "20mm", "--slot", "1"}), slice);
-  const auto whole = viewer(cube_touch({"--headless", "--layout", "autd3", "--slice", "xz", "--screenshot",
-                                        (folder / "whole.png").string(), "--quiet"}));
+  const std::string slice = touch({"--slice", "xz", "--slice-size", "20mm"});
+  for (const Line& other : std::vector<Line>{{},
+                                             {"--slice", "xy", "--slice-size", "20mm"},
+                                             {"--slice-at", "0,-1mm,0", "--slice-size", "20mm"},
+                                             {"--slice", "xz", "--slice-size", "20mm", "--slot", "1"}})
+    EXPECT_NE(touch(other), slice) << (other.empty() ? "" : other.back());
+  const Result whole = viewer(
+      cube_touch({"--headless", "--layout", "autd3", "--slice", "xz", "--screenshot", path("whole.png"), "--quiet"}));
   EXPECT_EQ(whole.exit_code, 0) << whole.err;
   EXPECT_EQ(whole.err, "");
-  test::expect_failure(viewer_here(host_touch({"--slice", "xz"})), 2, "--slice goes with --layout or --rig");
-  test::expect_failure(viewer_here({"--headless", "--layout", "paper", "--slice", "xz"}), 2, "it needs a touch");
 }
 
 TEST_F(Viewer, ThePressureOnTheFingerIsHeat) {
-  const auto folder = test::scratch_folder("viewer-heat");
-  const std::string ball = (folder / "ball.ply").string(), file = (folder / "heat.png").string();
-  const geometry::Mesh mesh = geometry::icosphere(6e-3, 7);
-  geometry::write_ply(ball, mesh.positions, mesh.triangles);
-  const std::vector<std::string> touch{"--scene",       source_file("assets/cube.glb").string(),
-                                       "--points",      ball,
-                                       "--skin",        ball,
-                                       "--penetration", "2mm",
-                                       "--size",        "320x200",
-                                       "--frame",       "touch",
-                                       "--hide",        "array,legend",
-                                       "--backend",     "cpu",
-                                       "--headless",    "--show",
-                                       "heat"};
-  const auto run = viewer(test::with(touch, {"--layout", "autd3", "--screenshot", file}));
+  const std::string finger = ball(7);
+  Line touch = host_touch({"--skin", finger, "--layout", "autd3", "--frame", "touch", "--hide", "array,legend"});
+  touch[3] = finger;
+  touch[5] = "2mm";
+  const Result run = viewer(with(touch, {"--show", "heat", "--screenshot", path("heat.png")}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   // Almost black where nothing is felt, lightest where most is felt.
-  const drawing::Pixels pixels = drawing::read_png(file);
+  const drawing::Pixels heat = drawing::read_png(path("heat.png"));
   std::size_t dark = 0, light = 0;
-  for (std::uint32_t y = 0; y < pixels.height; ++y) {
-    for (std::uint32_t x = 0; x < pixels.width; ++x) {
-      dark += pixels.at(x, y)[1] < 40;
-      light += pixels.at(x, y)[0] > 200 && pixels.at(x, y)[2] < 120;
-    }
+  for (std::size_t i = 0; i < heat.rgba.size(); i += 4) {
+    dark += heat.rgba[i + 1] < 40;
+    light += heat.rgba[i] > 200 && heat.rgba[i + 2] < 120;
   }
   EXPECT_GT(dark, 2000u);
   EXPECT_GT(light, 200u);
-  // The rates of its afferents, with the same colours.
-  std::vector<std::string> rates(touch.begin(), touch.end() - 2);
-  const std::string other = (folder / "rates.png").string();
-  for (const char* colour : {"pressure", "PC"}) {
-    const auto again = viewer_here(test::with(rates, {"--layout", "autd3", "--heat", colour, "--screenshot", other}));
-    ASSERT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_EQ(drawing::read_png(other).rgba == pixels.rgba, colour == std::string("pressure")) << colour;
-  }
-  test::expect_failure(viewer_here(touch), 2, "--show heat goes with --layout or --rig");
-  test::expect_failure(viewer_here(host_touch({"--layout", "autd3", "--show", "heat"})), 2, "--skin");
+  EXPECT_EQ(pixels(with(touch, {"--heat", "pressure"})).rgba, heat.rgba);
+  EXPECT_NE(pixels(with(touch, {"--heat", "PC"})).rgba, heat.rgba) << "rates have the same colours";
 }
 
 TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
-  const auto folder = test::scratch_folder("viewer-participant");
-  const std::string scene = source_file("assets/pyramid.glb").string();
-  const auto arguments = [&](const std::vector<std::string>& more) {
-    return test::with({"--participant", "--scene", scene, "--headless", "--quiet", "--size", "320x180"}, more);
+  const auto line = [&](const Line& more, const char* size = "320x180") {
+    return with({"--participant", "--scene", source_file("assets/pyramid.glb").string(), "--headless", "--size", size},
+                more);
   };
-  const auto shot = [&](const std::string& name, const std::vector<std::string>& more) {
-    const std::string file = (folder / name).string();
-    EXPECT_EQ(viewer_here(test::with(arguments(more), {"--screenshot", file})).exit_code, 0) << name;
-    return drawing::read_png(file);
-  };
-  const drawing::Pixels both = shot("both.png", {"--stereo", "side-by-side"});
-  const drawing::Pixels tile = shot("tile.png", {"--stereo", "side-by-side", "--hide", "solids,edges"});
+  const drawing::Pixels both = pixels(line({"--stereo", "side-by-side"}));
+  const drawing::Pixels tile = pixels(line({"--stereo", "side-by-side", "--hide", "solids,edges"}));
   EXPECT_EQ(both.width, 320u);
   // The tile is the same in both; for the left eye, it is farther to the right, because it is in front of the screen.
   const auto middle = [&](std::uint32_t first) {
@@ -289,114 +220,70 @@ TEST_F(Viewer, AParticipantSeesTheObjectWithEitherEye) {
   };
   EXPECT_GT(middle(0), middle(160) + 3);
   EXPECT_GT(drawing::mean_difference(both, tile), 0.002);
-  EXPECT_GT(drawing::mean_difference(shot("columns.png", {"--stereo", "columns"}), shot("none.png", {})), 0.002);
-  for (const char* stereo : {"side-by-side", "top-bottom"}) {
-    const std::string file = (folder / "odd.png").string();
-    const std::vector<std::string> line{"--participant", "--scene",  scene,  "--headless",   "--quiet", "--size",
-                                        "321x181",       "--stereo", stereo, "--screenshot", file};
-    const auto run = stereo == std::string("top-bottom") ? viewer(line) : viewer_here(line);
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    const drawing::Pixels odd = drawing::read_png(file);
+  EXPECT_GT(drawing::mean_difference(pixels(line({"--stereo", "columns"})), pixels(line({}))), 0.002);
+  ASSERT_EQ(viewer(line({"--stereo", "top-bottom", "--screenshot", path("odd.png")}, "321x181")).exit_code, 0);
+  for (const drawing::Pixels& odd :
+       {pixels(line({"--stereo", "side-by-side"}, "321x181")), drawing::read_png(path("odd.png"))})
     EXPECT_TRUE(odd.width == 321 && odd.height == 181) << odd.width << "x" << odd.height;
-  }
-  const auto refused = [&](const std::vector<std::string>& more, int code, const char* part) {
-    test::expect_failure(viewer_here(arguments(more)), code, part);
-  };
-  refused({"--eye", "0,0,-1"}, 2, "not in front of the screen");
-  refused({"--stereo", "nonsense"}, 2, "--stereo");
-  const std::string rig = (folder / "bare.toml").string();
-  std::ofstream(rig) << sensing::to_toml(sensing::Rig{});
-  refused({"--screen", rig}, 4, "bare.toml");
-  test::expect_failure(viewer_here({"--scene", scene, "--headless", "--stereo", "rows"}), 2, "--participant");
 }
 
 TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
-  const auto folder = test::scratch_folder("viewer-script-loading");
-  const std::string script = (folder / "script").string(), shot = (folder / "shot.png").string();
-  const auto run = [&](const std::string& text, const std::vector<std::string>& more) {
-    test::write_text(script, text);
-    return viewer(test::with({"--source", "synthetic", "--noise-free", "--layout", "autd3", "--backend", "cpu",
-                              "--headless", "--quiet", "--size", "320x200", "--interact", script, "--screenshot", shot},
-                             more));
-  };
-  const std::string cube = source_file("assets/cube.glb").string(), pipe = (folder / "pipe").string();
-  test::expect_failure(run("draw\n", {"--scene", (folder / "absent.glb").string()}), 4, "absent.glb");
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody ever reads from it
-  const auto ended = run("draw\nkey q\n", {"--scene", cube, "--events", pipe});
+  const Line live = with(live_, {"--quiet", "--interact", path("script"), "--screenshot", path("shot.png")});
+  script("draw\n");
+  Line absent = live;
+  absent[1] = path("absent.glb");
+  expect_failure(viewer_here(absent), 4, "absent.glb");
+  EXPECT_EQ(viewer_here(live).exit_code, 0);
+  EXPECT_LT(drawing::read_png(path("shot.png")).at(160, 120)[0], 250) << "the scene, not an empty picture";
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);  // nobody ever reads from it
+  script("draw\nkey q\n");
+  const Result ended = viewer(with(live, {"--events", path("pipe")}));
   EXPECT_EQ(ended.exit_code, 1) << ended.err;
   ASSERT_FALSE(ended.err_lines().empty());
   // On a slow machine, the warning that the pipe has no reader comes first.
-  EXPECT_NE(ended.err_lines().back().find("palpa: error: ended while the run was loading"), std::string::npos)
-      << ended.err;
-  const auto waited = run("draw\n", {"--scene", cube});
-  EXPECT_EQ(waited.exit_code, 0) << waited.err;
-  const drawing::Pixels shown = drawing::read_png(shot);
-  EXPECT_LT(shown.at(160, 120)[0], 250) << "the scene, not an empty picture";
+  EXPECT_CONTAINS(ended.err_lines().back(), "palpa: error: ended while the run was loading");
 }
 
 TEST_F(Viewer, AScriptThatEndsWhileADroppedFileLoadsSaysWhichPictureIsMissing) {
-  const auto folder = test::scratch_folder("viewer-script-dropped");
-  const std::string script = (folder / "script").string(), shot = (folder / "shot.png").string();
-  const auto run = [&](const std::string& text) {
-    test::write_text(script, text);
-    return viewer(host_touch({"--quiet", "--interact", script}));
-  };
   // It is still loading when the next line is played.
-  const geometry::SceneMesh ball{"ball", geometry::icosphere(0.05, test::instrumented() ? 25 : 80)};
-  geometry::write_glb(folder / "ball.glb", std::span(&ball, 1));
-  const std::string drop = "drop " + (folder / "ball.glb").string() + "\n";
-  test::expect_failure(run("draw\nshot " + shot + "\n" + drop + "key q\n"), 1, shot + ": is not written");
+  const geometry::SceneMesh large{"ball", geometry::icosphere(0.05, instrumented() ? 25 : 80)};
+  geometry::write_glb(folder_ / "ball.glb", std::span(&large, 1));
+  const std::string shot = path("shot.png"), drop = "drop " + path("ball.glb") + "\n";
+  const Line line = host_touch({"--quiet", "--interact", path("script")});
+  script("draw\nshot " + shot + "\n" + drop + "key q\n");
+  expect_failure(viewer(line), 1, shot + ": is not written");
   EXPECT_FALSE(std::filesystem::exists(shot));
   // Escape cancels the loading, also before a picture has shown it, and does not end the viewer.
-  EXPECT_EQ(run("draw\n" + drop + "key escape\ndraw\nshot " + shot + "\n").exit_code, 0);
+  script("draw\n" + drop + "key escape\ndraw\nshot " + shot + "\n");
+  EXPECT_EQ(viewer_here(line).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(shot));
 }
 
 TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
-  const auto folder = test::scratch_folder("viewer-drop-recording");
-  const std::string take = (folder / "take").string(), touch = (folder / "touch.png").string(),
-                    live = (folder / "live.png").string(), script = (folder / "script").string();
-  const auto recorded = viewer({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic",
-                                "--noise-free", "--backend", "cpu", "--layout", "autd3", "--record", take, "--headless",
-                                "--quiet", "--size", "64x48", "--frames", "40"});
-  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
-  test::write_text(script, "draw\nshot " + touch + "\ndrop " + take + "\ndraw\n");
-  const std::vector<std::string> line{"--layout", "autd3",      "--backend", "cpu",        "--hide",
-                                      "legend",   "--frame",    "objects",   "--headless", "--screenshot",
-                                      live,       "--interact", script};
-  const auto dropped = viewer(cube_touch(line));
+  ASSERT_EQ(viewer_here(with(live_, {"--record", path("take"), "--quiet", "--frames", "40"})).exit_code, 0);
+  script("draw\nshot " + path("touch.png") + "\ndrop " + path("take") + "\ndraw\n");
+  const Result dropped =
+      viewer(host_touch({"--layout", "autd3", "--hide", "legend", "--frame", "objects", "--screenshot",
+                         path("live.png"), "--interact", path("script")}));
   EXPECT_EQ(dropped.exit_code, 0) << dropped.err;
   EXPECT_EQ(dropped.err, "");
-  EXPECT_GT(drawing::mean_difference(drawing::read_png(touch), drawing::read_png(live)), 1e-4) << "what cameras saw";
-  test::write_text(folder / "take" / "times.csv", "no times\n");
-  const auto broken = viewer_here(cube_touch(line));
-  EXPECT_EQ(broken.exit_code, 0) << broken.err << "the touch stays";
+  EXPECT_GT(drawing::mean_difference(drawing::read_png(path("touch.png")), drawing::read_png(path("live.png"))), 1e-4)
+      << "what cameras saw";
 }
 
 TEST_F(Viewer, ComparesWithAReference) {
-  const auto folder = test::scratch_folder("viewer-reference");
-  const std::string shot = (folder / "p.png").string(), other = (folder / "other.png").string();
-  ASSERT_EQ(viewer_here(host_touch({"--screenshot", shot, "--quiet"})).exit_code, 0);
-  EXPECT_EQ(viewer_here(host_touch({"--reference", shot, "--threshold", "0", "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer_here(host_touch({"--screenshot", other, "--quiet", "--dark"})).exit_code, 0);
-  test::expect_failure(viewer(host_touch({"--reference", other})), 1, "other.png");
-  EXPECT_EQ(viewer_here(host_touch({"--reference", other, "--threshold", "0.99", "--quiet"})).exit_code, 0);
-  ASSERT_EQ(viewer_here(host_touch({"--screenshot", other, "--quiet"}, "300x200")).exit_code, 0);
-  test::expect_failure(viewer_here(host_touch({"--reference", other})), 4, "300x200");
-}
-
-TEST_F(Viewer, DrawsAnArrayAloneAndWithATouch) {
-  const auto folder = test::scratch_folder("viewer-array");
-  const std::string alone = (folder / "alone.png").string(), driven = (folder / "driven.png").string();
-  EXPECT_EQ(viewer_here({"--layout", "sonicsurface", "--headless", "--screenshot", alone, "--quiet"}).exit_code, 0);
-  EXPECT_EQ(drawing::read_png(alone).width, 1280u);
-  EXPECT_EQ(
-      viewer(cube_touch({"--layout", "paper", "--headless", "--screenshot", driven, "--quiet", "--inset"})).exit_code,
-      0);
+  const auto compared = [&](const Line& drawn, const Line& more, const char* size = "320x200") {
+    EXPECT_EQ(viewer_here(host_touch(with(drawn, {"--screenshot", path("other.png"), "--quiet"}), size)).exit_code, 0);
+    return viewer_here(host_touch(with(more, {"--reference", path("other.png"), "--quiet"})));
+  };
+  EXPECT_EQ(compared({}, {"--threshold", "0"}).exit_code, 0);
+  expect_failure(compared({"--dark"}, {}), 1, "other.png");
+  EXPECT_EQ(compared({"--dark"}, {"--threshold", "0.99"}).exit_code, 0);
+  expect_failure(compared({}, {}, "300x200"), 4, "300x200");
 }
 
 TEST_F(Viewer, ReportsAsJson) {
-  const auto run = viewer(host_touch({"--frames", "2", "--json", "-"}));
+  const Result run = viewer(host_touch({"--frames", "2", "--json", "-"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["frames"], 2);
@@ -406,7 +293,6 @@ TEST_F(Viewer, ReportsAsJson) {
 }
 
 TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
-  const auto folder = test::scratch_folder("viewer-camera");
   sensing::Camera camera;
   camera.name = "from above";
   camera.width = 64;
@@ -415,52 +301,42 @@ TEST_F(Viewer, LooksThroughTheCameraOfThatName) {
   camera.cx = 31.5;
   camera.cy = 23.5;
   camera.T_world_camera = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0.2, 0, 1}};  // columns: it looks down
-  std::ofstream(folder / "camera.toml") << sensing::to_toml(sensing::Rig{"", {camera}, {}, {}});
-  sensing::write_png16(folder / "depth.png", 64, 48, std::vector<std::uint16_t>(64 * 48, 199));  // in the cube
-  const auto line = [&](const std::string& view, const std::vector<std::string>& more) {
-    const std::vector<std::string> all{"--scene",   source_file("assets/cube.glb").string(),
-                                       "--camera",  (folder / "camera.toml").string(),
-                                       "--depth",   (folder / "depth.png").string(),
-                                       "--view",    view,
-                                       "--size",    "320x240",
-                                       "--backend", "cpu",
-                                       "--headless"};
-    return test::with(all, more);
+  write_text(folder_ / "camera.toml", sensing::to_toml(sensing::Rig{"", {camera}, {}, {}}));
+  sensing::write_png16(folder_ / "depth.png", 64, 48, std::vector<std::uint16_t>(64 * 48, 199));  // in the cube
+  const auto line = [&](const std::string& view, const Line& more) {
+    return with({"--scene", cube_, "--camera", path("camera.toml"), "--depth", path("depth.png"), "--view", view,
+                 "--size", "320x240", "--backend", "cpu", "--headless", "--hide", "legend,grid"},
+                more);
   };
-  const std::string a = (folder / "a.png").string(), b = (folder / "b.png").string();
-  EXPECT_EQ(viewer(line("camera:from above", {"--screenshot", a, "--hide", "legend,grid"})).exit_code, 0);
-  EXPECT_EQ(
-      viewer_here(line("camera", {"--screenshot", b, "--hide", "legend,grid", "--show", "depth", "--quiet"})).exit_code,
-      0);
-  EXPECT_EQ(test::read_text(a), test::read_text(b)) << "its own image does not hide what it sees";
+  const std::string first = shot(line("camera:from above", {}));
   // The cube's top is 40 mm wide and 0.2 m away: 100 pixels in the middle of the picture.
-  const drawing::Pixels pixels = drawing::read_png(a);
-  EXPECT_GT(pixels.at(110 - 8, 120)[0], 250);
-  EXPECT_LT(pixels.at(110 + 8, 120)[0], 240);
-  test::expect_failure(viewer_here(line("camera:from below", {})), 2,
-                       "unknown camera 'from below'; give one of from above");
+  const drawing::Pixels seen = drawing::read_png(path("shot.png"));
+  EXPECT_GT(seen.at(110 - 8, 120)[0], 250);
+  EXPECT_LT(seen.at(110 + 8, 120)[0], 240);
+  EXPECT_EQ(shot(line("camera", {"--show", "depth"})), first) << "its own image does not hide what it sees";
+  expect_failure(viewer_here(line("camera:from below", {})), 2, "unknown camera 'from below'; give one of from above");
 }
 
 TEST_F(Viewer, HelpAndVersion) {
-  const auto usual = viewer({"--help"}), all = viewer({"--help", "all"});
+  const Result usual = viewer({"--help"}), all = viewer({"--help", "all"});
   EXPECT_EQ(usual.exit_code, 0);
   EXPECT_EQ(all.exit_code, 0);
   for (const char* part : {"--scene", "--headless", "--screenshot", "--layout", "Exit codes"}) {
-    EXPECT_NE(usual.out.find(part), std::string::npos) << part;
-    EXPECT_NE(all.out.find(part), std::string::npos) << part;
+    EXPECT_CONTAINS(usual.out, part);
+    EXPECT_CONTAINS(all.out, part);
   }
   for (const char* part : {"--delta", "--gpu"}) {
     EXPECT_EQ(usual.out.find(part), std::string::npos) << part;
-    EXPECT_NE(all.out.find(part), std::string::npos) << part;
+    EXPECT_CONTAINS(all.out, part);
   }
   EXPECT_LE(std::count(usual.out.begin(), usual.out.end(), '\n'), 40);
-  EXPECT_EQ(viewer({"--version"}).out.rfind("palpa-viewer ", 0), 0u);
+  EXPECT_TRUE(viewer({"--version"}).out.starts_with("palpa-viewer "));
 }
 
 TEST_F(Viewer, ValidationIsSilent) {
-  if (test::instrumented()) GTEST_SKIP() << "skipped: the layer leaks by itself, which a leak checker would report";
+  if (instrumented()) GTEST_SKIP() << "skipped: the layer leaks by itself, which a leak checker would report";
   for (const char* preset : {"core", "sync"}) {
-    const auto run =
+    const Result run =
         viewer(cube_touch({"--headless", "--frames", "3", "--layout", "autd3", "--inset", "--validation", preset}));
     if (run.exit_code == 3 && run.err.find("vulkan-validationlayers") != std::string::npos) GTEST_SKIP() << run.err;
     EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -469,4 +345,4 @@ TEST_F(Viewer, ValidationIsSilent) {
 }
 
 }  // namespace
-}  // namespace palpa
+}  // namespace palpa::test

@@ -7,11 +7,11 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "sensing/synthetic.hpp"
 #include "session/links/sources.hpp"
 #include "study/plan/plan_file.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
@@ -102,21 +102,19 @@ class SittingBench {
   /// The program is killed.
   void end() { conductor_.reset(); }
 
-  /// Goes on until the condition holds: false if it does not within a minute. `keys`: the scripted people press them.
+  /// Goes on until the condition holds: false if it does not in time. `keys`: the scripted people press them.
   template <typename Condition>
   bool goes_until(Condition condition, bool keys = true) {
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > until) return false;
+    return begins([&] {
+      if (condition()) return true;
       if (keys) {
         if (const auto press = script_->next(plan_, *conductor_))
           press->experimenter ? conductor_->experimenter(press->event, std::nullopt)
                               : conductor_->participant(press->event, std::nullopt);
       }
       conductor_->advance();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
+      return false;
+    });
   }
   bool reaches(study::Screen screen, bool keys = true) {
     return goes_until([&] { return sitting().screen() == screen; }, keys);
@@ -129,20 +127,13 @@ class SittingBench {
   /// A click of the participant on a button, or beside all of them, now or at another time. Returns its time.
   std::chrono::nanoseconds click(std::optional<std::size_t> button,
                                  std::optional<std::chrono::nanoseconds> at = std::nullopt) {
-    const std::chrono::nanoseconds time = at ? *at : std::chrono::steady_clock::now().time_since_epoch();
-    viewer::WindowEvent event;
-    event.kind = viewer::WindowEvent::Kind::press;
-    event.at_ns = time.count();
-    conductor_->participant(event, button);
+    const std::chrono::nanoseconds time = at.value_or(std::chrono::steady_clock::now().time_since_epoch());
+    conductor_->participant({.kind = viewer::WindowEvent::Kind::press, .at_ns = time.count()}, button);
     return time;
   }
   void press(viewer::Key key, bool experimenter = false) {
-    viewer::WindowEvent event;
-    event.kind = viewer::WindowEvent::Kind::key;
-    event.key = key;
-    event.at_ns =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
+    const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
+    const viewer::WindowEvent event{.kind = viewer::WindowEvent::Kind::key, .at_ns = now.count(), .key = key};
     experimenter ? conductor_->experimenter(event, std::nullopt) : conductor_->participant(event, std::nullopt);
   }
   /// Whether the link gets nothing but silence from a moment on.

@@ -30,16 +30,30 @@ using study::Screen;
 class ConductorTest : public testing::Test {
  protected:
   ConductorTest() { test::finger_depth_m = 3e-3; }
-  /// A sitting with one kind of block, whose touches do not end during a test.
-  test::SittingBench& long_touches(const std::string& kind = "trial", const std::string& run = "") {
-    bench_ = std::make_unique<test::SittingBench>(
-        folder_, test::write_study_plan(folder_, "[[block]]\nkind = \"" + kind + "\"\n", 600, run));
-    bench_->begin();
+  test::SittingBench& prepare(const std::string& blocks, double touch_s = 0.05, const std::string& run = "") {
+    bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, blocks, touch_s, run));
     return *bench_;
   }
+  test::SittingBench& begin(const std::string& blocks, double touch_s) {
+    prepare(blocks, touch_s).begin();
+    return *bench_;
+  }
+  /// A sitting with one kind of block, whose touches do not end during a test.
+  test::SittingBench& long_touches(const std::string& kind = "trial") {
+    return begin("[[block]]\nkind = \"" + kind + "\"\n", 600);
+  }
+  /// Until it pauses by itself, and says why.
+  void expect_pause(const std::string& reason) {
+    ASSERT_TRUE(bench_->reaches(Screen::paused, false));
+    EXPECT_CONTAINS(bench_->sitting().reason(), reason);
+  }
   bool sounds() { return bench_->conductor().presentation().gate().sounding(); }
-  bool touches_and_sounds() {
-    return bench_->reaches(Screen::touching) && bench_->goes_until([&] { return sounds(); }, false);
+  bool comes_to_sound() {
+    return bench_->goes_until([&] { return sounds(); }, false);
+  }
+  bool touches_and_sounds() { return bench_->reaches(Screen::touching) && comes_to_sound(); }
+  bool is_ready() {
+    return bench_->goes_until([&] { return bench_->conductor().presentation().ready(); }, false);
   }
   static std::string dose(test::SittingBench& bench) {
     const ExperimenterView view = bench.conductor().experimenter_view();
@@ -64,7 +78,7 @@ std::vector<std::array<std::uint32_t, 3>> answers_in(const fs::path& folder) {
 }
 
 TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
-  bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, test::all_blocks));
+  prepare(test::all_blocks);
   for (const std::size_t steps : {5, 16, 1000}) {
     bench_->begin();
     const std::size_t before = bench_->sitting().agenda().complete();
@@ -89,16 +103,14 @@ TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
   EXPECT_EQ(answers_in(folder_ / "study"), answers_in(whole));
   EXPECT_EQ(answers_in(whole).size(), 8u);
   for (const int run : {1, 2})
-    EXPECT_NE(test::read_text(beh("_events.tsv", run)).find("\tvoid\t"), std::string::npos) << run;
+    EXPECT_CONTAINS(test::read_text(beh("_events.tsv", run)), "\tvoid\t");
   EXPECT_EQ(test::read_text(beh("_events.tsv", 3)).find("\tvoid\t"), std::string::npos);
   EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Masking"], "off");
   EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Backend"], "cpu");
 }
 
 TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
-  bench_ = std::make_unique<test::SittingBench>(
-      folder_, test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.4));
-  bench_->begin();
+  begin("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.4);
   ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 2; }));
   EXPECT_GT(bench_->heard()->sounding, 0u);
   EXPECT_LE(bench_->heard()->loudest, 0.5F) << "the plan's ceiling";
@@ -173,7 +185,7 @@ TEST_F(ConductorTest, PauseAndStopSilence) {
   bench.press(key_of('q'), true);
   EXPECT_EQ(bench.sitting().screen(), Screen::stopped);
   EXPECT_TRUE(bench.is_silent());
-  EXPECT_NE(test::read_text(beh("_events.tsv")).find("paused by the experimenter"), std::string::npos);
+  EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "paused by the experimenter");
   const json level = json::parse(test::read_text(beh("_events.json")))["SoundLevel"];
   const double sounded_s = level["SoundedSeconds"];
   EXPECT_GT(sounded_s, 0) << "touches that were broken off, too";
@@ -192,15 +204,14 @@ TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
   EXPECT_TRUE(bench.is_silent());
   EXPECT_GT(*bench.conductor().presentation().deepest_m(), 15e-3);
   test::finger_depth_m = 3e-3;
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false)) << "it has risen";
+  ASSERT_TRUE(comes_to_sound()) << "it has risen";
 }
 
 TEST_F(ConductorTest, AnArrayThatFailsIsAPauseAndCanContinue) {
   test::SittingBench& bench = long_touches();
   ASSERT_TRUE(touches_and_sounds());
   bench.heard()->breaks = true;
-  ASSERT_TRUE(bench.reaches(Screen::paused, false));
-  EXPECT_NE(bench.sitting().reason().find("heard: broken"), std::string::npos) << bench.sitting().reason();
+  expect_pause("heard: broken");
   EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
   bench.heard()->breaks = false;
   bench.press(Key::space, true);
@@ -224,11 +235,10 @@ TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
   std::this_thread::sleep_for(700ms);
   EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
   EXPECT_FALSE(bench.heard()->last_sounds);
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   std::this_thread::sleep_for(1200ms);
-  ASSERT_TRUE(bench.reaches(Screen::paused, false));
-  EXPECT_NE(bench.sitting().reason().find("stood still"), std::string::npos);
+  expect_pause("stood still");
 }
 
 /// The link of a board that was unplugged does not fail: it waits for the board.
@@ -236,8 +246,7 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   test::SittingBench& bench = long_touches();
   ASSERT_TRUE(touches_and_sounds());
   bench.heard()->swallows = true;
-  ASSERT_TRUE(bench.reaches(Screen::paused, false));
-  EXPECT_CONTAINS(bench.sitting().reason(), "the array takes no drives");
+  expect_pause("the array takes no drives");
   EXPECT_TRUE(bench.is_silent());
   EXPECT_FALSE(bench.heard()->finished) << "somebody has to silence it when it takes drives again";
   const std::uint64_t before = bench.heard()->drives;
@@ -259,8 +268,7 @@ TEST_F(ConductorTest, AnArrayThatMaySoundOnIsToldBeforeTheNextTouchAndAtTheEnd) 
   bench.heard()->unsure = true;
   bench.press(Key::space, true);
   ASSERT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); }));
-  ASSERT_TRUE(bench.reaches(Screen::paused, false));
-  EXPECT_CONTAINS(bench.sitting().reason(), "it is not known whether the last silence reached the board");
+  expect_pause("it is not known whether the last silence reached the board");
   bench.press(Key::space, true);
   bench.heard()->swallows = false;
   ASSERT_TRUE(touches_and_sounds());
@@ -285,9 +293,7 @@ TEST_F(ConductorTest, ATouchWithoutAnArrayIsVoid) {
 }
 
 TEST_F(ConductorTest, ATouchOfWhichTooLittleArrivesIsVoid) {
-  bench_ = std::make_unique<test::SittingBench>(folder_,
-                                                test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\n", 0.4));
-  bench_->begin();
+  begin("[[block]]\nkind = \"trial\"\n", 0.4);
   bench_->heard()->halves = true;
   ASSERT_TRUE(bench_->reaches(Screen::paused));
   EXPECT_CONTAINS(bench_->sitting().reason(), "did not reach the array");
@@ -314,46 +320,29 @@ TEST_F(ConductorTest, AnAnswerBeforeTheQuestionIsIgnored) {
   EXPECT_EQ(bench.sitting().screen(), Screen::paused) << "there is no third answer, so it is a wish for silence";
 }
 
-/// Otherwise, a plan that is mended afterwards would be another plan than that of the participant.
-TEST_F(ConductorTest, WithoutItsSoundNoFileIsBegun) {
+/// The participant's number is not used up, and the plan can still be changed or mended.
+TEST_F(ConductorTest, WithoutItsSoundOrSourceNoFileIsBegun) {
   const fs::path plan = test::write_study_plan(folder_, "");
-  test::write_text(folder_ / "noise.wav", "no sound");
-  std::string text = test::read_text(plan);
-  text.replace(text.find("\"off\""), 5, "\"noise.wav\"");
-  test::write_text(plan, text);
   test::SittingBench bench(folder_, plan);
-  std::string fault;  // palpa may have been built without sound
-  try {
-    bench.begin();
-  } catch (const Error& error) {
-    fault = error.what();
-  }
-  EXPECT_CONTAINS(fault, "noise.wav");
-  EXPECT_FALSE(fs::exists(folder_ / "study"));
-}
-
-/// The participant's number is not used up, and the plan can still be changed.
-TEST_F(ConductorTest, WithoutItsSourceNoFileIsBegun) {
-  test::SittingBench bench(folder_, test::write_study_plan(folder_, ""));
   bench.options().source = "camera:/dev/none";
   EXPECT_ERROR(bench.begin(), Exit::usage, "camera");
   bench.options().source = "pressed:" + (folder_ / "none.ply").string();
   EXPECT_ERROR(bench.begin(), Exit::bad_input, "none.ply");
+  test::write_text(folder_ / "noise.wav", "no sound");
+  std::string text = test::read_text(plan);
+  test::write_text(plan, text.replace(text.find("\"off\""), 5, "\"noise.wav\""));
+  test::SittingBench noisy(folder_, plan);
+  EXPECT_CONTAINS(test::thrown_by([&] { noisy.begin(); }).what(), "noise.wav");  // palpa may be built without sound
   EXPECT_FALSE(fs::exists(folder_ / "study"));
 }
 
 TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
-  bench_ = std::make_unique<test::SittingBench>(
-      folder_,
-      test::write_study_plan(folder_, "[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n"));
-  test::SittingBench& bench = *bench_;
+  test::SittingBench& bench =
+      prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n");
   bench.options().rehearse.reset();
   bench.begin();
   ASSERT_TRUE(bench.reaches(Screen::consent));
   // The presentation is ready only now and then on a busy machine; until it is, no click has an effect.
-  const auto is_ready = [&] {
-    return bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false);
-  };
   const std::chrono::nanoseconds accepted = bench.click(0);
   bench.click(0, accepted + 299ms);
   EXPECT_EQ(bench.sitting().screen(), Screen::depth_consent) << "nobody has read it yet";
@@ -388,11 +377,15 @@ TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   bench.press(key_of('1'));
   bench.press(Key::right);
   EXPECT_EQ(bench.sitting().presented().shape, 1u);
-  ASSERT_TRUE(bench.goes_until([&] { return bench.conductor().presentation().ready(); }, false));
-  ASSERT_TRUE(bench.goes_until([&] { return sounds(); }, false));
+  ASSERT_TRUE(is_ready());
+  ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   bench.press(Key::up);
-  EXPECT_EQ(bench.sitting().presented().shape, 0u);
+  const study::Presented next = bench.sitting().presented();
+  EXPECT_EQ(next.shape, 0u);
+  Presentation& presentation = bench.conductor().presentation();
+  presentation.prepare(next.method, next.shape);
+  EXPECT_FALSE(presentation.gate().is_open()) << "nobody feels the shape before";
 }
 
 TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
@@ -409,25 +402,17 @@ TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
   EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); })) << "the array is left alone at the end";
 }
 
-TEST(StudyLinks, MayNotWriteFiles) {
-  const fs::path folder = test::scratch_folder("study-links");
-  test::SittingBench bench(folder, test::write_study_plan(folder, ""));
-  setup::StudyRunOptions run = bench.options();
-  run.link = "record:" + (folder / "drives").string();
-  const auto fault = [&] { return test::error_of([&] { check_study_links(bench.plan(), run, {}); }, Exit::usage); };
-  EXPECT_NE(fault().find("does not play into a file"), std::string::npos);
-  run.link = "null";
-  EXPECT_EQ(fault(), "");
-  EXPECT_NO_THROW(try_study_link(bench.plan(), run, {}));
-  run.rig = test::source_file("assets/rigs/paper.toml");
-  EXPECT_NE(fault().find("its array is paper, but method single-focus"), std::string::npos);
-}
-
 /// A plan that leaves the array open fits any; one that names it says what is wrong in the plan's own words.
 TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   const fs::path folder = test::scratch_folder("study-layouts");
   test::SittingBench bench(folder, test::write_study_plan(folder, ""));
-  setup::StudyRunOptions run;
+  setup::StudyRunOptions run = bench.options();
+  run.link = "null";
+  check_study_links(bench.plan(), run, {});
+  EXPECT_NO_THROW(try_study_link(bench.plan(), run, {}));
+  run.rig = test::source_file("assets/rigs/paper.toml");
+  EXPECT_ERROR(check_study_links(bench.plan(), run, {}), Exit::usage, "its array is paper, but method single-focus");
+  run = {};
   run.link = "own:X";
   LiveSession::Kinds kinds;
   session::LinkKind own = test::heard_link(std::make_shared<test::Heard>());
@@ -441,16 +426,15 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
     method.layout_given = false;
   take_layouts(plan, run, kinds);
   EXPECT_EQ(plan.methods[1].layout, "openmpd");
-  kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
-    throw bad_usage("no such boards: give --layout x");
-  };
-  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
-               "in a study, --layout is `layout` of the [[method]] 'single-focus' in");
-  kinds.links[0].open = [](const std::string&, const session::LinkSetting&) -> std::unique_ptr<session::Link> {
-    throw bad_usage("too fast: use --dwell 12ms, or --method single-focus");
-  };
-  EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage,
-               "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in");
+  for (const auto& [fault, told] :
+       {std::pair("no such boards: give --layout x",
+                  "in a study, --layout is `layout` of the [[method]] 'single-focus' in"),
+        {"too fast: use --dwell 12ms, or --method single-focus",
+         "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in"}}) {
+    kinds.links[0].open = [text = std::string(fault)](const std::string&, const session::LinkSetting&)
+        -> std::unique_ptr<session::Link> { throw bad_usage(text); };
+    EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, told);
+  }
   run.rig = test::source_file("assets/rigs/paper.toml");
   take_layouts(plan, run, kinds);
   EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";

@@ -51,21 +51,19 @@ class GateTest : public testing::Test {
   Gate gate_;
   Told told_;
   GateLink link_{std::make_unique<ToldLink>(told_), gate_};
+  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
+  GateLink counting_{std::make_unique<test::HeardLink>(heard_), gate_};  ///< whose link counts what arrives
   array::Schedule schedule_;
   array::Drive drive_{2};
 };
 
-TEST_F(GateTest, IsClosedAtFirst) {
+TEST_F(GateTest, IsClosedAtFirstAndClosesForAPlanThatABoardPlaysByItself) {
   plan(0);
   send(0);
   EXPECT_EQ(told_.voices, std::vector<std::uint32_t>{0});
   EXPECT_EQ(told_.sounds, std::vector<bool>{false});
   EXPECT_FALSE(gate_.sounding());
   EXPECT_EQ(gate_.take().counts.drives, 0u);
-}
-
-TEST_F(GateTest, ClosesForAPlanThatABoardPlaysByItself) {
-  plan(0);
   gate_.open(later());
   plan(7);
   send(7);
@@ -74,7 +72,7 @@ TEST_F(GateTest, ClosesForAPlanThatABoardPlaysByItself) {
   send(8);
   send(9);
   EXPECT_EQ(told_.voices, (std::vector<std::uint32_t>{0, 1, 0})) << "once, before the first silent drive";
-  EXPECT_EQ(told_.sounds, (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(told_.sounds, (std::vector<bool>{false, true, false, false}));
 }
 
 /// A thread that stands still does not renew the moment.
@@ -153,12 +151,10 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
 }
 
 TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
-  auto heard = std::make_shared<test::Heard>();
-  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
   drive_[0].amplitude = 1;
   gate_.open(later());
-  link.send(7, drive_);
-  link.plan({.schedule = schedule_, .slots = {.from = 20, .until = 30}});
+  counting_.send(7, drive_);
+  counting_.plan({.schedule = schedule_, .slots = {.from = 20, .until = 30}});
   gate_.close();
   const PlayedTouch played = gate_.take();
   EXPECT_EQ(played.counts.drives, 1u);
@@ -169,42 +165,38 @@ TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
 
 /// A run warns of drives that were lost on their way, but these were not to arrive.
 TEST_F(GateTest, WhatItWithholdsIsNotLost) {
-  auto heard = std::make_shared<test::Heard>();
-  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
   drive_[0].amplitude = 1;
-  link.plan({.schedule = schedule_, .slots = {.from = 0, .until = 10}});
-  link.send(0, drive_);
-  link.send(1, drive_);
+  counting_.plan({.schedule = schedule_, .slots = {.from = 0, .until = 10}});
+  counting_.send(0, drive_);
+  counting_.send(1, drive_);
   gate_.open(later());
-  link.send(2, drive_);
-  EXPECT_EQ(heard->sounding, 1u);
-  ASSERT_TRUE(link.carried());
-  EXPECT_EQ(link.carried()->completed.drives, 3u);
-  EXPECT_EQ(link.carried()->submitted.drives, 3u);
+  counting_.send(2, drive_);
+  EXPECT_EQ(heard_->sounding, 1u);
+  ASSERT_TRUE(counting_.carried());
+  EXPECT_EQ(counting_.carried()->completed.drives, 3u);
+  EXPECT_EQ(counting_.carried()->submitted.drives, 3u);
 }
 
 TEST_F(GateTest, KnowsForHowLongNothingArrives) {
-  auto heard = std::make_shared<test::Heard>();
-  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
   drive_[0].amplitude = 1;
   gate_.open(later());
-  link.send(0, drive_);
+  counting_.send(0, drive_);
   EXPECT_EQ(gate_.unheard(), 0ns) << "it has arrived";
-  heard->swallows = true;
+  heard_->swallows = true;
   bool told = false;
   for (int i = 0; i < 1000 && !told; ++i) {  // a thread that stands still between the two lines is not meant here
-    link.send(1, drive_);
+    counting_.send(1, drive_);
     told = gate_.unheard(Gate::Clock::now() + 50ms) >= 50ms;
   }
   EXPECT_TRUE(told);
   EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 1h), 0ns) << "nothing has sounded for long";
-  heard->swallows = false;
-  link.send(2, drive_);
+  heard_->swallows = false;
+  counting_.send(2, drive_);
   EXPECT_EQ(gate_.unheard(), 0ns);
-  heard->swallows = true;
-  link.send(3, drive_);
+  heard_->swallows = true;
+  counting_.send(3, drive_);
   gate_.close();
-  link.send(4, drive_);
+  counting_.send(4, drive_);
   EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns) << "nothing is to arrive";
   // A link that does not count.
   gate_.open(later());
@@ -215,32 +207,30 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
 
 /// What is handed over is not what the array gets.
 TEST_F(GateTest, CountsWhatArrives) {
-  auto heard = std::make_shared<test::Heard>();
-  GateLink link(std::make_unique<test::HeardLink>(heard), gate_);
   drive_[0].amplitude = 1;
   gate_.open(later());
-  heard->swallows = true;
+  heard_->swallows = true;
   for (std::uint64_t slot = 0; slot < 8; ++slot)
-    link.send(slot, drive_);
+    counting_.send(slot, drive_);
   EXPECT_TRUE(gate_.sounding());
   EXPECT_FALSE(gate_.heard()) << "nothing has arrived";
   EXPECT_FALSE(gate_.counts().too_few()) << "a few may be on their way";
-  heard->swallows = false;
+  heard_->swallows = false;
   for (std::uint64_t slot = 10; slot < 102; ++slot)  // two slots were slept through
-    link.send(slot, drive_);
+    counting_.send(slot, drive_);
   EXPECT_TRUE(gate_.heard());
   EXPECT_EQ(gate_.counts().sounding, 100u);
   EXPECT_EQ(gate_.counts().arrived, 92u);
   EXPECT_EQ(gate_.counts().lost(), 8u);
   EXPECT_EQ(gate_.counts().skipped, 2u);
-  heard->swallows = true;
-  link.send(102, drive_);
+  heard_->swallows = true;
+  counting_.send(102, drive_);
   EXPECT_FALSE(gate_.counts().too_few()) << "1 %, and 8 that silence may overtake";
-  link.send(103, drive_);
+  counting_.send(103, drive_);
   EXPECT_TRUE(gate_.counts().too_few());
-  heard->arrived += 2;
+  heard_->arrived += 2;
   gate_.close();
-  link.send(104, drive_);
+  counting_.send(104, drive_);
   EXPECT_EQ(gate_.take().counts.lost(), 8u) << "those on their way count when they arrive";
 }
 
@@ -251,19 +241,6 @@ TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
   EXPECT_EQ(gate_.newest_s(), 3.5) << "also while it is closed";
   gate_.restart();
   EXPECT_LT(gate_.newest_s(), 0);
-}
-
-TEST_F(GateTest, StandsBeforeLinksOfEveryKind) {
-  auto heard = std::make_shared<test::Heard>();
-  const std::vector<session::LinkKind> kinds = behind_gate({test::heard_link(heard)}, gate_);
-  ASSERT_EQ(kinds.size(), 1u);
-  EXPECT_EQ(kinds[0].name, "heard");
-  array::Layout layout;
-  const auto link = kinds[0].open("", {.layout = layout, .solid_names = {}});
-  drive_[0].amplitude = 1;
-  link->send(0, drive_);
-  EXPECT_EQ(heard->drives, 1u);
-  EXPECT_FALSE(heard->sounded());
 }
 
 }  // namespace

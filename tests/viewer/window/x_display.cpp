@@ -98,31 +98,30 @@ void XServer::kill() {
   process_ = -1;
 }
 
-template <typename F>
-F* XHand::function(const char* name) const {
-  return reinterpret_cast<F*>(dlsym(library_, name));
+template <typename Result, typename... Arguments>
+Result XHand::call(const char* name, Arguments... arguments) const {
+  return reinterpret_cast<Result (*)(Arguments...)>(dlsym(library_, name))(arguments...);
 }
 
 XHand::XHand(const std::string& display) {
   library_ = dlopen("libX11.so.6", RTLD_NOW);
   if (!library_) return;
   // The window may just be appearing or disappearing: libX11 itself would end the program. The result is then empty.
-  function<void*(int (*)(void*, void*))>("XSetErrorHandler")([](void*, void*) { return 0; });
-  display_ = function<void*(const char*)>("XOpenDisplay")(display.c_str());
+  using Handler = int (*)(void*, void*);
+  call<void*, Handler>("XSetErrorHandler", [](void*, void*) { return 0; });
+  display_ = call<void*>("XOpenDisplay", display.c_str());
 }
 
 XHand::~XHand() {
-  if (display_) function<int(void*)>("XCloseDisplay")(display_);
+  if (display_) call("XCloseDisplay", display_);
 }
 
 std::vector<unsigned long> XHand::windows() const {
-  const auto root = function<unsigned long(void*)>("XDefaultRootWindow")(display_);
-  unsigned long ignored_root = 0, parent = 0, *children = nullptr;
+  unsigned long root = 0, parent = 0, *children = nullptr;
   unsigned count = 0;
-  function<int(void*, unsigned long, unsigned long*, unsigned long*, unsigned long**, unsigned*)>("XQueryTree")(
-      display_, root, &ignored_root, &parent, &children, &count);
+  call("XQueryTree", display_, call<unsigned long>("XDefaultRootWindow", display_), &root, &parent, &children, &count);
   std::vector<unsigned long> all(children, children + count);
-  if (children) function<int(void*)>("XFree")(children);
+  if (children) call("XFree", children);
   return all;
 }
 
@@ -136,10 +135,9 @@ bool XHand::find(const std::string& title, double timeout_s) {
   do {
     for (const unsigned long window : windows()) {
       char* name = nullptr;
-      if (function<int(void*, unsigned long, char**)>("XFetchName")(display_, window, &name) && name) {
-        if (title == name || std::string_view(name).starts_with(title + ": ")) window_ = window;
-        function<int(void*)>("XFree")(name);
-      }
+      if (!call("XFetchName", display_, window, &name) || !name) continue;
+      if (title == name || std::string_view(name).starts_with(title + ": ")) window_ = window;
+      call("XFree", name);
     }
     if (window_) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -148,30 +146,29 @@ bool XHand::find(const std::string& title, double timeout_s) {
 }
 
 void XHand::resize(unsigned width, unsigned height) {
-  function<int(void*, unsigned long, unsigned, unsigned)>("XResizeWindow")(display_, window_, width, height);
-  function<int(void*, int)>("XSync")(display_, 0);
+  call("XResizeWindow", display_, window_, width, height);
+  call("XSync", display_, 0);
 }
 
 void XHand::press(const char* key) {
-  const auto symbol = function<unsigned long(const char*)>("XStringToKeysym")(key);
   XEvent event;
   std::memset(&event, 0, sizeof event);
   event.key.window = window_;
-  event.key.root = function<unsigned long(void*)>("XDefaultRootWindow")(display_);
-  event.key.keycode = function<unsigned char(void*, unsigned long)>("XKeysymToKeycode")(display_, symbol);
+  event.key.root = call<unsigned long>("XDefaultRootWindow", display_);
+  event.key.keycode =
+      call<unsigned char>("XKeysymToKeycode", display_, call<unsigned long>("XStringToKeysym", key));
   event.key.same_screen = 1;
   for (const int type : {key_press, key_release}) {
     event.key.type = type;
     event.key.time = time_ += 100;  // two events at one time would count as one
-    function<int(void*, unsigned long, int, long, XEvent*)>("XSendEvent")(display_, window_, 0, 0, &event);
+    call("XSendEvent", display_, window_, 0, 0L, &event);
   }
-  function<int(void*, int)>("XSync")(display_, 0);
+  call("XSync", display_, 0);
 }
 
 void XHand::damage() {
-  function<int(void*, unsigned long, int, int, unsigned, unsigned, int)>("XClearArea")(display_, window_, 0, 0, 0, 0,
-                                                                                       1);
-  function<int(void*, int)>("XSync")(display_, 0);
+  call("XClearArea", display_, window_, 0, 0, 0U, 0U, 1);
+  call("XSync", display_, 0);
 }
 
 XHand::Picture XHand::picture() const {
@@ -179,12 +176,9 @@ XHand::Picture XHand::picture() const {
   unsigned long root = 0;
   int x = 0, y = 0;
   unsigned width = 0, height = 0, border = 0, depth = 0;
-  if (!function<int(void*, unsigned long, unsigned long*, int*, int*, unsigned*, unsigned*, unsigned*, unsigned*)>(
-          "XGetGeometry")(display_, window_, &root, &x, &y, &width, &height, &border, &depth))
-    return out;
-  auto* const image =
-      static_cast<Image*>(function<void*(void*, unsigned long, int, int, unsigned, unsigned, unsigned long, int)>(
-          "XGetImage")(display_, window_, 0, 0, width, height, ~0ul, pixmaps));
+  if (!call("XGetGeometry", display_, window_, &root, &x, &y, &width, &height, &border, &depth)) return out;
+  auto* const image = static_cast<Image*>(
+      call<void*>("XGetImage", display_, window_, 0, 0, width, height, ~0ul, pixmaps));
   if (!image || image->bits_per_pixel != 32) return out;
   out.width = width;
   out.pixels.resize(std::size_t{width} * height);
@@ -193,8 +187,8 @@ XHand::Picture XHand::picture() const {
                 image->data + std::size_t{row} * static_cast<unsigned>(image->bytes_per_line), std::size_t{4} * width);
   for (std::uint32_t& pixel : out.pixels)
     pixel &= 0xffffff;
-  function<int(void*)>("XFree")(image->data);
-  function<int(void*)>("XFree")(image);
+  call("XFree", image->data);
+  call("XFree", image);
   return out;
 }
 
@@ -209,26 +203,25 @@ std::size_t XHand::Picture::colours() const {
 }
 
 void XHand::iconify() {
-  function<int(void*, unsigned long)>("XUnmapWindow")(display_, window_);
-  function<int(void*, int)>("XSync")(display_, 0);
+  call("XUnmapWindow", display_, window_);
+  call("XSync", display_, 0);
 }
 
 void XHand::restore() {
-  function<int(void*, unsigned long)>("XMapWindow")(display_, window_);
-  function<int(void*, int)>("XSync")(display_, 0);
+  call("XMapWindow", display_, window_);
+  call("XSync", display_, 0);
 }
 
 void XHand::close() {
-  const auto atom = function<unsigned long(void*, const char*, int)>("XInternAtom");
   XEvent event;
   std::memset(&event, 0, sizeof event);
   event.client.type = client_message;
   event.client.window = window_;
-  event.client.message_type = atom(display_, "WM_PROTOCOLS", 0);
+  event.client.message_type = call<unsigned long>("XInternAtom", display_, "WM_PROTOCOLS", 0);
   event.client.format = 32;
-  event.client.data[0] = static_cast<long>(atom(display_, "WM_DELETE_WINDOW", 0));
-  function<int(void*, unsigned long, int, long, XEvent*)>("XSendEvent")(display_, window_, 0, 0, &event);
-  function<int(void*, int)>("XSync")(display_, 0);
+  event.client.data[0] = call<long>("XInternAtom", display_, "WM_DELETE_WINDOW", 0);
+  call("XSendEvent", display_, window_, 0, 0L, &event);
+  call("XSync", display_, 0);
 }
 
 }  // namespace palpa::test

@@ -59,9 +59,9 @@ class XHand {
   void close();
 
  private:
-  template <typename F>
-  F* function(const char* name) const;
-
+  /// Calls the function of libX11 with that name. The arguments have its types.
+  template <typename Result = int, typename... Arguments>
+  Result call(const char* name, Arguments... arguments) const;
   std::vector<unsigned long> windows() const;
 
   void* library_ = nullptr;

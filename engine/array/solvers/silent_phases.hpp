@@ -1,0 +1,75 @@
+// Silences the sound at nulls (nulls.hpp) by the phases of the transducers alone, while foci stay even: Gauss and
+// Newton's method, damped, as in even_phases.hpp, with two more rows for each row of the nulls.
+//
+//   x_n   the drive of transducer n
+//   w_jn  G_jn x_n for the foci, l_i Q_in x_n for the rows of the nulls; p_j = sum over n of w_jn
+//   u_j   p_j / |p_j|,  L = sum |p| / sum t over the foci
+//   J_jn  -Im(u_j* w_jn) / (t_j L) for a focus; -Im w_in / L and Re w_in / L for a null's row
+//   m_j   1 - |p_j| / (t_j L) for a focus; -Re p_i / L and -Im p_i / L
+//
+// The phases change by J^T y with (J J^T + damping) y = m: the drive goes to the nearest place of the plane on which,
+// to first order, all rows are as wanted, and from there back to its amplitudes. Alternating projections go to the
+// plane of all drives that are silent there and lose half of each step, because that plane leaves amplitudes free. This
+// method needs two or three steps where they need fifty.
+//
+// One pass over the transducers applies a step, turning each w_jn with its transducer, and sums the p_j. J J^T consists
+// of products of the w. They are summed again only if the last step gained little with them: phases change little.
+//
+// A drive that needed more than silent_few tries has lost loudness. With up to silent_raised_rows rows, each focus then
+// aims for silent_push beyond its goal in silent_raises more steps, and a step is kept if the weakest focus is louder
+// once the nulls are silent again.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "array/split_rows.hpp"
+
+namespace palpa::array {
+
+inline constexpr double silent_depth = 3e-6;  ///< of a null's row, relative to the level of the foci
+inline constexpr double silent_miss = 3e-3;   ///< of a focus
+inline constexpr std::uint32_t silent_tries = 100;
+inline constexpr std::uint32_t silent_few = 3;
+inline constexpr std::size_t silent_raised_rows = 32;
+inline constexpr std::uint32_t silent_raises = 8;
+inline constexpr std::uint32_t silent_settles = 6;  ///< tries after each raise
+inline constexpr double silent_push = 0.1;
+
+/// The transducers' share in each row, and its sums.
+struct PhasedSounds {
+  SplitRows waves;                           ///< w
+  std::vector<double> re, im;                ///< x
+  std::vector<std::complex<double>> sounds;  ///< p
+};
+
+/// Keeps its storage from call to call.
+struct SilentScratch {
+  PhasedSounds now, tried, kept;
+  std::vector<double> products;       ///< of each pair of w, for J J^T
+  std::vector<double> along, across;  ///< how a step turns transducers: sum of along Re w + across Im w
+  std::vector<double> normal, rest;
+};
+
+/// What is wanted of the drive.
+struct SilentGoal {
+  const SplitRows& foci;             ///< G of the foci
+  std::span<const double> targets;   ///< t of each focus; one with 0 is ignored
+  const SplitRows& nulls;            ///< Q,
+  std::size_t null_rows;             ///< of which the first ones are used,
+  std::span<const double> loudness;  ///< and l of each
+};
+
+/// The result.
+struct Silenced {
+  double depth = 0;         ///< largest |p| of a null's row relative to L
+  double miss = 0;          ///< of a focus
+  std::uint32_t tries = 0;  ///< passes over the transducers, including those of undone steps
+};
+
+/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1.
+Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> does, SilentScratch& scratch);
+
+}  // namespace palpa::array

@@ -1,0 +1,194 @@
+#include "setup/nulls.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "acoustics/air.hpp"
+#include "acoustics/field/incident.hpp"
+#include "acoustics/field/pressure.hpp"
+#include "array/free_field.hpp"
+#include "array/split_rows.hpp"
+#include "array/usual.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "line/values.hpp"
+#include "setup/warnings.hpp"
+
+namespace palpa::setup {
+namespace {
+
+constexpr double wanted_db = -40;
+constexpr double least_kept = 0.5;
+constexpr double least_db = -300;  // of a null without any sound
+
+/// Splits "x,y,z,r" into a place and a radius; without a fourth part, the radius is 0.
+array::Null parse_null(const std::string& text) {
+  std::string place = text;
+  double radius_m = 0;
+  if (std::ranges::count(text, ',') == 3) {
+    const std::size_t comma = text.rfind(',');
+    const std::optional<double> radius = parse_quantity(std::string_view(text).substr(comma + 1), Quantity::length);
+    if (!radius || !(*radius >= 0 && *radius <= array::most_null_radius_m)) {
+      throw bad_usage(fmt::format("--null: '{}' is not x,y,z,r with a radius r from 0 to {}, such as 2cm,0,150mm,1mm",
+                                  shortened(printable(text), 60),
+                                  line::format_quantity(array::most_null_radius_m, Quantity::length)));
+    }
+    radius_m = *radius;
+    place = text.substr(0, comma);
+  }
+  const auto [x, y, z] = line::parse_point("--null", place);
+  return {{x, y, z}, radius_m};
+}
+
+/// Places in a null where its sound is looked at: the centre, and two shells.
+void add_places(const array::Null& null, std::vector<Vec3>& places) {
+  places.push_back(null.position);
+  if (!(null.radius_m > 0)) return;
+  constexpr int count = 96;
+  const double golden = std::numbers::pi * (1 + std::sqrt(5.0));
+  for (const double part : {0.5, 1.0}) {
+    for (int i = 0; i < count; ++i) {
+      const double z = 1 - (2.0 * i + 1) / count, across = std::sqrt(1 - z * z), angle = golden * i;
+      places.push_back(null.position +
+                       part * null.radius_m * Vec3(across * std::cos(angle), across * std::sin(angle), z));
+    }
+  }
+}
+
+double decibels(double ratio) {
+  return ratio > 0 ? std::max(least_db, 20 * std::log10(ratio)) : least_db;
+}
+
+/// A focus and a null, and |G_f G_n*| / (|G_f| |G_n|): 1 if no drive tells them apart.
+struct NearestPair {
+  std::size_t focus = 0, null = 0;
+  double part = 0;
+};
+NearestPair nearest_pair(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                         const array::DriveOptions& options) {
+  std::vector<array::FocusSource> sources;
+  for (const array::SlotFocus& focus : foci)
+    sources.push_back({focus.position, 1, 1});
+  array::FreeField field;
+  field.set(layout, options.medium, options.directivity);
+  array::Columns columns;
+  field.fill(sources, array::Weighting::uniform, columns);
+  array::SplitRows sounds;
+  array::split_sounds(columns, sounds);
+  const array::SplitRows& centres = options.nulls->centres();
+  NearestPair nearest;
+  for (std::size_t i = 0; i < centres.rows; ++i) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      const double own = array::inner_product(sounds, j, sounds, j).real();
+      const double other = array::inner_product(centres, i, centres, i).real();
+      const double part = std::abs(array::inner_product(sounds, j, centres, i)) / std::sqrt(own * other);
+      if (part > nearest.part) nearest = {j, i, part};
+    }
+  }
+  return nearest;
+}
+
+/// The pressure of the focus that lost most, relative to the drive without nulls.
+double kept_of(const array::Layout& layout, const acoustics::FociPressure& pressure,
+               std::span<const array::SlotFocus> foci, const array::DriveOptions& options, std::size_t& focus) {
+  array::DriveOptions without = options;
+  without.nulls.reset();
+  const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, array::drive_for(layout, foci, without),
+                                                                     foci, options.medium, options.directivity);
+  double kept = 1;
+  for (std::size_t j = 0; j < foci.size(); ++j) {
+    if (!(before.pascals[j] > 0) || pressure.pascals[j] / before.pascals[j] >= kept) continue;
+    kept = pressure.pascals[j] / before.pascals[j];
+    focus = j;
+  }
+  return kept;
+}
+
+}  // namespace
+
+void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame) {
+  group.texts("--null", options.nulls, "X,Y,Z[,R]",
+              fmt::format("place in {} where the foci's sound is zero; R is the radius of a ball around it, 0 if you "
+                          "leave it out; give it again for more places; goes with --solver gs-pat",
+                          frame),
+              [](const std::string& text) { parse_null(text); });
+}
+
+void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options) {
+  if (group.nulls.empty()) return;
+  if (layout.transducers.empty()) throw bad_usage("--null: there is no array whose sound could be zero anywhere");
+  if (group.nulls.size() > array::most_nulls) {
+    throw bad_usage(
+        fmt::format("--null: {} nulls are more than the {} of a drive", group.nulls.size(), array::most_nulls));
+  }
+  std::vector<array::Null> nulls;
+  nulls.reserve(group.nulls.size());
+  for (const std::string& text : group.nulls) {
+    nulls.push_back(parse_null(text));
+    const Vec3& place = nulls.back().position;
+    const std::string what = fmt::format("--null: '{}'", shortened(printable(text), 60));
+    refuse_place(layout, place, what);
+    if (const std::string odd = array::unusual_place(layout, {place, place}); !odd.empty())
+      throw bad_usage(what + " " + odd);
+  }
+  options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);
+}
+
+void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                 const array::DriveOptions& options) {
+  if (!options.nulls) return;
+  const NearestPair worst = nearest_pair(layout, foci, options);
+  if (worst.part < array::gs_pat_crowded) return;
+  const std::string line = fmt::format(
+      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
+      "sound",
+      worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
+      worst.focus + 1, worst.part);
+  if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
+  log::warning(line);
+}
+
+NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
+                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options) {
+  NullReport report;
+  if (!options.nulls) return report;
+  const acoustics::FociPressure pressure =
+      acoustics::pressure_at_foci(layout, drive, foci, options.medium, options.directivity);
+  const double weakest = *std::ranges::min_element(pressure.pascals);
+  const acoustics::Air air =
+      acoustics::without_absorption(acoustics::air_of({}, options.medium.frequency, options.medium.sound_speed));
+  const acoustics::Incident sound(layout, air, options.directivity);
+  acoustics::Waves waves;
+  for (const array::Null& null : options.nulls->nulls()) {
+    std::vector<Vec3> places;
+    add_places(null, places);
+    sound.at(places, {}, acoustics::strengths_of(drive), waves);
+    SilentPlace place{.null = null, .loudest_pa = 0, .depth_db = least_db};
+    for (const std::complex<double>& heard : waves.pressures)
+      place.loudest_pa = std::max(place.loudest_pa, std::abs(heard));
+    if (weakest > 0) place.depth_db = decibels(place.loudest_pa / weakest);
+    report.places.push_back(place);
+  }
+  std::size_t focus = 0;
+  report.kept = kept_of(layout, pressure, foci, options, focus);
+  if (report.kept < least_kept) {
+    log::warning(fmt::format("--null: focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
+                             report.kept));
+  }
+  const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
+  if (loudest.depth_db > wanted_db) {
+    log::warning(fmt::format("--null: null {} is only {:.1f} dB below the weakest focus",
+                             &loudest - report.places.data() + 1, -loudest.depth_db));
+  }
+  return report;
+}
+
+}  // namespace palpa::setup

@@ -1,0 +1,43 @@
+// Nulls as options: places where the sound of the foci is to be zero (array/nulls.hpp).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layouts/layout.hpp"
+#include "setup/options.hpp"
+
+namespace palpa::setup {
+
+/// Adds --null. `frame` says in which frame its places are: "the layout's own frame".
+void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame);
+
+/// Sets DriveOptions::nulls for the layout as posed, unless no nulls are given. Throws bad_usage, naming the text, for
+/// one that is no null, at a transducer, or where the array hardly sounds (array/usual.hpp); for too many; and without
+/// transducers.
+void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options);
+
+/// Before a drive is made: throws bad_usage for a null at a focus, and warns of one that the array does not resolve
+/// from a focus.
+void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                 const array::DriveOptions& options);
+
+/// The sound of a drive at one of its nulls.
+struct SilentPlace {
+  array::Null null;
+  double loudest_pa = 0;  ///< within its radius, peak
+  double depth_db = 0;    ///< of that, relative to the weakest focus
+};
+/// What nulls made of a drive.
+struct NullReport {
+  std::vector<SilentPlace> places;
+  double kept = 1;  ///< pressure of the focus that lost most, relative to the same drive without nulls
+};
+/// Without absorption, as in the solvers. Warns if a focus keeps less than half of its pressure, and if a null is less
+/// than 40 dB below the weakest focus.
+NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
+                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options);
+
+}  // namespace palpa::setup

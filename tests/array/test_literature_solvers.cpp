@@ -1,0 +1,123 @@
+// The solvers of the literature, which palpa has to compare: what their authors promise, and no more.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <vector>
+
+#include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/solvers/complex_system.hpp"
+#include "backends.hpp"
+
+namespace palpa::array {
+namespace {
+
+DriveOptions with(Solver solver, Constraint constraint) {
+  DriveOptions options;
+  options.solver = solver;
+  options.constraint = constraint;
+  return options;
+}
+
+/// Foci at least 10 mm apart.
+std::vector<SlotFocus> random_foci(std::mt19937& random, std::size_t count) {
+  std::uniform_real_distribution<double> place(-0.03, 0.03);
+  std::vector<SlotFocus> foci;
+  while (foci.size() < count) {
+    const double x = place(random), y = place(random);
+    const Vec3 next(x, y, 0.15);
+    if (std::ranges::all_of(foci, [&](const SlotFocus& other) { return glm::length(other.position - next) >= 10e-3; }))
+      foci.push_back({next});
+  }
+  return foci;
+}
+
+class Literature : public testing::TestWithParam<Backend> {};
+INSTANTIATE_TEST_SUITE_P(Both, Literature, testing::ValuesIn(backends), backend_name);
+
+TEST_P(Literature, EigenvalueFociAreEvenWhereAmplitudesAreInProportion) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(1);
+  double naive = 0, solved = 0;
+  for (int set = 0; set < 10; ++set) {
+    const std::vector<SlotFocus> foci = random_foci(random, 5);
+    const auto heard = [&](Solver solver, Constraint constraint) {
+      return acoustics::pressure_at_foci(layout, GetParam().drive(layout, foci, with(solver, constraint)), foci);
+    };
+    EXPECT_GE(heard(Solver::eigenvalue, Constraint::normalise).evenness, 0.95) << set;
+    EXPECT_GE(heard(Solver::eigenvalue, Constraint::uniform).evenness, 0.6) << set;
+    naive += heard(Solver::naive, Constraint::uniform).mean;
+    solved += heard(Solver::eigenvalue, Constraint::uniform).mean;
+  }
+  EXPECT_GT(solved, 1.03 * naive);
+}
+
+TEST_P(Literature, BackPropagationIsLouderThanTheSumOfTheFoci) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(2);
+  double naive = 0, propagated = 0;
+  for (int set = 0; set < 5; ++set) {
+    const std::vector<SlotFocus> foci = random_foci(random, 5);
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const auto mean = [&](Solver solver) {
+        return acoustics::pressure_at_foci(layout, GetParam().drive(layout, foci, with(solver, constraint)), foci).mean;
+      };
+      naive += mean(Solver::naive);
+      propagated += mean(Solver::back_propagation);
+    }
+  }
+  EXPECT_GT(propagated, 1.03 * naive);
+}
+
+TEST_P(Literature, GainsAndOddFociAreBorne) {
+  const Layout layout = load_layout("openmpd");
+  for (const Solver solver : {Solver::eigenvalue, Solver::back_propagation}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const DriveOptions options = with(solver, constraint);
+      std::vector<SlotFocus> foci{{{0, 0, 0.15}, 1}, {{0.02, 0, 0.15}, 0.5F}, {{0, -0.02, 0.15}, 0.8F}};
+      EXPECT_EQ(faults(GetParam().drive(layout, foci, options)), 0u);
+      if (constraint == Constraint::normalise && solver == Solver::eigenvalue) {
+        EXPECT_GE(acoustics::pressure_at_foci(layout, GetParam().drive(layout, foci, options), foci).evenness, 0.95);
+      }
+      foci.push_back(foci[0]);            // at one place
+      foci.push_back({{0, 0, -0.1}, 1});  // behind the board
+      foci.push_back({{0, 0, 1000}, 1});  // not drivable
+      foci.push_back({layout.transducers[0].position, 1});
+      EXPECT_EQ(faults(GetParam().drive(layout, foci, options)), 0u);
+      for (SlotFocus& focus : foci)
+        focus.gain = 0;
+      for (const TransducerDrive& one : GetParam().drive(layout, foci, options))
+        ASSERT_EQ(one.amplitude, 0);
+    }
+  }
+}
+
+TEST(ComplexSystem, IsSolved) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> any;
+  const auto number = [&] {
+    const double re = any(random), im = any(random);
+    return std::complex<double>(re, im);
+  };
+  for (const std::size_t rows : {1u, 2u, 7u, 20u}) {
+    std::vector<std::complex<double>> system(rows * rows), expected(rows), rest(rows);
+    std::ranges::generate(system, number);
+    system[0] = 0;  // the first pivot is another row's
+    if (rows == 1) system[0] = 2;
+    std::ranges::generate(expected, number);
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (std::size_t j = 0; j < rows; ++j)
+        rest[i] += system[i * rows + j] * expected[j];
+    }
+    solve_complex(system, rest);
+    for (std::size_t i = 0; i < rows; ++i)
+      EXPECT_LT(std::abs(rest[i] - expected[i]), 1e-9) << rows;
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array

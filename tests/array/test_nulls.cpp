@@ -1,0 +1,287 @@
+// Drives with nulls, by code of the test's own: how deep nulls are, and what they cost.
+#include "array/nulls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layouts/layout.hpp"
+#include "backends.hpp"
+
+namespace palpa::array {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double turn = 2 * std::numbers::pi;
+
+/// The sound at a place: sum of amplitude D e^{i (phase + k d)} / d, in 1/m. Independent of the solvers.
+Complex sound_at(const Layout& layout, const std::vector<Complex>& drive, const Vec3& place,
+                 const Medium& medium = {}) {
+  const double k = turn * medium.frequency / medium.sound_speed;
+  Complex sum = 0;
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    const Vec3 way = place - layout.transducers[n].position;
+    const double distance = glm::length(way);
+    const double loud = directivity(Directivity::t4010a1, glm::dot(way, layout.transducers[n].axis) / distance, 0);
+    sum += drive[n] * std::polar(loud / distance, k * distance);
+  }
+  return sum;
+}
+
+std::vector<Complex> complex_of(const Drive& drive) {
+  std::vector<Complex> values;
+  for (const TransducerDrive& one : drive)
+    values.push_back(std::polar(double{one.amplitude}, double{one.phase}));
+  return values;
+}
+
+/// Phases as a board has them.
+std::vector<Complex> rounded(const Drive& drive, double steps) {
+  std::vector<Complex> values;
+  for (const TransducerDrive& one : drive)
+    values.push_back(std::polar(double{one.amplitude}, turn * std::round(one.phase / turn * steps) / steps));
+  return values;
+}
+
+double decibels(double ratio) {
+  return 20 * std::log10(std::max(ratio, 1e-30));
+}
+
+struct Places {
+  std::vector<SlotFocus> foci;
+  std::vector<Null> nulls;
+};
+
+/// Places in a box, at least 10 mm apart across a flat board's beam, or in any direction.
+Places random_places(std::mt19937& random, const Vec3& centre, bool flat, std::size_t foci = 4, std::size_t nulls = 4) {
+  std::uniform_real_distribution<double> place(-1, 1);
+  std::vector<Vec3> all;
+  while (all.size() < foci + nulls) {
+    const double x = place(random), y = place(random), z = place(random);
+    const Vec3 next = centre + Vec3(30e-3, 30e-3, flat ? 20e-3 : 30e-3) * Vec3(x, y, z);
+    const Vec3 across(1, 1, flat ? 0 : 1);
+    if (std::ranges::all_of(all, [&](const Vec3& other) { return glm::length((other - next) * across) >= 10e-3; }))
+      all.push_back(next);
+  }
+  Places places;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    i < foci ? places.foci.push_back({all[i]}) : places.nulls.push_back({all[i]});
+  return places;
+}
+
+/// Two rows of four, foci and nulls in turn: each null lies in the middle between foci, where their sounds meet in
+/// phase.
+Places checkerboard(const Vec3& centre, const Vec3& u, const Vec3& v, double spacing_m) {
+  Places places;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const Vec3 at = centre + spacing_m * ((i - 1.5) * u + (j - 0.5) * v);
+      (i + j) % 2 == 0 ? places.foci.push_back({at}) : places.nulls.push_back({at});
+    }
+  }
+  return places;
+}
+
+DriveOptions options_for(const Layout& layout, const std::vector<Null>& nulls, Constraint constraint) {
+  DriveOptions options;
+  options.solver = Solver::gs_pat;
+  options.constraint = constraint;
+  if (!nulls.empty()) options.nulls = std::make_shared<const Nulls>(layout, options.medium, options.directivity, nulls);
+  return options;
+}
+
+struct Heard {
+  double weakest = std::numeric_limits<double>::infinity(), strongest = 0, loudest_null = 0;
+  double depth_db() const { return decibels(loudest_null / weakest); }
+};
+Heard hear(const Layout& layout, const std::vector<Complex>& drive, const Places& places) {
+  Heard heard;
+  for (const SlotFocus& focus : places.foci) {
+    const double loud = std::abs(sound_at(layout, drive, focus.position)) / focus.gain;
+    heard.weakest = std::min(heard.weakest, loud);
+    heard.strongest = std::max(heard.strongest, loud);
+  }
+  for (const Null& null : places.nulls)
+    heard.loudest_null = std::max(heard.loudest_null, std::abs(sound_at(layout, drive, null.position)));
+  return heard;
+}
+
+void expect_figures(const Layout& layout, const Places& places, Constraint constraint, const std::string& what) {
+  const Drive drive = drive_for(layout, places.foci, options_for(layout, places.nulls, constraint));
+  EXPECT_EQ(faults(drive), 0u) << what;
+  const Heard heard = hear(layout, complex_of(drive), places);
+  EXPECT_LE(heard.depth_db(), constraint == Constraint::uniform ? -80 : -90) << what;
+  EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1) << what;
+  const Drive without = drive_for(layout, places.foci, options_for(layout, {}, constraint));
+  const double loss_db = decibels(hear(layout, complex_of(without), places).weakest / heard.weakest);
+  EXPECT_LE(loss_db, constraint == Constraint::clamp ? 5 : 3) << what;
+  EXPECT_LE(hear(layout, rounded(drive, 32), places).depth_db(), -35) << what;
+  EXPECT_LE(hear(layout, rounded(drive, 128), places).depth_db(), -45) << what;
+  EXPECT_LE(hear(layout, rounded(drive, 256), places).depth_db(), -50) << what;
+  if (constraint != Constraint::uniform) return;
+  for (const TransducerDrive& one : drive)
+    ASSERT_EQ(one.amplitude, 1) << what;
+}
+
+TEST(Nulls, AreDeepAndCostLittleOnABoard) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(4);
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    for (int set = 0; set < 25; ++set)
+      expect_figures(layout, random_places(random, {0, 0, 0.15}, true), constraint, "set " + std::to_string(set));
+    for (const double spacing_m : {10e-3, 12.5e-3, 15e-3, 20e-3}) {
+      expect_figures(layout, checkerboard({0, 0, 0.15}, {1, 0, 0}, {0, 1, 0}, spacing_m), constraint,
+                     "spacing " + std::to_string(spacing_m));
+    }
+  }
+}
+
+TEST(Nulls, AreDeepAndCostLittleInTheTunnel) {
+  const Layout layout = load_layout("paper");
+  std::mt19937 random(5);
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    for (int set = 0; set < 4; ++set)
+      expect_figures(layout, random_places(random, {0, 0, 0}, false), constraint, "set " + std::to_string(set));
+    expect_figures(layout, checkerboard({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 10e-3), constraint, "in x and z");
+    expect_figures(layout, checkerboard({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 10e-3), constraint, "in x and y");
+  }
+}
+
+// A ball is silent, not only its centre.
+TEST(Nulls, ABallIsSilentAsAWhole) {
+  const Layout layout = load_layout("paper");
+  std::mt19937 random(6);
+  std::normal_distribution<double> any;
+  for (const double radius_m : {0.5e-3, 1e-3}) {
+    Places places = random_places(random, {0, 0, 0}, false, 2, 2);
+    for (Null& null : places.nulls)
+      null.radius_m = radius_m;
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const std::vector<Complex> drive =
+          complex_of(drive_for(layout, places.foci, options_for(layout, places.nulls, constraint)));
+      const double weakest = hear(layout, drive, places).weakest;
+      double loudest = 0;
+      for (const Null& null : places.nulls) {
+        for (int i = 0; i < 100; ++i) {
+          const double x = any(random), y = any(random), z = any(random);
+          const Vec3 way = glm::normalize(Vec3(x, y, z)) * (i % 2 == 0 ? 1.0 : 0.6);
+          loudest = std::max(loudest, std::abs(sound_at(layout, drive, null.position + radius_m * way)));
+        }
+      }
+      EXPECT_LE(decibels(loudest / weakest), constraint == Constraint::uniform ? -45 : -75) << radius_m;
+    }
+  }
+}
+
+// More rows make a ball more silent; the first rows are those that matter most.
+TEST(Nulls, RowsAreOrthonormalAndInTheOrderOfTheirRests) {
+  const Layout layout = load_layout("openmpd");
+  const std::vector<Null> places{{{0, 0, 0.15}, 1e-3}, {{0.02, 0, 0.15}}, {{0.02, 0, 0.15}}};
+  const Nulls nulls(layout, {}, Directivity::t4010a1, places);
+  const SplitRows& rows = nulls.rows();
+  for (std::size_t i = 0; i < rows.rows; ++i) {
+    for (std::size_t k = 0; k <= i; ++k) {
+      const Complex product = inner_product(rows, i, rows, k);
+      EXPECT_NEAR(std::abs(product - (i == k ? 1.0 : 0.0)), 0, 1e-9) << i << " " << k;
+    }
+  }
+  EXPECT_EQ(nulls.rows_to(1), 2u) << "the centre of the ball and one of the two equal places";
+  std::size_t before = 0;
+  for (const double rest : {1.0, 0.1, 1e-2, 1e-3, null_deepest_rest}) {
+    EXPECT_GE(nulls.rows_to(rest), before);
+    before = nulls.rows_to(rest);
+  }
+  EXPECT_EQ(before, rows.rows);
+  EXPECT_EQ(nulls.loudness().size(), rows.rows);
+}
+
+TEST(Nulls, GainsStayAsAsked) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(7);
+  Places places = random_places(random, {0, 0, 0.15}, true);
+  places.foci[0].gain = 0.3F;
+  places.foci[2].gain = 0.7F;
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    const Drive drive = drive_for(layout, places.foci, options_for(layout, places.nulls, constraint));
+    const Heard heard = hear(layout, complex_of(drive), places);
+    EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1);
+    EXPECT_LE(heard.depth_db(), -60);
+  }
+  for (SlotFocus& focus : places.foci)
+    focus.gain = 0;
+  const Drive silent = drive_for(layout, places.foci, options_for(layout, places.nulls, Constraint::normalise));
+  for (const TransducerDrive& one : silent)
+    ASSERT_EQ(one.amplitude, 0);
+}
+
+// A null where a focus is heard little anyway changes its drive little.
+TEST(Nulls, OneFocusIsNearlyThePapersDrive) {
+  const Layout layout = load_layout("paper");
+  const std::vector<SlotFocus> focus{{{0, 0, 0}}};
+  const std::vector<Null> ear{{{0.05, 0.02, 0.3}}};
+  const Drive with = drive_for(layout, focus, options_for(layout, ear, Constraint::normalise));
+  const Drive without = drive_for(layout, focus, options_for(layout, {}, Constraint::normalise));
+  double apart = 0;
+  for (std::size_t n = 0; n < with.size(); ++n) {
+    apart = std::max(apart, std::abs(std::polar(double{with[n].amplitude}, double{with[n].phase}) -
+                                     std::polar(double{without[n].amplitude}, double{without[n].phase})));
+  }
+  EXPECT_LT(apart, 0.1);
+  EXPECT_LT(std::abs(sound_at(layout, complex_of(with), ear[0].position)),
+            1e-4 * std::abs(sound_at(layout, complex_of(with), focus[0].position)));
+}
+
+TEST(Nulls, BearAnything) {
+  const Layout layout = load_layout("openmpd");
+  const Vec3 place(0.01, 0, 0.12);
+  const std::vector<std::vector<Null>> odd{
+      {{place}},        {{place, most_null_radius_m}},      {{{0, 0, -0.2}}},
+      {{{50, 0, 0.1}}}, {{layout.transducers[3].position}}, std::vector<Null>(most_nulls, Null{{0, 0.02, 0.12}, 1e-3})};
+  std::vector<SlotFocus> foci{{place}, {{-0.01, 0, 0.12}, 0.5F}, {{0, 0, 500}}};
+  for (const std::vector<Null>& nulls : odd) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp})
+      EXPECT_EQ(faults(drive_for(layout, foci, options_for(layout, nulls, constraint))), 0u);
+  }
+  foci.clear();
+  for (int i = 0; i < 70; ++i)  // more than any solver takes
+    foci.push_back({{-0.05 + 1.5e-3 * i, 0.01, 0.14}});
+  const Drive many = drive_for(layout, foci, options_for(layout, {{{0, 0.03, 0.14}}}, Constraint::uniform));
+  EXPECT_EQ(faults(many), 0u);
+}
+
+class NullsOn : public testing::TestWithParam<Backend> {};
+INSTANTIATE_TEST_SUITE_P(Both, NullsOn, testing::ValuesIn(backends), backend_name);
+
+// Slots with nulls are the host's on every device: the same bytes, beside slots without foci.
+TEST_P(NullsOn, BatchesAreTheHosts) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(8);
+  const Places one = random_places(random, {0, 0, 0.15}, true), other = random_places(random, {0, 0, 0.15}, true);
+  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform}) {
+    const DriveOptions options = options_for(layout, one.nulls, constraint);
+    const std::vector<std::vector<SlotFocus>> slots{one.foci, {}, {other.foci[0]}, other.foci};
+    const std::vector<Drive> drives = GetParam().drives(layout, slots, options);
+    ASSERT_EQ(drives.size(), slots.size());
+    for (std::size_t s = 0; s < slots.size(); ++s) {
+      const Drive expected = drive_for(layout, slots[s], options);
+      for (std::size_t n = 0; n < expected.size(); ++n) {
+        ASSERT_EQ(drives[s][n].amplitude, expected[n].amplitude) << s << " " << n;
+        ASSERT_EQ(drives[s][n].phase, expected[n].phase) << s << " " << n;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpa::array

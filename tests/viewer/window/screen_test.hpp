@@ -1,0 +1,47 @@
+// The common part of tests of real windows, on a private X server; skipped if there is no Xvfb.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "cli/support/process.hpp"
+#include "viewer/render/drawing_test.hpp"
+#include "x_display.hpp"
+
+namespace palpa::test {
+
+class ScreenTest : public DrawingTest {
+ protected:
+  void SetUp() override {
+    DrawingTest::SetUp();
+    if (IsSkipped()) return;
+    server_.emplace();
+    if (server_->name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
+  }
+  /// For a program on that server. `config`: the folder with its settings. `scale`: what it enlarges everything by.
+  Environment on_screen(const std::string& config = "/dev/null", const std::string& scale = "1") const {
+    return {{"DISPLAY", server_->name()},
+            {"WAYLAND_DISPLAY", ""},
+            {"XDG_CONFIG_HOME", config},
+            {"GDK_SCALE", scale},
+            where_assets_are()};
+  }
+  /// Waits up to a minute. Looking at a picture takes a while, so it looks now and then.
+  static bool comes_to(const std::function<bool()>& condition) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > limit) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return true;
+  }
+
+  std::optional<XServer> server_;
+};
+
+}  // namespace palpa::test
