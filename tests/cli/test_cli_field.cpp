@@ -201,6 +201,7 @@ TEST(Field, SaysWhatIsWrong) {
       {with({"--layout", "autd3"}, plane), 2, "nothing sounds: give --drive FILE.csv, or --focus"},
       {with(with(focus, {"--drive", other}), plane), 2, "exclude each other"},
       {with({"--layout", "autd3", "--drive", other, "--solver", "greedy"}, plane), 2, "exclude each other"},
+      {with({"--layout", "autd3", "--drive", other, "--null", "0,2cm,0.15"}, plane), 2, "exclude each other"},
       {focus, 2, "no place to look at: give --plane"},
       {with(focus, {"--plane", "xy"}), 2, "--plane has no extent: give --size"},
       {with(focus, {"--plane", "xy", "--size", "0,10mm"}), 2, "--size: '0,10mm' is not W,H"},

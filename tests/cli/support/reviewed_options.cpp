@@ -284,7 +284,11 @@ std::vector<ReviewedLine> of_drive(const std::string& scratch) {
                                                   {{"--csv", "OUT/drive.csv"}},
                                                   {{"--transfer", "finger", "--mesh", above}}}})},
           {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
-           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}}};
+           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}},
+          {.line = {"drive", "--layout", "paper", "--pattern", "hoshi", "--backend", "cpu"},
+           .idle = {{{"--focus", "0,0,1cm"}, "--focus and --pattern exclude each other"},
+                    {{"--null", "2cm,0,0"}, "--null and --pattern exclude each other"},
+                    {{"--touch", "x.json"}, "--pattern and --touch exclude each other"}}}};
 }
 
 ReviewedLine of_field() {
