@@ -60,14 +60,14 @@ inline constexpr Word<Solver> solver_words[] = {
     {"naive", Solver::naive},     {"gs-pat", Solver::gs_pat},         {"greedy", Solver::greedy},
     {"loudest", Solver::loudest}, {"eigenvalue", Solver::eigenvalue}, {"back-propagation", Solver::back_propagation}};
 
-/// Solved on the host only, on every device.
-constexpr bool is_of_host(Solver solver) {
-  return solver == Solver::eigenvalue || solver == Solver::back_propagation;
+/// `loudest` is gs_pat with more care.
+constexpr bool is_gs_pat(Solver solver) {
+  return solver == Solver::gs_pat || solver == Solver::loudest;
 }
 
 /// The phases that the solver uses for foci that request pressures.
 constexpr FocusPhases phases_of(Solver solver) {
-  return solver == Solver::gs_pat || solver == Solver::loudest ? FocusPhases::helping : FocusPhases::own;
+  return is_gs_pat(solver) ? FocusPhases::helping : FocusPhases::own;
 }
 
 constexpr Care care_of(Solver solver) {

@@ -52,7 +52,7 @@ DrivePass::DrivePass(const gpu::Device& device)
 
 void DrivePass::record(VkCommandBuffer commands, const DriveBindings& bindings, const DriveBatch& batch) const {
   const shader::DrivePush push{batch.transducers, batch.slots, static_cast<std::uint32_t>(batch.weighting),
-                               static_cast<std::uint32_t>(batch.constraint)};
+                               static_cast<std::uint32_t>(batch.constraint), batch.turned_foci};
   // The kernels write different slots, but to one buffer, so they need a barrier.
   bool first = true;
   const auto apart = [&] {
@@ -142,8 +142,8 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
 void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
   const bool seeking = may_seek();
-  if (pass_foci_ >= most_foci_ && !seeking && !options_.nulls && !is_of_host(options_.solver)) return;
-  const std::size_t fewest = options_.nulls ? 1 : seeking || is_of_host(options_.solver) ? 2 : pass_foci_ + 1;
+  if (pass_foci_ >= most_foci_ && !seeking && !options_.nulls) return;
+  const std::size_t fewest = options_.nulls ? 1 : seeking ? 2 : pass_foci_ + 1;
   const std::size_t most = std::min<std::size_t>(most_slots_, most_foci_ / fewest);
   most_host_slots_ = most;
   host_slots_.reserve(layout_, options_, most, most_foci_);
@@ -152,14 +152,9 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
 }
 
-bool DriveMemory::is_of_host_with(std::size_t foci) const {
-  if (options_.nulls) return foci > 0;
-  return is_of_host(options_.solver) && foci > 1 && foci <= most_solved_foci;
-}
-
 bool DriveMemory::may_seek() const {
-  const bool weighs = options_.solver == Solver::gs_pat || options_.solver == Solver::loudest;
-  return weighs && effort_for(care_of(options_.solver), options_.constraint, 2, [] { return true; });
+  return is_gs_pat(options_.solver) &&
+         effort_for(care_of(options_.solver), options_.constraint, 2, [] { return true; });
 }
 
 /// The same decision as gs_pat's.
@@ -181,6 +176,7 @@ void DriveMemory::clear() {
   batch_.slots = 0;
   batch_.single = batch_.several = batch_.weighted = by_factors_ = false;
   batch_.constraint = options_.constraint;
+  batch_.turned_foci = is_gs_pat(options_.solver) ? shader::solve_finger_foci : 0;
   solve_.sizes = 0;
   used_foci_ = used_entries_ = 0;
   host_slots_.clear();
@@ -208,7 +204,8 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(foci, drivable));
   if (!fits(count)) return false;
   assert(!by_factors_);
-  if (count > pass_foci_ || is_of_host_with(count) || seeks(foci, count)) return add_host_slot(foci, {});
+  const bool silences = options_.nulls && count > 0;
+  if (count > pass_foci_ || silences || seeks(foci, count)) return add_host_slot(foci, {});
 
   float shared = 0;
   for (const SlotFocus& focus : foci) {
@@ -238,6 +235,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
   if (!fits(count)) return false;
   by_factors_ = true;
   batch_.constraint = Constraint::clamp;
+  batch_.turned_foci = 0;
   if (count > pass_foci_) return add_host_slot(foci, factors);
   shader::DriveSlot& slot = slots_.as<shader::DriveSlot>()[batch_.slots++];
   slot = {used_foci_, static_cast<std::uint32_t>(count), 1, shader::drive_given};

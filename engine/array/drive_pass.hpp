@@ -33,6 +33,7 @@ struct DriveBatch {
   bool single = true;             ///< some slot has one focus or none
   bool several = true;            ///< some slot has several foci and is not solved (drive_unsolved)
   bool weighted = false;          ///< some slot has several foci and factors for them
+  std::uint32_t turned_foci = 0;  ///< slots of at most so many foci with factors turn phases (shader::DrivePush)
   Weighting weighting = Weighting::distance;
   Constraint constraint = Constraint::normalise;
 };
@@ -83,8 +84,7 @@ class DriveMemory {
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
   /// device that ends long loops, drives of more than most_pass_foci() foci are the host's. On every device, so are
-  /// those whose phases are sought (effort_for in gs_pat.hpp), those with nulls, and those of some solvers
-  /// (is_of_host).
+  /// those whose phases are sought (effort_for in gs_pat.hpp), and those with nulls.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.
@@ -136,8 +136,6 @@ class DriveMemory {
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
-  /// Whether the host solves slots of so many foci, whatever the foci.
-  bool is_of_host_with(std::size_t foci) const;
   /// Whether the solver seeks the phases of such slots, if foci are near each other.
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);

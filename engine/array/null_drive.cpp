@@ -130,10 +130,11 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
   scratch.targets.reserve(foci);
   SilentScratch& silent = scratch.silent;
   for (PhasedSounds* sounds : {&silent.now, &silent.tried, &silent.kept}) {
-    make_room(sounds->waves, all);
+    const std::size_t most = sounds == &silent.kept ? std::min(all, silent_raised_rows) : all;
+    make_room(sounds->waves, most);
     sounds->re.reserve(stride);
     sounds->im.reserve(stride);
-    sounds->sounds.reserve(all);
+    sounds->sounds.reserve(most);
   }
   make_room(scratch.peaks.apart, foci);
   make_room(scratch.peaks.next, 1);

@@ -33,8 +33,9 @@ struct Null {
 inline constexpr std::size_t most_nulls = 64;
 inline constexpr double most_null_radius_m = 5e-3;
 /// The most rows, and the most entries of all rows, unless there are more nulls. The rows with the smallest rests are
-/// left out: time grows with the square of their number.
-inline constexpr std::size_t most_null_rows = 192, most_null_entries = 1u << 19;
+/// left out: time grows with the square of their number. Four balls as wide as a wavelength have about 320 rows in
+/// `paper`.
+inline constexpr std::size_t most_null_rows = 320, most_null_entries = 5u << 18;
 inline constexpr double null_deepest_rest = 1e-4;  ///< the smallest rest of a row
 inline constexpr double null_loosest_rest = 1e-2;  ///< rows up to this one are never left out
 

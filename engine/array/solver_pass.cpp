@@ -6,9 +6,12 @@
 #include <initializer_list>
 #include <utility>
 
+#include "array/solvers/back_propagation.hpp"
+#include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
+#include "spirv/solve_eigenvalue.comp.hpp"
 #include "spirv/solve_even_phases.comp.hpp"
 #include "spirv/solve_greedy.comp.hpp"
 #include "spirv/solve_mirrored.comp.hpp"
@@ -21,7 +24,7 @@ namespace palpa::array {
 static_assert(shader::solve_most_foci == most_solved_foci);
 static_assert(shader::solve_directivity_steps == directivity_steps);
 static_assert(shader::solve_phases == greedy_phases);
-static_assert(shader::solve_finger_foci == gs_pat_few && shader::drive_turned_foci == gs_pat_few);
+static_assert(shader::solve_finger_foci == gs_pat_few);
 // Each focus has its own thread while the transducers' phases change.
 static_assert(shader::solve_phases_group >= shader::solve_finger_foci);
 static_assert(shader::solve_starts == gs_pat_starts && shader::solve_sounds == gs_pat_sounds &&
@@ -41,7 +44,8 @@ static_assert(shader::solve_damping == static_cast<float>(even_damping) &&
               shader::solve_least_damping == static_cast<float>(even_least_damping) &&
               shader::solve_most_damping == static_cast<float>(even_most_damping) &&
               shader::solve_less == static_cast<float>(even_less) &&
-              shader::solve_more == static_cast<float>(even_more));
+              shader::solve_more == static_cast<float>(even_more) &&
+              shader::solve_ridge == static_cast<float>(eigenvalue_ridge));
 
 namespace {
 
@@ -50,7 +54,7 @@ gpu::ComputePipeline pipeline(const gpu::Device& device, const char* name, const
   return {device, name, kernel, sizeof(shader::SolvePush), {constants.begin(), constants.size()}};
 }
 
-shader::SolvePush push_of(const SolveBatch& batch) {
+shader::SolvePush push_of(Solver solver, const SolveBatch& batch) {
   shader::SolvePush push{};
   push.transducers = batch.transducers;
   push.slots = batch.slots;
@@ -63,6 +67,13 @@ shader::SolvePush push_of(const SolveBatch& batch) {
   push.most_weight = static_cast<float>(gs_pat_most_weight);
   push.still = static_cast<float>(gs_pat_still);
   push.tries = gs_pat_most_tries(batch.transducers);
+  if (solver == Solver::eigenvalue) {
+    push.steps = eigenvalue_steps;
+    push.still = static_cast<float>(eigenvalue_still);
+  } else if (solver == Solver::back_propagation) {
+    push.steps = batch.constraint == Constraint::normalise ? propagation_steps : 0;  // otherwise over the whole array
+    push.still = static_cast<float>(propagation_still);
+  }
   return push;
 }
 
@@ -80,28 +91,36 @@ struct SolverPass::Buffers : SolveBindings {
   gpu::BufferRef matrices = {};
 };
 
-SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
-  if (solver == Solver::gs_pat || solver == Solver::loudest) {
-    std::uint32_t fewest = 2;
+SolverPass::SolverPass(const gpu::Device& device, Solver solver) : solver_(solver) {
+  std::uint32_t fewest = 2;
+  if (is_gs_pat(solver)) {
     for (const std::uint32_t most : {shader::solve_hand_foci, shader::solve_finger_foci}) {
-      gs_pat_.push_back({fewest,
-                         most,
-                         most,
-                         pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, most}),
-                         {},
-                         pipeline(device, "solve_weights_few", spirv::solve_weights_few_comp, {fewest, most}),
-                         pipeline(device, "solve_even_phases", spirv::solve_even_phases_comp, {fewest, most})});
+      by_matrix_.push_back({fewest,
+                            most,
+                            most,
+                            pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, most}),
+                            {},
+                            pipeline(device, "solve_weights_few", spirv::solve_weights_few_comp, {fewest, most}),
+                            pipeline(device, "solve_even_phases", spirv::solve_even_phases_comp, {fewest, most})});
       fewest = most + 1;
     }
-    constexpr std::uint32_t most = shader::solve_most_foci, tile = shader::solve_tile;
-    gs_pat_.push_back({fewest, most, tile,
-                       pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, most, tile}),
-                       pipeline(device, "solve_mirrored", spirv::solve_mirrored_comp, {fewest, most, tile}),
-                       pipeline(device, "solve_weights", spirv::solve_weights_comp, {fewest, most}),
-                       pipeline(device, "solve_refine", spirv::solve_refine_comp, {fewest, most})});
+  }
+  if (is_gs_pat(solver) || solver == Solver::eigenvalue || solver == Solver::back_propagation) {
+    ByMatrix& many = by_matrix_.emplace_back();
+    many.fewest = fewest;
+    many.most = shader::solve_most_foci;
+    many.tile = shader::solve_tile;
+    many.diagonal = pipeline(device, "solve_diagonal", spirv::solve_diagonal_comp, {fewest, many.most, many.tile});
+    many.mirrored = pipeline(device, "solve_mirrored", spirv::solve_mirrored_comp, {fewest, many.most, many.tile});
+    if (solver == Solver::eigenvalue) {
+      many.weights = pipeline(device, "solve_eigenvalue", spirv::solve_eigenvalue_comp, {fewest, many.most});
+    } else {
+      const std::uint32_t weighs = is_gs_pat(solver) ? 1 : 0;
+      many.weights = pipeline(device, "solve_weights", spirv::solve_weights_comp, {fewest, many.most, weighs});
+      many.refine = pipeline(device, "solve_refine", spirv::solve_refine_comp, {fewest, many.most, weighs});
+    }
   }
   if (solver == Solver::greedy) {
-    std::uint32_t fewest = 2;
     for (const std::uint32_t most : {shader::solve_greedy_few, shader::solve_most_foci}) {
       greedy_.push_back({fewest, most, pipeline(device, "solve_greedy", spirv::solve_greedy_comp, {fewest, most})});
       fewest = most + 1;
@@ -111,8 +130,8 @@ SolverPass::SolverPass(const gpu::Device& device, Solver solver) {
 
 std::vector<gpu::ScratchBuffer> SolverPass::scratch(Solver solver, std::uint32_t most_foci) {
   // A slot of n foci has n * n entries of two floats, where n is at most most_solved_foci.
-  const bool solves = solver == Solver::gs_pat || solver == Solver::loudest;
-  const VkDeviceSize entries = solves ? VkDeviceSize{most_foci} * most_solved_foci : 0;
+  const bool has_matrix = solver != Solver::naive && solver != Solver::greedy;
+  const VkDeviceSize entries = has_matrix ? VkDeviceSize{most_foci} * most_solved_foci : 0;
   return {{"focus matrices", entries * 2 * sizeof(float)}};
 }
 
@@ -121,12 +140,12 @@ void SolverPass::record(VkCommandBuffer commands, const SolveBindings& bindings,
   if (batch.transducers == 0 || batch.slots == 0 || batch.sizes == 0) return;
   Buffers buffers{bindings};
   buffers.matrices = scratch[matrices];
-  if (!gs_pat_.empty()) record_gs_pat(commands, buffers, batch);
+  if (!by_matrix_.empty()) record_by_matrix(commands, buffers, batch);
   if (!greedy_.empty()) record_greedy(commands, buffers, batch);
 }
 
-void SolverPass::record_gs_pat(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const {
-  const shader::SolvePush push = push_of(batch);
+void SolverPass::record_by_matrix(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const {
+  const shader::SolvePush push = push_of(solver_, batch);
   bool first = true;
   const auto run = [&](const gpu::ComputePipeline& kernel, const gpu::KernelBuffers& bound, std::uint32_t x,
                        std::uint32_t y = 1) {
@@ -134,7 +153,7 @@ void SolverPass::record_gs_pat(VkCommandBuffer commands, const Buffers& buffers,
     if (!std::exchange(first, false)) gpu::compute_to_compute(commands);
     kernel.dispatch(commands, bound, push, x, y);
   };
-  for (const GsPat& kernels : gs_pat_) {
+  for (const ByMatrix& kernels : by_matrix_) {
     const std::uint32_t foci = most_foci(batch, kernels.fewest, kernels.most);
     if (foci == 0) continue;
     const bool few = kernels.most <= shader::solve_finger_foci;
@@ -146,21 +165,24 @@ void SolverPass::record_gs_pat(VkCommandBuffer commands, const Buffers& buffers,
     if (few) {
       run(kernels.weights, spirv::solve_weights_few_buffers(buffers),
           gpu::groups_for(batch.slots, shader::solve_weights_few_group));
+    } else if (solver_ == Solver::eigenvalue) {
+      run(kernels.weights, spirv::solve_eigenvalue_buffers(buffers), batch.slots);
     } else {
       run(kernels.weights, spirv::solve_weights_buffers(buffers), batch.slots);
     }
-    if (batch.constraint == Constraint::normalise) continue;
+    if (batch.constraint == Constraint::normalise || !kernels.refine) continue;
     if (few) {
       run(kernels.refine, spirv::solve_even_phases_buffers(buffers), batch.slots);
     } else {
-      for (std::uint32_t i = 0; i < gs_pat_refinings; ++i)
+      const std::uint32_t refinings = is_gs_pat(solver_) ? gs_pat_refinings : propagation_steps;
+      for (std::uint32_t i = 0; i < refinings; ++i)
         run(kernels.refine, spirv::solve_refine_buffers(buffers), batch.slots);
     }
   }
 }
 
 void SolverPass::record_greedy(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const {
-  shader::SolvePush push = push_of(batch);
+  shader::SolvePush push = push_of(solver_, batch);
   bool first = true;
   while (push.begin < batch.transducers) {
     push.end = std::min(push.begin + shader::solve_turns, batch.transducers);

@@ -20,8 +20,8 @@ struct SolveBindings {
   gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
   gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are skipped
   gpu::BufferRef drives;   ///< written by greedy; by gs_pat under `uniform` and `clamp`: the phase changes of the
-                           ///< transducers, for the drives' kernel
-  gpu::BufferRef weights;  ///< written by gs_pat: vec4 per focus, plain and heard factor; scratch of greedy
+                           ///< transducers, for the drives' kernel; else scratch
+  gpu::BufferRef weights;  ///< written: vec4 per focus, plain and heard factor; scratch of greedy
   gpu::BufferRef axes;     ///< texels: vec4[transducers]
   gpu::BufferRef directivity;  ///< texels of 4 bytes: solver_directivity
 };
@@ -36,7 +36,7 @@ struct SolveBatch {
   double nearest = 0;  ///< radius of a transducer in wavelengths
 };
 
-/// Holds only the pipelines of one solver. Twins: gs_pat and greedy.
+/// Holds only the pipelines of one solver. Twins: gs_pat, greedy, eigenvalue_factors and propagated_factors.
 ///
 /// gs_pat takes three steps. First, the matrix of each slot, with one workgroup per tile of foci. Second, the factors
 /// from it, with a thread per slot, or a workgroup for many foci. Third, under `uniform` and `clamp`, a workgroup per
@@ -51,6 +51,10 @@ struct SolveBatch {
 /// that serve the foci equally well.
 ///
 /// `loudest` is gs_pat here: slots whose phases it seeks are solved by the twin and left out of the batch.
+///
+/// eigenvalue and back_propagation use gs_pat's kernels of many foci for the matrix, and a workgroup per slot for the
+/// factors. Under `uniform` and `clamp`, back_propagation goes on over the whole array, one dispatch per step: up to
+/// 100 times 2 N M sines and cosines.
 ///
 /// The kernels use the transfer between transducers and foci from shaders/array/drive/transfer_free.glsl, for the
 /// matrix and for the columns G of the foci, one transducer at a time. Another transfer is another file with the same
@@ -70,8 +74,8 @@ class SolverPass {
  private:
   enum ScratchIndex : std::size_t { matrices, scratch_count };
 
-  /// Kernels for slots of `fewest` to `most` foci.
-  struct GsPat {
+  /// Kernels for slots of `fewest` to `most` foci: the matrix, the factors from it, and those that refine them.
+  struct ByMatrix {
     std::uint32_t fewest = 0, most = 0, tile = 0;
     gpu::ComputePipeline diagonal, mirrored, weights, refine;
   };
@@ -80,10 +84,11 @@ class SolverPass {
     gpu::ComputePipeline choose;
   };
   struct Buffers;
-  void record_gs_pat(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const;
+  void record_by_matrix(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const;
   void record_greedy(VkCommandBuffer commands, const Buffers& buffers, const SolveBatch& batch) const;
 
-  std::vector<GsPat> gs_pat_;
+  Solver solver_;
+  std::vector<ByMatrix> by_matrix_;
   std::vector<Greedy> greedy_;
 };
 

@@ -1,6 +1,7 @@
 #include "bench/bench.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <utility>
@@ -18,6 +19,24 @@ Row make_row(std::string suite, std::string name, std::string stage, std::vector
   row.least_ms = samples_ms.front();
   row.runs = static_cast<std::uint32_t>(samples_ms.size());
   return row;
+}
+
+std::vector<double> time_runs(const Context& context, const std::string& what, std::uint32_t most,
+                              const std::function<void()>& work) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t few = 3;
+  const double enough_ms = context.runs;
+  std::vector<double> samples;
+  double total_ms = 0;
+  while (samples.size() < most && (total_ms < enough_ms || (samples.size() < few && total_ms < few * enough_ms))) {
+    const auto begin = Clock::now();
+    work();
+    samples.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    total_ms += samples.back();
+    context.progress(what, samples.size(), most);
+  }
+  context.progress(what, most, most);
+  return samples;
 }
 
 std::uint64_t peak_resident_bytes() {

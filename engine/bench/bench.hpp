@@ -30,11 +30,16 @@ struct Context {
   std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };
 
+/// Times `work` at most so many times: until it has taken a millisecond for each of context.runs, but at least three
+/// times, or until it has taken three times as long.
+std::vector<double> time_runs(const Context& context, const std::string& what, std::uint32_t most,
+                              const std::function<void()>& work);
+
 /// Depth frames in host memory to drives in host memory, one frame at a time.
 void measure_loop(const Context& context, std::vector<Row>& rows);
 /// Drives in batches and for one frame.
 void measure_array(const Context& context, std::vector<Row>& rows);
-/// Ten foci at once by each solver, on the device and by the twins.
+/// Ten foci at once by each solver, on the device and by the twins: evenness, pressure and solves per second.
 void measure_solvers(const Context& context, std::vector<Row>& rows);
 /// Foci and nulls at once, on the host, which computes them on every device.
 void measure_nulls(const Context& context, std::vector<Row>& rows);

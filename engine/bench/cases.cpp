@@ -187,15 +187,7 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
       }
     }
   }
-  std::vector<double> total;
-  const std::uint32_t runs = std::max(3u, std::min(context.runs, 20'000 / (slots * foci_per_slot)));
-  for (std::uint32_t run = 0; run < runs + 3; ++run) {
-    const double begin = now_ms();
-    batch();
-    if (run >= 3) total.push_back(now_ms() - begin);
-    context.progress(name, run, runs + 2);
-  }
-  Row row = make_row("array", name, "total", total);
+  Row row = make_row("array", name, "total", time_runs(context, name, context.runs, batch));
   row.value = slots * foci_per_slot * 1e3 / row.median_ms;
   row.unit = "foci x 3984 /s";
   rows.push_back(row);

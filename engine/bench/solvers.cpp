@@ -3,17 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <random>
+#include <span>
 #include <string>
-#include <thread>
+#include <utility>
+#include <vector>
 
 #include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/slot_drives.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "bench/bench.hpp"
 #include "gpu/commands.hpp"
 
@@ -23,14 +29,10 @@ namespace {
 using array::Constraint;
 using array::Solver;
 
-constexpr std::uint32_t sets = 100;       // slots of a batch
-constexpr std::uint32_t far_judged = 10;  // number of slots that are compared and evaluated
+constexpr std::uint32_t far_sets = 100;     // slots of a batch
+constexpr std::size_t far_judged_each = 3;  // one of so many is compared and evaluated
 constexpr std::size_t foci_per_set = 10;
 constexpr double cube_m = 0.06, apart_m = 8e-3;
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::vector<array::SlotFocus> random_set(std::mt19937& random, const Vec3& centre) {
   std::uniform_real_distribution<double> place(-cube_m / 2, cube_m / 2);
@@ -81,24 +83,21 @@ std::vector<std::vector<array::SlotFocus>> near_sets(const Vec3& centre) {
   return slots;
 }
 
-/// The loudness of the evaluated slots, and the evenness of the least even one.
-struct Heard {
-  double mean_pa = 0, evenness = 1;
-  std::vector<double> weakest_pa, even;  ///< slot by slot
+/// What is heard of a slot.
+struct Judged {
+  std::size_t slot = 0;
+  double mean_pa = 0, weakest_pa = 0, even = 1;
 };
-template <typename DriveOf>
-Heard listen(const array::Layout& layout, const std::vector<std::vector<array::SlotFocus>>& slots, std::uint32_t judged,
-             DriveOf drive_of) {
-  Heard heard;
-  for (std::uint32_t s = 0; s < judged; ++s) {
-    const acoustics::FociPressure pressure = acoustics::pressure_at_foci(layout, drive_of(s), slots[s]);
-    heard.mean_pa += pressure.mean / judged;
-    heard.evenness = std::min(heard.evenness, pressure.evenness);
-    heard.even.push_back(pressure.evenness);
-    heard.weakest_pa.push_back(*std::ranges::min_element(pressure.pascals));
-  }
-  return heard;
-}
+using Heard = std::vector<Judged>;  ///< slots ascend
+
+/// Foci of many slots.
+struct Sets {
+  std::string name;
+  array::Layout layout;
+  std::vector<std::vector<array::SlotFocus>> slots;
+  std::size_t judged_each = 1;  ///< one slot of so many is listened to
+  double apart = 0.01;          ///< the part of the mean pressure by which device and twin may differ
+};
 
 struct Case {
   const char* name;
@@ -121,159 +120,223 @@ constexpr Case cases[]{{"naive normalise", Solver::naive, Constraint::normalise}
                        {"back-propagation uniform", Solver::back_propagation, Constraint::uniform},
                        {"back-propagation clamp", Solver::back_propagation, Constraint::clamp}};
 
-/// The references for the figures: those of naive under the same constraint, and those of greedy.
-struct Yardsticks {
-  double naive_pa[3] = {}, greedy_pa = 0;
-  std::vector<double> greedy_weakest_pa, greedy_even;
-};
-
-std::string quality(const Case& which, const Heard& heard, const Yardsticks& yardsticks) {
-  std::string text = fmt::format("weakest/strongest {:.3f}; mean {:.2f} of naive", heard.evenness,
-                                 heard.mean_pa / yardsticks.naive_pa[static_cast<int>(which.constraint)]);
-  if (yardsticks.greedy_pa > 0) text += fmt::format(" and {:.2f} of greedy", heard.mean_pa / yardsticks.greedy_pa);
-  if (yardsticks.greedy_weakest_pa.empty()) return text;
-  double least = std::numeric_limits<double>::infinity();
-  int behind = 0;
-  for (std::size_t s = 0; s < heard.weakest_pa.size(); ++s) {
-    least = std::min(least, heard.weakest_pa[s] / yardsticks.greedy_weakest_pa[s]);
-    behind += heard.even[s] < yardsticks.greedy_even[s];
-  }
-  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets are less even than greedy's", least,
-                            behind, heard.even.size());
+/// Solved over the whole array, step by step. Only one set of slow_each has to be.
+bool is_slow(const Case& which) {
+  return which.solver == Solver::back_propagation && which.constraint != Constraint::normalise;
 }
+constexpr std::size_t slow_each = 3;
 
-void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
-  if (which.solver == Solver::naive) yardsticks.naive_pa[static_cast<int>(which.constraint)] = heard.mean_pa;
-  if (which.solver != Solver::greedy) return;
-  yardsticks.greedy_pa = heard.mean_pa;
-  yardsticks.greedy_weakest_pa = heard.weakest_pa;
-  yardsticks.greedy_even = heard.even;
-}
-
-void on_device(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
-               const std::vector<std::vector<array::SlotFocus>>& slots, std::uint32_t judged, double apart,
-               Yardsticks& yardsticks, std::vector<Row>& rows) {
+array::DriveOptions options_of(const Case& which) {
   array::DriveOptions options;
   options.solver = which.solver;
   options.constraint = which.constraint;
-  const array::DrivePasses passes(context.device, which.solver);
+  return options;
+}
+
+/// The slots that a case solves.
+std::vector<std::size_t> slots_of(const Case& which, const Sets& sets) {
+  std::vector<std::size_t> slots;
+  for (std::size_t s = 0; s < sets.slots.size(); s += is_slow(which) ? slow_each : 1)
+    slots.push_back(s);
+  return slots;
+}
+/// Those of them that are listened to.
+std::vector<std::size_t> judged_of(const Case& which, const Sets& sets) {
+  std::vector<std::size_t> slots = slots_of(which, sets);
+  std::erase_if(slots, [&](std::size_t slot) { return slot % sets.judged_each != 0; });
+  return slots;
+}
+
+/// The drives of slots by the twins, on all cores.
+class Twins {
+ public:
+  Twins(const Sets& sets, std::span<const std::size_t> slots, const array::DriveOptions& options)
+      : layout_(sets.layout), options_(options), out_(slots.size() * sets.layout.transducers.size()) {
+    drives_.reserve(layout_, options_, slots.size(), slots.size() * foci_per_set);
+    for (const std::size_t slot : slots)
+      drives_.add(sets.slots[slot], {});
+  }
+  void solve() { drives_.solve(layout_, options_, out_); }
+  std::span<const array::TransducerDrive> drive(std::size_t number) const {
+    const std::size_t transducers = layout_.transducers.size();
+    return std::span(out_).subspan(number * transducers, transducers);
+  }
+
+ private:
+  const array::Layout& layout_;
+  array::DriveOptions options_;
+  array::SlotDrives drives_;
+  array::Drive out_;
+};
+
+/// `drive_of`: the drive of a slot, by its number among all of them.
+template <typename DriveOf>
+Heard listen(const Sets& sets, std::span<const std::size_t> slots, DriveOf drive_of) {
+  Heard heard(slots.size());
+  parallel_chunks(slots.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const acoustics::FociPressure pressure =
+        acoustics::pressure_at_foci(sets.layout, drive_of(slots[i]), sets.slots[slots[i]]);
+    heard[i] = {slots[i], pressure.mean, *std::ranges::min_element(pressure.pascals), pressure.evenness};
+  });
+  return heard;
+}
+
+double mean_of(const Heard& heard) {
+  double sum = 0;
+  for (const Judged& slot : heard)
+    sum += slot.mean_pa / static_cast<double>(heard.size());
+  return sum;
+}
+double evenness_of(const Heard& heard) {
+  return std::ranges::min_element(heard, {}, &Judged::even)->even;
+}
+
+/// The references for the figures: naive under the same constraint, and greedy.
+struct Yardsticks {
+  Heard naive[3], greedy;
+};
+
+/// The same slots as in `heard`, of more.
+Heard same_slots(const Heard& heard, const Heard& more) {
+  Heard same;
+  for (const Judged& slot : heard)
+    same.push_back(*std::ranges::lower_bound(more, slot.slot, {}, &Judged::slot));
+  return same;
+}
+
+std::string quality(const Case& which, const Sets& sets, const Heard& heard, const Yardsticks& yardsticks) {
+  const Heard naive = same_slots(heard, yardsticks.naive[static_cast<int>(which.constraint)]);
+  std::string text = fmt::format("weakest/strongest {:.3f}; mean {:.0f} Pa, {:.2f} of naive", evenness_of(heard),
+                                 mean_of(heard), mean_of(heard) / mean_of(naive));
+  if (yardsticks.greedy.empty()) return text;
+  const Heard greedy = same_slots(heard, yardsticks.greedy);
+  text += fmt::format(" and {:.2f} of greedy", mean_of(heard) / mean_of(greedy));
+  if (sets.judged_each > 1) return text;
+  double least = std::numeric_limits<double>::infinity();
+  int behind = 0;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    least = std::min(least, heard[i].weakest_pa / greedy[i].weakest_pa);
+    behind += heard[i].even < greedy[i].even;
+  }
+  return text + fmt::format("; weakest at least {:.2f} of greedy's; {} of {} sets are less even than greedy's", least,
+                            behind, heard.size());
+}
+
+void keep(const Case& which, const Heard& heard, Yardsticks& yardsticks) {
+  if (which.solver == Solver::naive) yardsticks.naive[static_cast<int>(which.constraint)] = heard;
+  if (which.solver == Solver::greedy) yardsticks.greedy = heard;
+}
+
+/// The passes of each solver, made once: a software device is slow to make some kernels.
+class Passes {
+ public:
+  explicit Passes(const gpu::Device& device) : device_(device) {}
+  const array::DrivePasses& of(Solver solver) {
+    const Solver which = array::is_gs_pat(solver) ? Solver::gs_pat : solver;
+    return made_.try_emplace(which, device_, which).first->second;
+  }
+
+ private:
+  const gpu::Device& device_;
+  std::map<Solver, array::DrivePasses> made_;
+};
+
+Row rate_of(const std::string& name, std::size_t slots, const std::vector<double>& times_ms, const std::string& note) {
+  Row row = make_row("array", name, "total", times_ms);
+  row.value = static_cast<double>(slots) * 1e3 / row.median_ms;
+  row.unit = "solves/s";
+  row.note = note;
+  return row;
+}
+
+std::uint32_t most_runs(const Context& context) {
+  return std::clamp(context.runs / 10, 3u, 50u);
+}
+
+void on_device(const Context& context, const Sets& sets, const Case& which, Passes& passes, Yardsticks& yardsticks,
+               std::vector<Row>& rows) {
+  const std::string name = sets.name + " " + which.name;
+  const array::DriveOptions options = options_of(which);
+  const array::DrivePasses& made = passes.of(which.solver);
+  const std::vector<std::size_t> slots = slots_of(which, sets), judged = judged_of(which, sets);
   const auto count = static_cast<std::uint32_t>(slots.size());
-  array::DriveMemory buffers(context.device, layout, options, count, count * foci_per_set);
+  array::DriveMemory buffers(context.device, sets.layout, options, count, count * foci_per_set);
   const gpu::Recorder recorder(context.device, "bench");
   gpu::Timeline timeline(context.device);
   const auto batch = [&] {
     buffers.clear();
-    for (const auto& slot : slots) {
-      if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
+    for (const std::size_t slot : slots) {
+      if (!buffers.add_slot(sets.slots[slot])) throw failure("bench: the batch does not fit the device's buffers");
     }
-    buffers.record(recorder.begin(), passes);
+    buffers.record(recorder.begin(), made);
     timeline.submit(recorder.end());
     buffers.solve_on_host();
     timeline.wait(timeline.last());
   };
   batch();
-  const Heard heard = listen(layout, slots, judged, [&](std::uint32_t s) { return buffers.drive(s); });
+  const auto number_in = [](const std::vector<std::size_t>& all, std::size_t slot) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(all, slot) - all.begin());
+  };
+  const Heard heard = listen(sets, judged, [&](std::size_t slot) { return buffers.drive(number_in(slots, slot)); });
   keep(which, heard, yardsticks);
   // Factors and phases may differ if several are equally good; the resulting sound may not.
-  const Heard expected =
-      listen(layout, slots, judged, [&](std::uint32_t s) { return array::drive_for(layout, slots[s], options); });
-  if (std::abs(heard.mean_pa / expected.mean_pa - 1) > apart || std::abs(heard.evenness - expected.evenness) > 0.02)
+  Twins twins(sets, judged, options);
+  twins.solve();
+  const Heard expected = listen(sets, judged, [&](std::size_t slot) { return twins.drive(number_in(judged, slot)); });
+  if (std::abs(mean_of(heard) / mean_of(expected) - 1) > sets.apart ||
+      std::abs(evenness_of(heard) - evenness_of(expected)) > 0.02)
     throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
-
-  std::vector<double> total;
-  const std::uint32_t runs = std::clamp(context.runs / 10, 3u, 50u);
-  for (std::uint32_t run = 0; run < runs + 1; ++run) {
-    const double begin = now_ms();
-    batch();
-    if (run > 0) total.push_back(now_ms() - begin);
-    context.progress(name, run, runs);
-  }
-  Row row = make_row("array", name, "total", total);
-  row.value = count * 1e3 / row.median_ms;
-  row.unit = "solves/s";
-  row.note = quality(which, heard, yardsticks);
-  rows.push_back(row);
+  rows.push_back(rate_of(name, count, time_runs(context, name, most_runs(context), batch),
+                         quality(which, sets, heard, yardsticks)));
 }
 
-/// The twins, with one thread per core; the slots are interleaved among the threads.
-void on_host(const Context& context, const array::Layout& layout, const Case& which, const std::string& name,
-             const std::vector<std::vector<array::SlotFocus>>& slots, std::uint32_t judged,
-             const Yardsticks& yardsticks, std::vector<Row>& rows) {
-  array::DriveOptions options;
-  options.solver = which.solver;
-  options.constraint = which.constraint;
-  const auto count = static_cast<std::uint32_t>(slots.size());
-  const std::uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, count);
-  std::vector<array::Drive> drives(count, array::Drive(layout.transducers.size()));
-  std::vector<array::DriveScratch> scratch(cores);
-  const auto batch = [&] {
-    std::vector<std::jthread> threads;
-    for (std::uint32_t core = 0; core < cores; ++core) {
-      threads.emplace_back([&, core] {
-        for (std::uint32_t s = core; s < count; s += cores)
-          array::drive_for(layout, slots[s], options, drives[s], scratch[core]);
-      });
-    }
-  };
-  batch();
-  std::vector<double> total;
-  for (std::uint32_t run = 0; run < 5; ++run) {
-    const double begin = now_ms();
-    batch();
-    total.push_back(now_ms() - begin);
-    context.progress(name, run, 4);
-  }
-  Row row = make_row("array", name, "total", total);
-  row.value = count * 1e3 / row.median_ms;
-  row.unit = "solves/s";
-  row.note =
-      quality(which, listen(layout, slots, judged, [&](std::uint32_t s) { return std::span(drives[s]); }), yardsticks) +
-      fmt::format(" ({} threads)", cores);
-  rows.push_back(row);
+void on_host(const Context& context, const Sets& sets, const Case& which, const Yardsticks& yardsticks,
+             std::vector<Row>& rows) {
+  const std::string name = fmt::format("{} {} C++", sets.name, which.name);
+  const std::vector<std::size_t> slots = slots_of(which, sets), judged = judged_of(which, sets);
+  Twins twins(sets, slots, options_of(which));
+  twins.solve();
+  const Heard heard = listen(sets, judged, [&](std::size_t slot) {
+    return twins.drive(static_cast<std::size_t>(std::ranges::lower_bound(slots, slot) - slots.begin()));
+  });
+  rows.push_back(rate_of(name, slots.size(), time_runs(context, name, most_runs(context), [&] { twins.solve(); }),
+                         quality(which, sets, heard, yardsticks) + fmt::format(" ({} threads)", worker_count())));
 }
 
 /// Random sets far apart, device and twins.
-void measure_far(const Context& context, const std::string& name, const Vec3& centre, std::vector<Row>& rows) {
-  const array::Layout layout = array::load_layout(name);
+void measure_far(const Context& context, const std::string& layout, const Vec3& centre, Passes& passes,
+                 std::vector<Row>& rows) {
   std::mt19937 random(1);
-  std::vector<std::vector<array::SlotFocus>> slots(sets);
-  for (auto& slot : slots)
-    slot = random_set(random, centre);
+  Sets sets{.name = layout, .layout = array::load_layout(layout), .slots = {}, .judged_each = far_judged_each};
+  for (std::uint32_t set = 0; set < far_sets; ++set)
+    sets.slots.push_back(random_set(random, centre));
   Yardsticks yardsticks;
-  for (const Case& which : cases) {
-    if (array::is_of_host(which.solver)) continue;  // the device would give the host's row again
-    on_device(context, layout, which, fmt::format("{} {}", name, which.name), slots, far_judged, 0.01, yardsticks,
-              rows);
-  }
   for (const Case& which : cases)
-    on_host(context, layout, which, fmt::format("{} {} C++", name, which.name), slots, far_judged, yardsticks, rows);
+    on_device(context, sets, which, passes, yardsticks, rows);
+  for (const Case& which : cases)
+    on_host(context, sets, which, yardsticks, rows);
 }
 
-void measure_near(const Context& context, const std::string& name, const Vec3& centre, std::vector<Row>& rows) {
-  const array::Layout layout = array::load_layout(name);
-  const auto slots = near_sets(centre);
+/// For near foci, several drives are equally good; device and twin may choose different ones.
+void measure_near(const Context& context, const std::string& layout, const Vec3& centre, Passes& passes,
+                  std::vector<Row>& rows) {
+  const Sets sets{
+      .name = layout + " near", .layout = array::load_layout(layout), .slots = near_sets(centre), .apart = 0.05};
   Yardsticks yardsticks;
-  const auto judged = static_cast<std::uint32_t>(slots.size());
-  for (const Case& which : cases) {
-    const std::string row = fmt::format("{} near {}", name, which.name);
-    if (array::is_of_host(which.solver)) {
-      on_host(context, layout, which, row + " C++", slots, judged, yardsticks, rows);
-    } else {
-      // For near foci, several drives are equally good; device and twin may choose different ones.
-      on_device(context, layout, which, row, slots, judged, 0.05, yardsticks, rows);
-    }
-  }
+  for (const Case& which : cases)
+    on_device(context, sets, which, passes, yardsticks, rows);
 }
 
 }  // namespace
 
 void measure_solvers(const Context& context, std::vector<Row>& rows) {
   const Vec3 above(0, 0, 0.15);
-  measure_far(context, "paper", Vec3(0), rows);
-  measure_near(context, "paper", Vec3(0), rows);
-  measure_far(context, "openmpd", above, rows);
-  measure_near(context, "openmpd", above, rows);
-  measure_near(context, "autd3", above, rows);
+  Passes passes(context.device);
+  measure_far(context, "paper", Vec3(0), passes, rows);
+  measure_near(context, "paper", Vec3(0), passes, rows);
+  measure_far(context, "openmpd", above, passes, rows);
+  measure_near(context, "openmpd", above, passes, rows);
+  measure_near(context, "autd3", above, passes, rows);
 }
 
 }  // namespace palpa::bench

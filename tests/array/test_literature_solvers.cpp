@@ -96,6 +96,44 @@ TEST_P(Literature, GainsAndOddFociAreBorne) {
   }
 }
 
+// Both sides take the same steps, so the sound at each focus is the same, also where the array does not resolve foci,
+// and for slots of one, of many and of too many foci in a batch.
+TEST(LiteratureSolvers, DeviceAndTwinAgree) {
+  const Layout layout = load_layout("openmpd");
+  std::mt19937 random(4);
+  std::vector<std::vector<SlotFocus>> slots;
+  for (const std::size_t count : {2u, 3u, 5u, 10u, 11u, 17u}) {
+    slots.push_back(random_foci(random, count));
+    slots.push_back(slots.back());
+    for (std::size_t j = 1; j < count; ++j)  // not resolved; gains differ
+      slots.back()[j] = {Vec3(2e-3 * static_cast<double>(j), 0, 0.15), 0.3F + 0.04F * static_cast<float>(j)};
+  }
+  slots.push_back({slots[0][0]});
+  slots.push_back({});
+  for (const std::size_t count : {64u, 65u}) {
+    std::vector<SlotFocus>& many = slots.emplace_back();
+    for (std::size_t j = 0; j < count; ++j)
+      many.push_back({Vec3(-0.035 + 0.01 * static_cast<double>(j % 8), -0.04 + 0.01 * static_cast<double>(j / 8), 0.15),
+                      j % 3 == 0 ? 0.5F : 1});
+  }
+  for (const Solver solver : {Solver::eigenvalue, Solver::back_propagation}) {
+    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+      const DriveOptions options = with(solver, constraint);
+      const auto twin = backends[0].drives(layout, slots, options), device = backends[1].drives(layout, slots, options);
+      for (std::size_t s = 0; s < slots.size(); ++s) {
+        if (slots[s].empty()) continue;
+        const std::vector<double> expected = acoustics::pressure_at_foci(layout, twin[s], slots[s]).pascals,
+                                  found = acoustics::pressure_at_foci(layout, device[s], slots[s]).pascals;
+        const double loudest = *std::ranges::max_element(expected);
+        for (std::size_t j = 0; j < expected.size(); ++j) {
+          EXPECT_NEAR(found[j], expected[j], 0.01 * loudest)
+              << word_of(solver_words, solver) << " " << word_of(constraint_words, constraint) << " " << s;
+        }
+      }
+    }
+  }
+}
+
 TEST(ComplexSystem, IsSolved) {
   std::mt19937 random(3);
   std::normal_distribution<double> any;

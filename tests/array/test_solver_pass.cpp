@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstring>
+#include <map>
 #include <numbers>
 #include <tuple>
 
@@ -16,6 +17,7 @@
 #include "gpu/barrier.hpp"
 #include "gpu/texel_view.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
+#include "spirv/solve_eigenvalue.comp.hpp"
 #include "spirv/solve_even_phases.comp.hpp"
 #include "spirv/solve_greedy.comp.hpp"
 #include "spirv/solve_mirrored.comp.hpp"
@@ -56,8 +58,8 @@ std::vector<std::complex<float>> matrices_of(const gpu::Scratch& scratch, std::s
 void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>& batch, Solver solver,
                  Constraint constraint) {
   gpu::Device& device = test::test_device();
-  static const SolverPass gs_pat_pass(device, Solver::gs_pat), greedy_pass(device, Solver::greedy);
-  const SolverPass& pass = solver == Solver::greedy ? greedy_pass : gs_pat_pass;
+  static std::map<Solver, SolverPass> passes;
+  const SolverPass& pass = passes.try_emplace(solver, device, solver).first->second;
   const Medium air;
   const double turns = air.turns_per_metre();
   const Reach reach(layout);
@@ -113,6 +115,7 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
   if (solver == Solver::greedy) return;
   for (const float factor : weights.read<float>())
     ASSERT_TRUE(std::isfinite(factor));
+  if (solver == Solver::eigenvalue) return;  // it overwrites the matrix
   // The matrix against sums that are computed here.
   const auto matrix = matrices_of(scratch, entries);
   const double k = 2 * std::numbers::pi * turns;
@@ -145,6 +148,9 @@ TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
     run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::normalise);
     run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::uniform);
     run_guarded(line(transducers), batch, Solver::greedy, Constraint::uniform);
+    run_guarded(line(transducers), batch, Solver::eigenvalue, Constraint::uniform);
+    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::normalise);
+    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::clamp);
   }
 }
 
@@ -153,6 +159,7 @@ TEST(SolverPass, StaysInsideItsBuffers) {
   const std::vector<std::vector<SlotFocus>> batch{focus_set(3, 3, {0.05, 0, 0.1}), focus_set(5, 11, {0.05, 0, 0.1})};
   run_guarded(line(33), batch, Solver::gs_pat, Constraint::uniform);
   run_guarded(line(33), batch, Solver::greedy, Constraint::uniform);
+  run_guarded(line(33), batch, Solver::eigenvalue, Constraint::uniform);
 }
 
 TEST(SolverPass, TheSameBytesOnEveryRun) {
@@ -161,7 +168,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
   for (unsigned seed = 0; seed < 40; ++seed)
     slots.push_back(focus_set(seed, 1 + seed % 20, {0, 0, 0.15}));
   test::Digest digest;
-  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+  for (const Solver solver : {Solver::gs_pat, Solver::greedy, Solver::eigenvalue, Solver::back_propagation}) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform}) {
       DriveOptions options;
       options.solver = solver;
@@ -196,6 +203,7 @@ TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
 TEST(SolverPass, LayoutIsWhatTheShadersHave) {
   const std::pair<const gpu::Kernel*, std::uint32_t> kernels[]{
       {&spirv::solve_diagonal_comp, shader::solve_group},
+      {&spirv::solve_eigenvalue_comp, shader::solve_group},
       {&spirv::solve_mirrored_comp, shader::solve_group},
       {&spirv::solve_weights_comp, shader::solve_group},
       {&spirv::solve_weights_few_comp, shader::solve_weights_few_group},

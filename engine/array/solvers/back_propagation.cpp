@@ -24,12 +24,18 @@ void propagated_factors(const FocusMatrix& matrix, const Columns& columns, std::
     } else {
       hear_bounded(columns, constraint, factors, pressure);
     }
-    double moved = 0;
+    Complex common = 0;  // what all factors turned
     for (std::size_t j = 0; j < foci; ++j) {
       const double size = magnitude(pressure[j]);
-      const Complex next = size > 0 ? gains[j] / size * pressure[j] : factors[j];
-      moved = std::max(moved, magnitude(next - factors[j]));
-      factors[j] = next;
+      pressure[j] = size > 0 ? gains[j] / size * pressure[j] : factors[j];
+      common += std::conj(factors[j]) * pressure[j];
+    }
+    const double turned = magnitude(common);
+    const Complex back = turned > 0 ? std::conj(common) / turned : Complex(1);
+    double moved = 0;
+    for (std::size_t j = 0; j < foci; ++j) {
+      moved = std::max(moved, magnitude(back * pressure[j] - factors[j]));
+      factors[j] = pressure[j];
     }
     if (moved < propagation_still) return;
   }

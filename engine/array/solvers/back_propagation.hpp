@@ -5,7 +5,9 @@
 //   p = G P(B c),  c_j = t_j p_j / |p_j|
 //
 // G, B and t are those of gs_pat.hpp, P the constraint. The phases climb until the foci help each other, but nothing
-// evens them out: a focus may stay far weaker than others.
+// evens them out: a focus may stay far weaker than others. As published, it starts once.
+//
+// Twin: shaders/array/solve/solve_weights.comp and solve_refine.comp with `weighs` = 0.
 #pragma once
 
 #include <complex>
@@ -19,7 +21,7 @@
 namespace palpa::array {
 
 inline constexpr std::uint32_t propagation_steps = 100;  ///< at most
-inline constexpr double propagation_still = 1e-5;        ///< stops once no factor moves by more
+inline constexpr double propagation_still = 1e-5;        ///< stops once no factor moves by more, except with all others
 
 /// Fills `factors`, one per focus, beginning with phases as if the sound came from the first transducer. `gains` are
 /// relative to the largest, 0..1. `pressure` is working memory. At most most_solved_foci foci.

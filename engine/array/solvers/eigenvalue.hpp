@@ -8,7 +8,9 @@
 //
 // R, c and t are those of gs_pat.hpp. The ridge is Tikhonov's: foci that the array does not resolve would otherwise ask
 // for factors without bound. Sums are then brought into the range by the constraint. Nothing evens out what `uniform`
-// and `clamp` change.
+// and `clamp` change. As published, it starts once.
+//
+// Twin: shaders/array/solve/solve_eigenvalue.comp.
 #pragma once
 
 #include <complex>

@@ -284,7 +284,7 @@ std::uint32_t settle(const SilentGoal& goal, std::uint32_t tries, State& state, 
 Silenced silent_phases(const SilentGoal& goal, std::span<Complex> does, SilentScratch& scratch) {
   const std::size_t foci = goal.targets.size(), rows = foci + goal.null_rows;
   assert(does.size() == goal.foci.transducers && goal.null_rows <= goal.nulls.rows);
-  for (PhasedSounds* sounds : {&scratch.now, &scratch.tried, &scratch.kept})
+  for (PhasedSounds* sounds : {&scratch.now, &scratch.tried})
     fit(rows, does.size(), *sounds);
   PhasedSounds& now = scratch.now;
   const std::size_t stride = now.waves.stride;

@@ -47,7 +47,7 @@ struct PhasedSounds {
 
 /// Keeps its storage from call to call.
 struct SilentScratch {
-  PhasedSounds now, tried, kept;
+  PhasedSounds now, tried, kept;      ///< `kept` only of few rows: before a raise
   std::vector<double> products;       ///< of each pair of w, for J J^T
   std::vector<double> along, across;  ///< how a step turns transducers: sum of along Re w + across Im w
   std::vector<double> normal, rest;

@@ -20,10 +20,6 @@ PALPA_CONST drive_sum_each = 4u;  // the same for drive_sum
 //   drives       DriveOut[]: slots x transducers
 //   weights      vec4[]: per focus its plain and its heard factor
 
-// Under `uniform` and `clamp`, in slots of at most this many foci with complex factors, the transducers' phases turn
-// away from those of their sums. The angle, in turns, is kept in the drive's phase until the phase is written there.
-PALPA_CONST drive_turned_foci = 10u;
-
 // Weightings and constraints, as in engine/array/drive.hpp.
 PALPA_CONST drive_by_distance = 0u;
 PALPA_CONST drive_by_nothing = 1u;
@@ -55,8 +51,8 @@ struct DriveSlot {
   uint first;   // of its foci
   uint count;   // 0: silence
   float gain;   // shared by all of its foci, 0..1
-  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given, and no phase turns;
-                // otherwise where its matrix begins, in entries; with greedy, any other value
+  uint solved;  // drive_unsolved: the plain sum of its foci; drive_given: their factors are given; otherwise where its
+                // matrix begins, in entries; with greedy, any other value
 };
 PALPA_CHECK_SIZE(DriveSlot, 16);
 PALPA_CHECK_OFFSET(DriveSlot, gain, 8);
@@ -73,8 +69,11 @@ struct DrivePush {
   uint slots;
   uint weighting;
   uint constraint;
+  // Under `uniform` and `clamp`, in slots of at most this many foci with complex factors, the transducers' phases turn
+  // away from those of their sums. The angle, in turns, is kept in the drive's phase until the phase is written there.
+  uint turned_foci;
 };
-PALPA_CHECK_SIZE(DrivePush, 16);
+PALPA_CHECK_SIZE(DrivePush, 20);
 PALPA_CHECK_OFFSET(DrivePush, constraint, 12);
 
 PALPA_SHADER_END

@@ -62,7 +62,7 @@ float sum_foci(uint base, DriveSlot slot) {
       const float size = length(heard[k]);
       most = max(most, max(length(plain[k]), size));
 #ifdef DRIVE_WEIGHTED
-      if (push.constraint != drive_normalise && slot.count <= drive_turned_foci && slot.solved != drive_given)
+      if (push.constraint != drive_normalise && slot.count <= push.turned_foci)
         heard[k] = times(heard[k], unit_of_turns(drives[base + t].phase));
 #endif
       const float phase = size > 0.0 ? clamp(atan(heard[k].y, heard[k].x), -float_pi, float_pi) : 0.0;

@@ -22,13 +22,14 @@ PALPA_CONST solve_greedy_few = 16u;  // up to this many foci, the smaller of gre
 // Contents of the buffers that drive.h does not describe. The solvers write the weights.
 //   axes         vec4[], as texels: unit vector, w unused
 //   directivity  uint[solve_directivity_steps], as texels: two neighbouring samples, 16 bits each
-//   matrices     vec2[]: of slot s, count * count from its `solved`: [column * count + row]
+//   matrices     vec2[]: of slot s, count * count from its `solved`: [column * count + row]; overwritten by
+//                solve_eigenvalue
 
 PALPA_CONST solve_directivity_steps = 2048u;
 PALPA_CONST solve_phases = 16u;   // greedy's
 PALPA_CONST solve_turns = 8192u;  // greedy's in one dispatch
 
-// From gs_pat.hpp, even_out.hpp and even_phases.hpp, with the same names.
+// From gs_pat.hpp, even_out.hpp, even_phases.hpp and eigenvalue.hpp, with the same names.
 PALPA_CONST solve_starts = 8u;
 PALPA_CONST solve_sounds = 4u;
 PALPA_CONST solve_climb = 20u;
@@ -50,6 +51,7 @@ PALPA_CONST_FLOAT solve_least_damping = 1e-4f;
 PALPA_CONST_FLOAT solve_most_damping = 1e4f;
 PALPA_CONST_FLOAT solve_less = 0.3f;
 PALPA_CONST_FLOAT solve_more = 4.0f;
+PALPA_CONST_FLOAT solve_ridge = 0.01f;
 
 struct SolvePush {
   uint transducers;
@@ -58,7 +60,7 @@ struct SolvePush {
   uint constraint;  // as in drive.h
   float nearest;    // in wavelengths: a nearer transducer counts as this far away
   uint stride;      // greedy_stride
-  uint steps;       // gs_pat_steps
+  uint steps;       // gs_pat_steps, eigenvalue_steps; of back-propagation on the matrix
   uint refinings;   // gs_pat_refinings
   float most_weight;
   float still;

@@ -3,8 +3,8 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// For slots of many foci: refines the heard factors once, over the whole array and with the amplitudes that the
-// constraint allows. One workgroup per slot.
+// For slots of many foci and for back-propagation: refines the heard factors once, over the whole array and with the
+// amplitudes that the constraint allows. One workgroup per slot.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
@@ -74,10 +74,15 @@ void main() {
   focus_count = slot.count;
   const uint base = gl_WorkGroupID.x * push.transducers;
   const uint thread = gl_LocalInvocationIndex;
+  if (weighs == 0u) {
+    float farthest = 0.0;
+    for (uint j = 0u; j < slot.count; ++j) farthest = max(farthest, weights[slot.first + j].x);
+    if (farthest < push.still) return;
+  }
   const float loudest = loudest_alone();
   for (uint j = thread; j < slot.count; j += solve_group) {
     factor[j] = weights[slot.first + j].zw;
-    wanted[j] = gain_of(slot.first + j) * claim_of(alone(j), loudest);
+    wanted[j] = gain_of(slot.first + j) * claim_at(j, loudest);
   }
   barrier();
   float sum = 0.0;
@@ -86,5 +91,8 @@ void main() {
   drive_all(base, slot.first, slot.count);
   for (uint begin = 0u; begin < slot.count; begin += tile) hear_tile(base, slot.first, begin, slot.count);
   step_factors(slot.count, true, sum);
-  for (uint j = thread; j < slot.count; j += solve_group) weights[slot.first + j].zw = factor[j];
+  for (uint j = thread; j < slot.count; j += solve_group) {
+    weights[slot.first + j].zw = factor[j];
+    if (weighs == 0u) weights[slot.first + j].x = moved[j];
+  }
 }

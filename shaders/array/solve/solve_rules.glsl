@@ -1,5 +1,11 @@
 // The rules of gs_pat.hpp.
 
+// The phase of a focus' drive as if the sound came from the first transducer.
+vec2 first_phase(uint focus) {
+  const Pair first = pair_of(source_of(0u), place_of(focus));
+  return vec2(first.unit.x, -first.unit.y);
+}
+
 // The part of full loudness that a focus may claim, from the sound that it alone gives at its own place.
 float claim_of(float alone, float loudest) { return loudest > 0.0 ? min(solve_most_help * alone / loudest, 1.0) : 1.0; }
 

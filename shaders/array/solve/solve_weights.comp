@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/array/solve/solve_inputs.glsl"
 
-// The factors of each slot's foci from its matrix, for slots of many foci: one workgroup per slot, a thread per row (or
-// two).
+// The factors of each slot's foci from its matrix, for slots of many foci and for back-propagation: one workgroup per
+// slot, a thread per row (or two).
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };
@@ -31,22 +31,21 @@ void main() {
   const uint base = slot.solved;
   const uint thread = gl_LocalInvocationIndex;
 
-  // As if each focus sounded alone; the phases come from the distance to the first transducer.
+  // As if each focus sounded alone.
   const float loudest = loudest_alone();
   float shares = 0.0;
   for (uint j = 0u; j < count; ++j) {
     const float own = alone(j);
-    shares += own > 0.0 ? claim_of(own, loudest) / own : 0.0;
+    shares += own > 0.0 ? claim_at(j, loudest) / own : 0.0;
   }
   bool differ = false;
   for (uint j = 0u; j < count; ++j) differ = differ || gain_of(slot.first + j) != 1.0;
   for (uint j = thread; j < count; j += solve_group) {
     const float own = alone(j);
-    const float share = own > 0.0 ? claim_of(own, loudest) / own : 0.0;
-    const float size = shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
-    const Pair first = pair_of(source_of(0u), place_of(slot.first + j));
-    factor[j] = size * vec2(first.unit.x, -first.unit.y);
-    wanted[j] = claim_of(own, loudest);
+    const float share = own > 0.0 ? claim_at(j, loudest) / own : 0.0;
+    const float size = weighs != 0u && shares > 0.0 ? min(share * float(count) / shares, push.most_weight) : 1.0;
+    factor[j] = size * first_phase(slot.first + j);
+    wanted[j] = claim_at(j, loudest);
   }
   forget_moves(count);
   barrier();
@@ -72,7 +71,7 @@ void main() {
     barrier();
     for (uint j = thread; j < count; j += solve_group) {
       wanted[j] *= gain_of(slot.first + j);
-      factor[j] *= gain_of(slot.first + j);
+      factor[j] = gain_of(slot.first + j) * (weighs == 0u ? first_phase(slot.first + j) : factor[j]);
     }
     forget_moves(count);
     barrier();
@@ -84,6 +83,9 @@ void main() {
   }
   for (uint k = 0u; k < 2u; ++k) {
     const uint j = thread + k * solve_group;
-    if (j < count) weights[slot.first + j] = vec4(plain[k], factor[j]);
+    if (j >= count) continue;
+    // solve_refine keeps there how far back-propagation has moved the factor. No drive needs the plain ones then.
+    if (weighs == 0u && push.constraint != drive_normalise) plain[k] = vec2(1.0, 0.0);
+    weights[slot.first + j] = vec4(plain[k], factor[j]);
   }
 }
