@@ -1,25 +1,25 @@
 // Broken files made here: each fault gives an error that names it, quickly and with little memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
-#include <cmath>
 #include <limits>
 
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
 #include "geometry/solid.hpp"
 #include "support/files.hpp"
+#include "support/no_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "support/time_limits.hpp"
 
 namespace palpa::geometry {
 namespace {
 
+using test::BadByte;
 using test::box;
 using test::Fault;
+using test::fault_of_file;
 using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
@@ -28,24 +28,9 @@ const std::filesystem::path& folder() {
   return path;
 }
 
-// The error of loading. It must name the file and cost a second of processor time at most.
-std::string fault_of_file(const std::filesystem::path& file) {
-  [[maybe_unused]] const double start = test::processor_s();
-  std::string line = test::error_of([&] { make_solids(load_gltf(file)); });
-#ifdef NDEBUG
-  EXPECT_LT(test::processor_s() - start, test::slowest) << line;
-#endif
-  EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
-  return line;
-}
-
 std::string fault_of_text(const std::string& text) {
   test::write_text(folder() / "model.gltf", text);
   return fault_of_file(folder() / "model.gltf");
-}
-
-std::string fault_of(const GltfBuilder& builder) {
-  return fault_of_file(builder.write_glb(folder() / "model.glb"));
 }
 
 std::string fault_of_bytes(const std::vector<unsigned char>& bytes) {
@@ -60,15 +45,8 @@ GltfBuilder good_cube_file() {
   return builder;
 }
 
-TEST(BadGltf, NotAFileAtAll) {
-  EXPECT_CONTAINS(fault_of_file(folder() / "absent.glb"), "no such file");
-  EXPECT_CONTAINS(fault_of_file(folder()), "is a folder");
-  EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
-  const auto pipe = folder() / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_CONTAINS(fault_of_file(pipe), "not a regular file");
-  test::write_text(folder() / "empty.glb", "");
-  EXPECT_CONTAINS(fault_of_file(folder() / "empty.glb"), "empty");
+TEST(BadGltf, NoFile) {
+  test::expect_refuses_what_is_no_file(fault_of_file, ".glb");
 }
 
 TEST(BadGltf, TenGigabytesOfZeros) {
@@ -127,11 +105,6 @@ TEST(BadGltf, BinaryContainers) {
   for (std::size_t length : {0U, 3U, 11U, 12U, 19U, 20U, 30U})
     EXPECT_NE(fault_of_bytes({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)}), "") << length;
   EXPECT_CONTAINS(fault_of_bytes({good.begin(), good.end() - 1}), "cut off");
-  struct BadByte {
-    std::size_t place;
-    unsigned char value;
-    const char* fault;
-  };
   for (const auto& [place, value, fault] : {BadByte{4, 1, "version 1"}, BadByte{16, 'B', "first chunk is not JSON"},
                                             BadByte{15, 0xff, "chunk 0 is cut off"}}) {
     auto bytes = good;
@@ -220,7 +193,7 @@ TEST(BadGltf, FaultsOfADocumentAreNamed) {
       {"/buffers", R"([{"byteLength": 240, "uri": "."}])", "is a folder"},
       {"/buffers", R"([{"byteLength": 240, "uri": "data:;base64,AAAA"}])", "byteLength"},
       {"/buffers", R"([{"byteLength": 240, "uri": "data:;base64,)" + std::string(320, '!') + "\"}]", "not base64"}};
-  test::expect_faults(good_cube_file(), faults, [](const GltfBuilder& bad) { return fault_of(bad); });
+  expect_faults(good_cube_file(), faults);
 }
 
 TEST(BadGltf, PositionsThatAreNotFinite) {
@@ -249,33 +222,31 @@ TEST(BadGltf, IndicesOutOfRangeAndPrimitiveRestarts) {
   }
 }
 
-// A small file that would need a lot of memory or time.
+/// A file with a mesh of 40 000 triangles, and a node that shows it.
+GltfBuilder large_ball_file() {
+  GltfBuilder builder;
+  builder.add_mesh(test::sphere(1, 100, 200));
+  builder.add_node({{"mesh", 0}});
+  return builder;
+}
+
+// Small files that would need a lot of memory or time.
 TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
-  GltfBuilder nodes;
-  nodes.add_mesh(test::sphere(1, 100, 200));
-  Json all = Json::array(), roots = Json::array();
-  for (int i = 0; i < 10'000; ++i) {
-    all.push_back({{"mesh", 0}});
-    roots.push_back(i);
-  }
-  nodes.doc["nodes"] = all;
-  nodes.doc["scenes"][0]["nodes"] = roots;
+  GltfBuilder nodes = large_ball_file();
+  for (int i = 1; i < 10'000; ++i)
+    nodes.add_node({{"mesh", 0}});
   EXPECT_CONTAINS(fault_of(nodes), "more than 2000000 triangles");
 
-  GltfBuilder primitives;
-  primitives.add_mesh(test::sphere(1, 100, 200));
+  GltfBuilder primitives = large_ball_file();
   const Json one = primitives.doc["meshes"][0]["primitives"][0];
   primitives.doc["meshes"][0]["primitives"] = Json::array_t(10'000, one);
-  primitives.add_node({{"mesh", 0}});
   EXPECT_CONTAINS(fault_of(primitives), "more than 2000000 triangles");
   primitives.doc["meshes"][0]["primitives"] = Json::array_t(60'000, one);
   EXPECT_CONTAINS(fault_of(primitives), "more than 50000 primitives");
 
-  GltfBuilder morph;
-  morph.add_mesh(test::sphere(1, 100, 200));
+  GltfBuilder morph = large_ball_file();
   morph.doc["meshes"][0]["primitives"][0]["targets"] = Json::array_t(5'000, {{"POSITION", 0}});
   morph.doc["meshes"][0]["weights"] = Json::array_t(5'000, 1);
-  morph.add_node({{"mesh", 0}});
   EXPECT_CONTAINS(fault_of(morph), "morph targets move more than");
 
   GltfBuilder many;
