@@ -137,7 +137,7 @@ void expect_figures(const Layout& layout, const Places& places, Constraint const
 TEST(Nulls, AreDeepAndCostLittleOnABoard) {
   const Layout layout = load_layout("openmpd");
   std::mt19937 random(4);
-  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+  for (const Constraint constraint : constraints) {
     for (int set = 0; set < 25; ++set)
       expect_figures(layout, random_places(random, {0, 0, 0.15}, true), constraint, "set " + std::to_string(set));
     for (const double spacing_m : {10e-3, 12.5e-3, 15e-3, 20e-3}) {
@@ -150,7 +150,7 @@ TEST(Nulls, AreDeepAndCostLittleOnABoard) {
 TEST(Nulls, AreDeepAndCostLittleInTheTunnel) {
   const Layout layout = load_layout("paper");
   std::mt19937 random(5);
-  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+  for (const Constraint constraint : constraints) {
     for (int set = 0; set < 4; ++set)
       expect_figures(layout, random_places(random, {0, 0, 0}, false), constraint, "set " + std::to_string(set));
     expect_figures(layout, checkerboard({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 10e-3), constraint, "in x and z");
@@ -167,7 +167,7 @@ TEST(Nulls, ABallIsSilentAsAWhole) {
     Places places = random_places(random, {0, 0, 0}, false, 2, 2);
     for (Null& null : places.nulls)
       null.radius_m = radius_m;
-    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+    for (const Constraint constraint : constraints) {
       const std::vector<Complex> drive =
           complex_of(drive_for(layout, places.foci, options_for(layout, places.nulls, constraint)));
       const double weakest = hear(layout, drive, places).weakest;
@@ -212,7 +212,7 @@ TEST(Nulls, GainsStayAsAsked) {
   Places places = random_places(random, {0, 0, 0.15}, true);
   places.foci[0].gain = 0.3F;
   places.foci[2].gain = 0.7F;
-  for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp}) {
+  for (const Constraint constraint : constraints) {
     const Drive drive = drive_for(layout, places.foci, options_for(layout, places.nulls, constraint));
     const Heard heard = hear(layout, complex_of(drive), places);
     EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1);
@@ -250,7 +250,7 @@ TEST(Nulls, BearAnything) {
       {{{50, 0, 0.1}}}, {{layout.transducers[3].position}}, std::vector<Null>(most_nulls, Null{{0, 0.02, 0.12}, 1e-3})};
   std::vector<SlotFocus> foci{{place}, {{-0.01, 0, 0.12}, 0.5F}, {{0, 0, 500}}};
   for (const std::vector<Null>& nulls : odd) {
-    for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp})
+    for (const Constraint constraint : constraints)
       EXPECT_EQ(faults(drive_for(layout, foci, options_for(layout, nulls, constraint))), 0u);
   }
   foci.clear();

@@ -72,13 +72,7 @@ TEST(FillOrder, TheUsualStrideIsTheNearestToThreeTenthsThatLeavesNoneOut) {
 }
 
 TEST(FillOrder, SaysWhichStrideWouldDo) {
-  try {
-    fill_order(10, 4);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::usage);
-    EXPECT_NE(std::string(error.what()).find("such as 3"), std::string::npos) << error.what();
-  }
+  EXPECT_ERROR(fill_order(10, 4), Exit::usage, "such as 3");
   EXPECT_ERROR(fill_order(0, 1), Exit::usage, "0 foci");
 }
 
