@@ -13,6 +13,7 @@
 #include "acoustics/bodies/sphere_series.hpp"
 #include "acoustics/bodies/tracked_finger.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "acoustics/rigs.hpp"
 #include "array/drive.hpp"
 #include "array/loudness.hpp"
 #include "geometry/mesh/icosphere.hpp"
@@ -22,17 +23,6 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double radius = 8e-3;
-
-/// Transducers all around, facing the middle.
-array::Layout shell(int count) {
-  array::Layout layout;
-  for (int i = 0; i < count; ++i) {
-    const double z = (i + 0.5) * 2 / count - 1, angle = 2.4 * i, r = std::sqrt(1 - z * z);
-    const Vec3 out(r * std::cos(angle), r * std::sin(angle), z);
-    layout.transducers.push_back({0.15 * out, -out});
-  }
-  return layout;
-}
 
 /// A ball as the finger: one operator for all tests.
 const std::shared_ptr<const RigidBody>& shared_ball(const Air& air) {
@@ -127,16 +117,13 @@ TEST(TrackedFinger, HearsNearlyTheSame) {
   exact.aim(skin);
   for (std::size_t j = 0; j < skin.size(); ++j) {
     const std::vector<Complex> right = transfer_of(exact, layout, skin[j]);
-    double wrong = 0, all = 0;
     Complex in_phase = 0;
     double best = 0;
     for (std::size_t t = 0; t < right.size(); ++t) {
-      wrong += std::norm(heard[j].sound[t] - right[t]);
-      all += std::norm(right[t]);
       in_phase += right[t] * std::conj(heard[j].sound[t]) / std::abs(heard[j].sound[t]);
       best += std::abs(right[t]);
     }
-    EXPECT_LE(std::sqrt(wrong / all), 0.003) << j;
+    EXPECT_LE(relative_error(heard[j].sound, right), 0.003) << j;
     EXPECT_GE(std::abs(in_phase), 0.99999 * best) << j;
   }
 }
@@ -148,19 +135,16 @@ TEST(FingerTransfer, IsTheSeriesOfTheSphere) {
   FingerTransfer finger(ball(air), layout, air, array::Directivity::omni);
   std::vector<Vec3> foci;
   for (int i = 0; i < 12; ++i)
-    foci.push_back(3e-3 * glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1))));
+    foci.push_back(3e-3 * direction(i));
   const std::vector<Vec3> places = finger.aim(foci);
-  double wrong = 0, all = 0;
+  Deviation off;
   for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
     const auto series = SphereSeries::point_source(air.wave_number(), radius, layout.transducers[t].position);
-    for (std::size_t i = 0; i < foci.size(); ++i) {
-      const Complex exact = layout.source_level_pa_m * series.at(places[i]);
-      wrong += std::norm(transfer_of(finger, layout, foci[i])[t] - exact);
-      all += std::norm(exact);
-    }
+    for (std::size_t i = 0; i < foci.size(); ++i)
+      off.add(transfer_of(finger, layout, foci[i])[t], layout.source_level_pa_m * series.at(places[i]));
   }
-  EXPECT_LE(std::sqrt(wrong / all), 0.006);
-  std::printf("  %.2f %% off the series\n", 100 * std::sqrt(wrong / all));
+  EXPECT_LE(off.relative(), 0.006);
+  std::printf("  %.2f %% off the series\n", 100 * off.relative());
 }
 
 TEST(FingerTransfer, InFullNoDriveIsLouder) {
