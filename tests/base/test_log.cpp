@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/log.hpp"
+#include "support/captured.hpp"
 
 namespace palpa {
 namespace {
@@ -28,12 +29,12 @@ class AtLevel {
 
 std::string everything_at(log::Level level) {
   const AtLevel at(level);
-  testing::internal::CaptureStderr();
-  log::error("e");
-  log::warning("w");
-  log::info("i");
-  log::debug("d");
-  return testing::internal::GetCapturedStderr();
+  return test::stderr_of([] {
+    log::error("e");
+    log::warning("w");
+    log::info("i");
+    log::debug("d");
+  });
 }
 
 TEST(Log, EachLevelIncludesThoseBefore) {

@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -92,15 +93,24 @@ TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
   EXPECT_EQ(size % line.size(), 0u);
 }
 
+// A recording of drives that cannot grow must leave the array silent.
+TEST(StreamWriter, AFileThatCannotGrowEndsWithAWholeRecordInZeros) {
+  const std::string file = test::scratch_folder("zeros") / "stream";
+  const test::FileSizeLimit limit(25);
+  StreamWriter writer = writer_of(file);
+  writer.end_in_zeros(4);
+  for (const char letter : {'a', 'b'}) {
+    ASSERT_TRUE(writer.add(std::string(10, letter)));
+    ASSERT_TRUE(writer.flush({.seconds = 10}));
+  }
+  ASSERT_TRUE(writer.add(std::string(10, 'c')));
+  EXPECT_ERROR(writer.flush({.seconds = 10}), Exit::failed, "cannot be written");
+  EXPECT_EQ(test::read_text(file), std::string(10, 'a') + std::string(6, 'b') + std::string(4, '\0'));
+}
+
 /// The message for a second writer of the file; empty if it may write.
 std::string second_writer(const std::string& file) {
-  try {
-    writer_of(file);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::usage);
-    return error.what();
-  }
-  return {};
+  return test::error_of([&] { writer_of(file); }, Exit::usage);
 }
 
 TEST(StreamWriter, AFileHasOneWriterAtATime) {
