@@ -22,16 +22,6 @@
 namespace palpa::gpu {
 namespace {
 
-Exit exit_of(const DeviceOptions& options, std::string* line = nullptr) {
-  try {
-    const Device device(options);
-  } catch (const Error& error) {
-    if (line) *line = error.what();
-    return error.code();
-  }
-  return Exit::ok;
-}
-
 TEST(Device, ListsWhatIsThere) {
   const auto devices = list_devices();
   ASSERT_FALSE(devices.empty());
@@ -52,11 +42,8 @@ TEST(Device, IsChosenByIndexAndByPartOfItsNameInAnyCase) {
 }
 
 TEST(Device, RefusesWithAReasonWhenNothingFits) {
-  std::string line;
-  EXPECT_EQ(exit_of({.select = "no such GPU"}, &line), Exit::no_device);
-  EXPECT_NE(line.find("is not 'no such GPU'"), std::string::npos) << line;
-  EXPECT_EQ(line.find('\n'), std::string::npos);
-  EXPECT_EQ(exit_of({.select = "999"}, &line), Exit::no_device);
+  EXPECT_ERROR(Device({.select = "no such GPU"}), Exit::no_device, "is not 'no such GPU'");
+  EXPECT_ERROR(Device({.select = "999"}), Exit::no_device, "999");
 }
 
 TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
@@ -155,13 +142,7 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
   recorder.begin();
   const VkCommandBuffer commands = recorder.end();
   device.lose();
-  try {
-    timeline.submit(commands);
-    FAIL() << "submitted to a lost device";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::failed);
-    EXPECT_NE(std::string(error.what()).find("VK_ERROR_DEVICE_LOST"), std::string::npos) << error.what();
-  }
+  EXPECT_ERROR(timeline.submit(commands), Exit::failed, "VK_ERROR_DEVICE_LOST");
 }
 
 /// Waits for a device whose work never ends, and abandons it.
@@ -196,14 +177,9 @@ TEST(Timeline, ADeviceThatDoesNotAnswerIsLeftAlone) {
 }
 
 TEST(Device, ChecksNameCallFileAndResult) {
-  try {
-    PALPA_VK(VK_ERROR_OUT_OF_DEVICE_MEMORY);
-    FAIL();
-  } catch (const Error& error) {
-    const std::string line = error.what();
-    EXPECT_NE(line.find("VK_ERROR_OUT_OF_DEVICE_MEMORY"), std::string::npos);
-    EXPECT_NE(line.find("test_device.cpp:"), std::string::npos);
-  }
+  const std::string line = test::thrown_by([] { PALPA_VK(VK_ERROR_OUT_OF_DEVICE_MEMORY); }).what();
+  EXPECT_CONTAINS(line, "VK_ERROR_OUT_OF_DEVICE_MEMORY");
+  EXPECT_CONTAINS(line, "test_device.cpp:");
   EXPECT_NO_THROW(PALPA_VK(VK_SUBOPTIMAL_KHR));
 }
 
