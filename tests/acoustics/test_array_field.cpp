@@ -248,7 +248,7 @@ TEST(PathField, KnowsOtherNumbersOfFociOnItsPath) {
   }
 }
 
-TEST(PathField, OfFociAllInOnePlaceNothingIsFelt) {
+TEST(PathField, FociAtOnePlaceAreNotFelt) {
   const Layout layout = posed("autd3");
   const ArrayField field(layout, {});
   const Harmonics harmonics = PathField(field, std::vector<Vec3>(10, Vec3(1e-3, 0, 0))).harmonics(10);

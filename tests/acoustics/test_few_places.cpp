@@ -93,7 +93,7 @@ TEST(FewPlaces, StandForAllVertices) {
   }
 }
 
-TEST(FewPlaces, AreTheSameAgain) {
+TEST(FewPlaces, AreTheSameOnEveryRun) {
   const std::vector<FewPlaces>& one = exact_places();
   const std::vector<FewPlaces> two = few_places(finger(), exact);
   ASSERT_EQ(one.size(), two.size());

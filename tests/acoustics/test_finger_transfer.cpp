@@ -147,7 +147,7 @@ TEST(FingerTransfer, IsTheSeriesOfTheSphere) {
   std::printf("  %.2f %% off the series\n", 100 * off.relative());
 }
 
-TEST(FingerTransfer, InFullNoDriveIsLouder) {
+TEST(FingerTransfer, DrivesForTheFingerAreTheLoudest) {
   const array::Layout layout = shell(200);
   const Air air = without_absorption(air_of({}));
   FingerTransfer finger(ball(air), layout, air, array::Directivity::t4010a1);

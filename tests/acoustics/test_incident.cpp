@@ -39,7 +39,7 @@ TEST(Air, AbsorbsAsTheStandardSays) {
   EXPECT_EQ(without_absorption(air_of({})).absorption_np_m, 0);
 }
 
-TEST(Air, RefusesWhatIsNoAir) {
+TEST(Air, RefusesValuesOutOfRange) {
   const std::pair<Weather, const char*> none[]{{{.celsius = -61}, "temperature -61"},
                                                {{.celsius = 101}, "temperature 101"},
                                                {{.humidity_percent = -1}, "humidity of -1 percent"},

@@ -96,7 +96,7 @@ TEST(NearRules, EndWhereRoundingMakesNeedlesOfAllPieces) {
   }
 }
 
-TEST(DenseLu, EndsWhenNobodyWantsIt) {
+TEST(DenseLu, CanBeGivenUp) {
   const std::vector<std::complex<float>> unit{1, 0, 0, 1};
   std::atomic<bool> give_up{true};
   EXPECT_THROW(DenseLu(unit, 2, &give_up), GivenUp);

@@ -264,7 +264,7 @@ TEST(Scattering, TheAirAroundIsTheSeries) {
   }
 }
 
-TEST(BodyMesh, WhatIsInsideIsNeverFarFromTheBody) {
+TEST(BodyMesh, InsideHoldsOnlyPointsInTheBody) {
   const Inside inside(geometry::icosphere(radius, 4));
   for (int i = 0; i < 200; ++i) {
     EXPECT_TRUE(inside.holds(direction(i) * radius * 0.9));

@@ -57,7 +57,7 @@ TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
 }
 
 // Even foci stay the same to the last bit, and with no tries allowed, none is made.
-TEST(EvenPhases, LeavesWhatIsEven) {
+TEST(EvenPhases, EvenFociAreNotChanged) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::distance);
   std::vector<Complex> does = sums_of(columns, Constraint::uniform, 3);

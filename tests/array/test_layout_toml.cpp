@@ -130,7 +130,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_TRUE(fault_of("name = \"x\"\n\"\\u0001\\nb\" = 1").starts_with("line 2: unknown key \\x01\\nb in a layout"));
 }
 
-TEST(LayoutToml, FilesThatAreNone) {
+TEST(LayoutToml, RefusesWhatIsNoFile) {
   const auto fault_of_file = [](const std::filesystem::path& file) {
     const auto begin = std::chrono::steady_clock::now();
     std::string line = test::error_of([&] { load_layout(file.string()); });

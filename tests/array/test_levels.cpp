@@ -51,7 +51,7 @@ TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
   EXPECT_GT(levels_of({{0.999}, {4.0 / 3}})[0], 0.985);
 }
 
-TEST(Levels, WhoAsksForNoPressureComesLast) {
+TEST(Levels, FingersWithoutAPressureHaveWhatIsLeft) {
   const std::vector<double> levels = levels_of({{0.7}, {1, false}, {0.2}});
   EXPECT_DOUBLE_EQ(levels[0], 1);
   EXPECT_NEAR(levels[1], 0.1, 1e-12);

@@ -178,7 +178,7 @@ Schedule crowd_of_points(std::uint32_t fingers) {
   return schedule;
 }
 
-TEST(Loudness, WhoAsksForLittleHasThatBesideManyThatAskForNothing) {
+TEST(Loudness, AFingerThatAsksForLittleHasItBesideManyThatAskForNothing) {
   const Layout layout = posed("paper");
   for (const std::uint32_t fingers : {4u, 24u, 64u}) {
     Schedule schedule = crowd_of_points(fingers);
@@ -212,7 +212,7 @@ TEST(Loudness, SilentFingersAndPlacesThatCannotBeDrivenDoNoHarm) {
   EXPECT_EQ(*schedule.voices[2].reached_pa, 0);
 }
 
-TEST(Loudness, FingersAtOnePlaceShareOneSoundTheLouder) {
+TEST(Loudness, FingersAtOnePlaceHaveTheLouderPressure) {
   const Layout layout = posed("paper");
   Schedule schedule;
   for (int f = 0; f < 2; ++f)
@@ -253,7 +253,7 @@ TEST(Loudness, MoreFociThanAreSolvedTogetherAreNeverLouderThanAsked) {
   }
 }
 
-TEST(Loudness, WhoAsksForNothingRaisesNobodyThatItIsOneWith) {
+TEST(Loudness, AFingerThatAsksForNothingDoesNotRaiseItsNeighbour) {
   const Layout layout = posed("openmpd");
   for (const double beside : {0.0, 0.5e-3, 1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3, 5e-3, 7e-3, 10e-3}) {
     Schedule schedule;
@@ -265,7 +265,7 @@ TEST(Loudness, WhoAsksForNothingRaisesNobodyThatItIsOneWith) {
   }
 }
 
-TEST(Loudness, NextToNothingIsNotLouderThanThatAndHarmsNobody) {
+TEST(Loudness, ATinyGainChangesNoOtherFinger) {
   const Layout layout = posed("openmpd");
   for (const double gain : {1e-320, 1e-300, 1e-20}) {
     Schedule schedule;
@@ -296,7 +296,7 @@ TEST(Loudness, OneFocusBesideOneThatCannotBeDrivenHasAllOfItsFactor) {
     ASSERT_NEAR(memory.drive(0)[n].amplitude, drive[n].amplitude, 1e-5);
 }
 
-TEST(Loudness, WhateverIsAskedNoTransducerExceedsOneAndWhatIsToldIsThere) {
+TEST(Loudness, AmplitudesAreAtMostOneAndReportedPressuresAreReached) {
   const Layout layout = posed("openmpd");
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-0.04, 0.04), power(2, 5);
@@ -318,7 +318,7 @@ TEST(Loudness, WhateverIsAskedNoTransducerExceedsOneAndWhatIsToldIsThere) {
   }
 }
 
-TEST(Loudness, ASlotOfItsOwnIsAsInTheSchedule) {
+TEST(Loudness, ASingleSlotIsDrivenAsInItsSchedule) {
   const Layout layout = posed("paper");
   Schedule schedule;
   for (const double x : {-0.015, 0.015})

@@ -242,7 +242,7 @@ TEST(Nulls, OneFocusIsNearlyThePapersDrive) {
             1e-4 * std::abs(sound_at(layout, complex_of(with), focus[0].position)));
 }
 
-TEST(Nulls, BearAnything) {
+TEST(Nulls, OddPlacesGiveValidDrives) {
   const Layout layout = load_layout("openmpd");
   const Vec3 place(0.01, 0, 0.12);
   const std::vector<std::vector<Null>> odd{

@@ -257,7 +257,7 @@ TEST(Cycle, LengthsByHand) {
   EXPECT_EQ(cycle_length(schedule, 1u << 20), 0u);
 }
 
-TEST(Cycle, FociAndGainsRepeatAfterItAndNotBefore) {
+TEST(Cycle, IsTheShortestTimeAfterWhichFociAndGainsRepeat) {
   EXPECT_TRUE(rc::check([] {
     Schedule schedule;
     schedule.slot_s = *rc::gen::element(1e-3, 1.5e-3, 2e-3, 0.1e-3);

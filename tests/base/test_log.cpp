@@ -120,7 +120,7 @@ TEST(Log, TheSameWarningIsToldOnceWithACount) {
             "palpa: warning: once (2 times)\npalpa: warning: later (3 times)\n");
 }
 
-TEST(Log, OfTooManyWarningsTheRestIsCounted) {
+TEST(Log, WarningsBeyondTheLimitAreCounted) {
   log::set_level(log::Level::warning);
   testing::internal::CaptureStderr();
   log::hold_warnings();
@@ -179,7 +179,7 @@ class FullStderr {
   int before_;
 };
 
-TEST(LogRelay, NobodyWaitsForAReaderThatDoesNotRead) {
+TEST(LogRelay, AReaderThatDoesNotReadDelaysNobody) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   {
@@ -206,7 +206,7 @@ TEST(LogRelay, NobodyWaitsForAReaderThatDoesNotRead) {
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8));
 }
 
-TEST(LogRelay, ItsEndWaitsForNobodyLong) {
+TEST(LogRelay, EndsSoonWithoutAReader) {
   const auto begin = std::chrono::steady_clock::now();
   {
     const FullStderr full;

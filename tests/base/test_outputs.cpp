@@ -52,7 +52,7 @@ class RegisterTest : public testing::Test {
   int open_ = -1;
 };
 
-TEST_F(RegisterTest, WhatWasReadIsNoOutputAnyMore) {
+TEST_F(RegisterTest, InputsCannotBecomeOutputs) {
   const auto kept = keep_register();
   read_file(path("input"), 100);
   for (const std::string& name : names())
@@ -60,7 +60,7 @@ TEST_F(RegisterTest, WhatWasReadIsNoOutputAnyMore) {
   EXPECT_EQ(test::read_text(path("input")), "input");
 }
 
-TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
+TEST_F(RegisterTest, OutputsAreNotRead) {
   for (const std::string& name : names()) {
     const auto kept = keep_register();
     const Outputs outputs({{"--csv", name}});
@@ -77,7 +77,7 @@ TEST_F(RegisterTest, WhatIsAnOutputIsNotRead) {
   EXPECT_EQ(test::thrown_by([&] { read_file(path("deep") + "/../new", 100); }).code(), Exit::usage);
 }
 
-TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
+TEST_F(RegisterTest, OnlyDeclaredFilesAreWritten) {
   const std::string part = "palpa did not declare it";
   EXPECT_NO_THROW(write_file(path("free"), "x")) << "a program that uses the library need not declare anything";
   const auto kept = keep_register();
@@ -104,7 +104,7 @@ TEST_F(RegisterTest, WritingWhatIsNotDeclaredIsAnErrorOfPalpas) {
   EXPECT_NO_THROW(write_file("-", ""));
 }
 
-TEST_F(RegisterTest, AFolderThatIsReplacedHasNoInput) {
+TEST_F(RegisterTest, NothingIsReadFromAFolderThatIsReplaced) {
   fs::create_directory(path("take"));
   test::write_text(path("take/one"), "one");
   fs::create_symlink(path("take"), path("same"));
@@ -146,7 +146,7 @@ TEST_F(RegisterTest, AFolderThatIsContinuedIsReadAndWritten) {
   EXPECT_EQ(test::thrown_by([&] { read_file(path("study/result"), 100); }).code(), Exit::usage);
 }
 
-TEST_F(RegisterTest, WhatPalpaWroteItMayWriteAgainAndSoItsOwnFiles) {
+TEST_F(RegisterTest, FilesOfPalpasMayBeReadAndWrittenAgain) {
   const auto kept = keep_register();
   const Outputs outputs({{"save as", path("scene")}});
   {
@@ -173,7 +173,7 @@ TEST_F(RegisterTest, PalpasOwnFilesAreNoOutputs) {
                   "--json: " + path("new") + " is a file of palpa's own");
 }
 
-TEST_F(RegisterTest, TwoOwnersHaveDifferentFilesUnlessItIsTheSameOption) {
+TEST_F(RegisterTest, TwoOptionsCannotNameOneFile) {
   const Outputs first({{"--json", path("soft")}, {"--csv", path("new")}});
   EXPECT_NE(refusal({{"--events", path("hard")}}).find("--json and --events name the same file"), std::string::npos);
   EXPECT_NE(refusal({{"--events", path("deep/../new")}}).find("name the same file"), std::string::npos);
@@ -181,7 +181,7 @@ TEST_F(RegisterTest, TwoOwnersHaveDifferentFilesUnlessItIsTheSameOption) {
   EXPECT_NO_THROW(Outputs({{"--events", "/dev/null"}, {"--json", "/dev/null"}}));
 }
 
-TEST_F(RegisterTest, WhatWasReadIsKnownWhereItWasMovedTo) {
+TEST_F(RegisterTest, InputsAreKnownAfterTheyWereMoved) {
   const auto kept = keep_register();
   read_file(path("input"), 100);
   fs::rename(path("input"), path("moved"));

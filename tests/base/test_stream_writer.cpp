@@ -72,7 +72,7 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   EXPECT_TRUE(of_b == lines_of('b', count));
 }
 
-TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
+TEST(StreamWriter, LinesThatNobodyReadsStayWhole) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
   std::string line(1000, 'x');

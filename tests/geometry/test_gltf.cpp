@@ -250,7 +250,7 @@ TEST(Gltf, HiddenNodesStayTouchableWithAWarning) {
   EXPECT_CONTAINS(fault_of(builder), "\"visible\" is neither true nor false");
 }
 
-TEST(Gltf, ModelsOfOthersWithInstances) {
+TEST(Gltf, InstancesOfAnotherProgramAreRead) {
   PALPA_SHARED_OR_SKIP(folder, "hostile");
   EXPECT_EQ(make_solids(load_gltf(folder / "simple-instancing.glb")).size(), 125U);
 }

@@ -45,7 +45,7 @@ GltfBuilder good_cube_file() {
   return builder;
 }
 
-TEST(BadGltf, NoFile) {
+TEST(BadGltf, RefusesWhatIsNoFile) {
   test::expect_refuses_what_is_no_file(fault_of_file, ".glb");
 }
 
@@ -75,7 +75,7 @@ void expect_text_faults(const std::vector<BadText>& texts) {
     EXPECT_CONTAINS(fault_of_text(bad.text), bad.fault) << bad.text.substr(0, 100);
 }
 
-TEST(BadGltf, JsonThatIsNone) {
+TEST(BadGltf, InvalidJsonIsRefused) {
   std::string many = "{\"a\": [0";
   for (int i = 0; i < 2'100'000; ++i)
     many += ",0";
@@ -262,7 +262,7 @@ TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
 }
 
 // The numbers of triangles and of vertices, times that of the instances, are multiples of 2^64.
-TEST(BadGltf, CountsThatWrapAroundAreBombsToo) {
+TEST(BadGltf, CountsThatWrapAroundAreRefused) {
   GltfBuilder builder;
   const Json sparse{{"count", 1},
                     {"indices", {{"bufferView", builder.add_view({0})}, {"componentType", 5121}}},

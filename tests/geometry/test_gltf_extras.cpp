@@ -133,7 +133,7 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_LE(std::count(warnings.begin(), warnings.end(), '\n'), 8);
 }
 
-TEST(Extras, OfTheMeshInPlaceOfTheNodeIsAWarning) {
+TEST(Extras, ExtrasOfAMeshAreAWarning) {
   GltfBuilder builder = cube_with(Json::object());
   builder.doc["meshes"][0]["extras"] = {{"palpa_delta_m", 0.001}};
   EXPECT_CONTAINS(warnings_of(builder), "mesh 0: palpa reads the extras of nodes");

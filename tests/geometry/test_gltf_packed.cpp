@@ -62,7 +62,7 @@ TEST(Quantized, TheLowestIntegerIsMinusOneToo) {
   EXPECT_EQ(mesh.positions.at(2), Vec3(0, 1, 0));
 }
 
-TEST(Quantized, OnlyWhereTheFileSaysSo) {
+TEST(Quantized, IntegersNeedTheExtension) {
   GltfBuilder builder = test::quantized_file(pebble(), 5123, false).file;
   builder.doc.erase("extensionsRequired");
   builder.doc.erase("extensionsUsed");
@@ -73,7 +73,7 @@ TEST(Quantized, OnlyWhereTheFileSaysSo) {
   EXPECT_CONTAINS(fault_of(builder), "accessor 0");
 }
 
-TEST(Quantized, MorphTargetsToo) {
+TEST(Quantized, MorphTargetsMayBeIntegers) {
   GltfBuilder builder = test::quantized_file(box(Vec3(0), Vec3(2)), 5121, false).file;
   std::vector<std::int16_t> up;
   for (int v = 0; v < 8; ++v)
@@ -121,7 +121,7 @@ TEST_F(Draco, BothMethodsGiveTheTrianglesBack) {
   }
 }
 
-TEST_F(Draco, OnBones) {
+TEST_F(Draco, SkinnedMeshesAreRead) {
   const Mesh cube = test::rounded(box(Vec3(0), Vec3(1)));
   GltfBuilder builder = test::draco_file(test::draco_stream(cube, 0, false, true), 8, 12);
   auto& primitive = builder.doc["meshes"][0]["primitives"][0];
@@ -150,7 +150,7 @@ TEST_F(Draco, APlainCopyIsPreferred) {
   EXPECT_TRUE(mesh_of(builder).positions == plain.positions);
 }
 
-TEST_F(Draco, OtherNumbersOfVerticesThanPromisedAreAWarningMoreTrianglesAnError) {
+TEST_F(Draco, OtherCountsThanPromisedAreAWarningMoreTrianglesAnError) {
   EXPECT_CONTAINS(warnings_of(file(1, 1)), "where the file promises");
   const std::string more = warnings_of(file(-1));
   EXPECT_CONTAINS(more, "mesh 0: the draco data in buffer view 0 hold");

@@ -236,7 +236,7 @@ TEST_F(GltfSkin, SparseWeightsAndBindMatricesBeginWithZeros) {
   EXPECT_EQ(load(builder).meshes.at(0).mesh.positions, whole.positions);
 }
 
-TEST_F(GltfSkin, ManyMayShareWhatMovesNothing) {
+TEST_F(GltfSkin, ManySkinsWithSharedDataCostLittle) {
   const auto seconds_with = [](GltfBuilder file, int skins) {
     const Json skin = file.doc["skins"][0];
     for (int i = 1; i < skins; ++i) {

@@ -48,7 +48,7 @@ TEST(ConvexHull, OfACubeIsTheCube) {
   EXPECT_TRUE(find_defects(hull->mesh).closed_and_oriented());
 }
 
-TEST(ConvexHull, HoldsEveryPointWithNoneToSpare) {
+TEST(ConvexHull, ContainsEveryPointTightly) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Vec3 centre = seed % 2 ? Vec3(0) : Vec3(3, -2, 0.7);
     const auto points = cloud(10 + 40 * seed, centre, Vec3(0.05, 0.02, 0.001 + 0.01 * seed), seed);
@@ -71,7 +71,7 @@ TEST(ConvexHull, HoldsEveryPointWithNoneToSpare) {
   }
 }
 
-TEST(ConvexHull, OfAFlatCloudIsNone) {
+TEST(ConvexHull, FlatCloudsHaveNoHull) {
   EXPECT_FALSE(convex_hull({}));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.2, 0}}));
@@ -193,7 +193,7 @@ TEST(UnionSurface, ClosesSeamsUpToTheirWidth) {
   EXPECT_NEAR(area(union_surface(parts)), open - 2e-4, 1e-7);
 }
 
-TEST(UnionSurface, OfRoundPartsEnclosesWhatRandomPointsSay) {
+TEST(UnionSurface, OfRoundPartsHasTheVolumeThatRandomPointsCount) {
   // Three overlapping ellipsoids: volume by counting random points.
   Parts parts;
   parts.parts.push_back(make_part(cloud(120, {0, 0, 0}, {0.03, 0.02, 0.02}, 1)).value());
@@ -213,7 +213,7 @@ TEST(UnionSurface, OfRoundPartsEnclosesWhatRandomPointsSay) {
   EXPECT_NEAR(volume(union_surface(parts)) / expected, 1, 0.015);
 }
 
-TEST(Parts, OfTheSamePointsAreTheSameAfterSinglePrecision) {
+TEST(Parts, APartOfItsOwnPointsIsTheSamePart) {
   const auto points = cloud(80, {1, 2, 3}, Vec3(0.04), 11);
   const Part part = make_part(points).value();
   for (const Vec3& p : part.mesh.positions)
@@ -228,7 +228,7 @@ TEST(Parts, OfTheSamePointsAreTheSameAfterSinglePrecision) {
   }
 }
 
-TEST(UnionSurface, OfPartsThatAllOverlapIsRefused) {
+TEST(UnionSurface, TooManyOverlappingPartsAreRefused) {
   Parts parts;
   for (int i = 0; i < 250; ++i) {
     const Vec3 shift = Vec3(1e-4, 1.3e-4, 0.7e-4) * static_cast<double>(i);

@@ -217,7 +217,7 @@ TEST(Ply, ElementsInAnyOrder) {
   EXPECT_EQ(ply.triangles.at(0), glm::uvec3(2, 1, 0));
 }
 
-TEST(PlyFaults, NoFile) {
+TEST(PlyFaults, RefusesWhatIsNoFile) {
   test::expect_refuses_what_is_no_file(fault_of_file, ".ply");
 }
 

@@ -84,12 +84,12 @@ TEST(RigidCopies, OfAConvexMeshHaveItsPlanes) {
   }
 }
 
-TEST(RigidCopies, FewOfThemAreEachPreparedForThemselves) {
+TEST(RigidCopies, FewCopiesAreEachChecked) {
   const Scene scene = copies_of(test::ell(), 12);
   EXPECT_EQ(count_of(debug_lines_of([&] { make_solids(scene); }), "is checked"), 12U);
 }
 
-TEST(RigidCopies, ThatAreOpenCloseTogetherAllTheSame) {
+TEST(RigidCopies, OpenCopiesCloseTogether) {
   // Halves of boxes, two nodes each.
   Mesh half = test::box(Vec3(0), Vec3(0.01)), other = half;
   half.triangles.resize(6);
@@ -111,7 +111,7 @@ TEST(RigidCopies, ThatAreOpenCloseTogetherAllTheSame) {
     EXPECT_EQ(solid.planes.size(), 6U);
 }
 
-TEST(RigidCopies, SceneryAndPartsAreNone) {
+TEST(RigidCopies, SceneryAndPartsAreNoCopies) {
   Scene scene = copies_of(test::ell(), 120);
   scene.meshes[0].haptics.touchable = false;
   scene.meshes[1].part = PartOf{"solid"};

@@ -146,7 +146,7 @@ TEST(Solid, SeamsThatWereRoundedDifferentlyClose) {
   EXPECT_EQ(solids_of({mesh})[0].mesh.positions.size(), 9U * 16 + 2);
 }
 
-TEST(Solid, WhatIsNoneIsRefusedWithItsFault) {
+TEST(Solid, MeshesThatAreNoSolidAreRefusedWithTheirFault) {
   const Mesh cube = box(Vec3(0), Vec3(0.04)), sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
   Mesh open = cube, turned = cube, touching = box(Vec3(0), Vec3(1));
   open.triangles.pop_back();
