@@ -4,12 +4,13 @@
 #include <cmath>
 #include <complex>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
-#include <span>
-#include <vector>
 
 #include "acoustics/air.hpp"
+#include "acoustics/bodies/rigid_body.hpp"
 #include "array/layouts/layout.hpp"
+#include "geometry/mesh/icosphere.hpp"
 
 namespace palpa::acoustics {
 
@@ -62,6 +63,22 @@ inline Air air_with(double wave_number) {
   Air air = without_absorption(air_of({}));
   air.medium.frequency = wave_number * air.medium.sound_speed / (2 * std::numbers::pi);
   return air;
+}
+
+inline const Air& still_air() {
+  static const Air air = without_absorption(air_of({}));
+  return air;
+}
+
+/// A ball as a finger, about the origin: one operator for all tests.
+inline constexpr double ball_radius = 8e-3;
+inline const std::shared_ptr<const RigidBody>& shared_ball() {
+  static const auto body =
+      std::make_shared<const RigidBody>(geometry::icosphere(ball_radius, 9), still_air().wave_number());
+  return body;
+}
+inline const RigidBody& ball() {
+  return *shared_ball();
 }
 
 }  // namespace palpa::acoustics

@@ -21,7 +21,7 @@ namespace palpa::acoustics {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double radius = 8e-3;
+constexpr double radius = ball_radius;
 constexpr double pi = std::numbers::pi;
 
 /// Point sources at different distances.
@@ -33,17 +33,6 @@ const array::Layout& around() {
     return made;
   }();
   return layout;
-}
-
-const Air& still_air() {
-  static const Air air = without_absorption(air_of({}));
-  return air;
-}
-
-/// A ball as the finger.
-const RigidBody& ball() {
-  static const RigidBody body(geometry::icosphere(radius, 9), still_air().wave_number());
-  return body;
 }
 
 /// A ring around the ball's lowest part, inside it.

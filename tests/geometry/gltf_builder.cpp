@@ -25,6 +25,11 @@ GltfBuilder::GltfBuilder() {
          {"bufferViews", Json::array()}};
 }
 
+GltfBuilder::GltfBuilder(const Mesh& mesh) : GltfBuilder() {
+  add_mesh(mesh);
+  add_node({{"mesh", 0}});
+}
+
 int GltfBuilder::add_view(const std::vector<unsigned char>& bytes, int stride) {
   bin.resize((bin.size() + 3) / 4 * 4);
   Json view{{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", bytes.size()}};

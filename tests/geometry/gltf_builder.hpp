@@ -19,6 +19,8 @@ class GltfBuilder {
   using Json = nlohmann::json;
 
   GltfBuilder();
+  /// With a mesh, and a node that shows it.
+  explicit GltfBuilder(const geometry::Mesh& mesh);
 
   /// Each returns the new item's index. Data is appended to the one buffer, 4-byte aligned.
   int add_view(const std::vector<unsigned char>& bytes, int stride = 0);

@@ -24,11 +24,12 @@ using test::box;
 using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
-/// A cube, and a node that shows it unless `shown` is false.
-GltfBuilder cube_file(bool shown = false) {
+const Mesh cube = box(Vec3(0), Vec3(1));
+
+/// A cube that no node shows.
+GltfBuilder cube_file() {
   GltfBuilder builder;
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
-  if (shown) builder.add_node({{"mesh", 0}});
+  builder.add_mesh(cube);
   return builder;
 }
 
@@ -72,7 +73,7 @@ TEST(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
 
 TEST(Gltf, NamesComeFromTheNodeThenTheMeshThenTheNumber) {
   GltfBuilder builder = cube_file();
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  builder.add_mesh(cube);
   builder.doc["meshes"][0]["name"] = "die";
   builder.add_node({{"mesh", 0}, {"name", "first"}});
   builder.add_node({{"mesh", 0}});
@@ -160,7 +161,6 @@ TEST(Gltf, ScenesAreChosenByIndexElseByDefaultElseTheFirst) {
 
 TEST(Gltf, SeveralPrimitivesAreOneMeshAndPointsAndLinesNone) {
   GltfBuilder builder;
-  const Mesh cube = box(Vec3(0), Vec3(1));
   const int positions = builder.add_positions(cube.positions);
   const std::vector<std::uint32_t> corners = test::corners_of(cube);
   Json primitives = Json::array();
@@ -177,7 +177,7 @@ TEST(Gltf, SeveralPrimitivesAreOneMeshAndPointsAndLinesNone) {
 }
 
 TEST(Gltf, ExtensionsThatDoNotMoveTrianglesMayBeRequired) {
-  GltfBuilder builder = cube_file(true);
+  GltfBuilder builder(cube);
   builder.doc["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_transform"};
   EXPECT_EQ(load(builder).meshes.size(), 1U);
   // The whole name counts: the effect of a longer name is unknown.
@@ -256,7 +256,7 @@ TEST(Gltf, InstancesOfAnotherProgramAreRead) {
 }
 
 TEST(Gltf, PicturesAndMaterialsDoNotMatter) {
-  GltfBuilder builder = cube_file(true);
+  GltfBuilder builder(cube);
   builder.doc["images"] = Json::array({{{"uri", "absent.png"}},
                                        {{"uri", "data:image/png;base64,AAAA"}},
                                        {{"bufferView", 0}, {"mimeType", "image/png"}}});
@@ -268,7 +268,7 @@ TEST(Gltf, PicturesAndMaterialsDoNotMatter) {
 }
 
 TEST(Gltf, FaultsBesideTheSceneAreWarnings) {
-  GltfBuilder builder = cube_file(true);
+  GltfBuilder builder(cube);
   builder.doc["accessors"].push_back({{"bufferView", 9}, {"componentType", 5126}, {"count", 1}, {"type", "VEC3"}});
   builder.doc["meshes"].push_back(Json::object());
   EXPECT_CONTAINS(warnings_of(builder), "mesh 1: has no primitives (the scene does not need it)");
@@ -277,7 +277,7 @@ TEST(Gltf, FaultsBesideTheSceneAreWarnings) {
 }
 
 TEST(Gltf, WrongBoundsAreAWarning) {
-  GltfBuilder builder = cube_file(true);
+  GltfBuilder builder(cube);
   builder.doc["accessors"][0]["min"] = {0, 0, 0};
   builder.doc["accessors"][0]["max"] = {1, 1, 1};
   EXPECT_EQ(warnings_of(builder), "");
@@ -286,7 +286,7 @@ TEST(Gltf, WrongBoundsAreAWarning) {
 }
 
 TEST(Gltf, BytesAfterTheEndOfAGlbAreAWarning) {
-  GltfBuilder builder = cube_file(true);
+  GltfBuilder builder(cube);
   auto bytes = builder.glb();
   bytes.resize(bytes.size() + 5, 0xff);
   test::MemoryFile file;

@@ -38,12 +38,7 @@ std::string fault_of_bytes(const std::vector<unsigned char>& bytes) {
   return fault_of_file(folder() / "model.glb");
 }
 
-GltfBuilder good_cube_file() {
-  GltfBuilder builder;
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
-  builder.add_node({{"mesh", 0}});
-  return builder;
-}
+const Mesh cube = box(Vec3(0), Vec3(1));
 
 TEST(BadGltf, RefusesWhatIsNoFile) {
   test::expect_refuses_what_is_no_file(fault_of_file, ".glb");
@@ -101,7 +96,7 @@ TEST(BadGltf, VersionsAndExtensions) {
 }
 
 TEST(BadGltf, BinaryContainers) {
-  const auto good = good_cube_file().glb();
+  const auto good = GltfBuilder(cube).glb();
   for (std::size_t length : {0U, 3U, 11U, 12U, 19U, 20U, 30U})
     EXPECT_NE(fault_of_bytes({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)}), "") << length;
   EXPECT_CONTAINS(fault_of_bytes({good.begin(), good.end() - 1}), "cut off");
@@ -122,7 +117,7 @@ TEST(BadGltf, LongStringsCostLittle) {
                       {head + R"("extras": ")" + filler, "syntax error"},
                       {R"({"asset": {"version": ")" + filler + "\"}}", "palpa reads glTF 2.0"},
                       {head + R"("buffers": [{"byteLength": 9, "uri": ")" + slashes + "\"}]}", "not a relative path"}});
-  GltfBuilder builder = good_cube_file();
+  GltfBuilder builder(cube);
   // The second one looks like the placeholder of a long string.
   for (const auto& [uri, fault] : {std::pair("data:;base64," + filler + "!", "not base64"),
                                    std::pair(std::string("data:long string 7"), "its data URI is not")}) {
@@ -193,18 +188,15 @@ TEST(BadGltf, FaultsOfADocumentAreNamed) {
       {"/buffers", R"([{"byteLength": 240, "uri": "."}])", "is a folder"},
       {"/buffers", R"([{"byteLength": 240, "uri": "data:;base64,AAAA"}])", "byteLength"},
       {"/buffers", R"([{"byteLength": 240, "uri": "data:;base64,)" + std::string(320, '!') + "\"}]", "not base64"}};
-  expect_faults(good_cube_file(), faults);
+  expect_faults(GltfBuilder(cube), faults);
 }
 
 TEST(BadGltf, PositionsThatAreNotFinite) {
   for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity()}) {
-    GltfBuilder builder;
-    Mesh cube = box(Vec3(0), Vec3(1));
-    cube.positions[5].y = wrong;
-    builder.add_mesh(cube);
-    builder.add_node({{"mesh", 0}});
-    EXPECT_CONTAINS(fault_of(builder), "vertex 5 is not finite");
+    Mesh spoilt = cube;
+    spoilt.positions[5].y = wrong;
+    EXPECT_CONTAINS(fault_of(GltfBuilder(spoilt)), "vertex 5 is not finite");
   }
 }
 
@@ -213,7 +205,7 @@ TEST(BadGltf, IndicesOutOfRangeAndPrimitiveRestarts) {
        {std::pair(5121, 255U), std::pair(5123, 65535U), std::pair(5125, 4294967295U)}) {
     for (const std::uint32_t index : {8U, restart}) {
       GltfBuilder builder;
-      const int positions = builder.add_positions(box(Vec3(0), Vec3(1)).positions);
+      const int positions = builder.add_positions(cube.positions);
       builder.add_mesh(positions, builder.add_indices({0, 1, 2, 3, index, 5}, component));
       builder.add_node({{"mesh", 0}});
       EXPECT_CONTAINS(fault_of(builder),
@@ -222,29 +214,22 @@ TEST(BadGltf, IndicesOutOfRangeAndPrimitiveRestarts) {
   }
 }
 
-/// A file with a mesh of 40 000 triangles, and a node that shows it.
-GltfBuilder large_ball_file() {
-  GltfBuilder builder;
-  builder.add_mesh(test::sphere(1, 100, 200));
-  builder.add_node({{"mesh", 0}});
-  return builder;
-}
-
 // Small files that would need a lot of memory or time.
 TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
-  GltfBuilder nodes = large_ball_file();
+  const GltfBuilder ball(test::sphere(1, 100, 200));  // of 40 000 triangles
+  GltfBuilder nodes = ball;
   for (int i = 1; i < 10'000; ++i)
     nodes.add_node({{"mesh", 0}});
   EXPECT_CONTAINS(fault_of(nodes), "more than 2000000 triangles");
 
-  GltfBuilder primitives = large_ball_file();
+  GltfBuilder primitives = ball;
   const Json one = primitives.doc["meshes"][0]["primitives"][0];
   primitives.doc["meshes"][0]["primitives"] = Json::array_t(10'000, one);
   EXPECT_CONTAINS(fault_of(primitives), "more than 2000000 triangles");
   primitives.doc["meshes"][0]["primitives"] = Json::array_t(60'000, one);
   EXPECT_CONTAINS(fault_of(primitives), "more than 50000 primitives");
 
-  GltfBuilder morph = large_ball_file();
+  GltfBuilder morph = ball;
   morph.doc["meshes"][0]["primitives"][0]["targets"] = Json::array_t(5'000, {{"POSITION", 0}});
   morph.doc["meshes"][0]["weights"] = Json::array_t(5'000, 1);
   EXPECT_CONTAINS(fault_of(morph), "morph targets move more than");
@@ -253,7 +238,7 @@ TEST(BadGltf, BombsAreRefusedBeforeTheyGoOff) {
   many.doc["nodes"] = Json::array_t(200'000, Json::object());
   EXPECT_CONTAINS(fault_of(many), "has 200000 nodes");
 
-  GltfBuilder base = good_cube_file();
+  GltfBuilder base(cube);
   base.doc["accessors"][0].erase("bufferView");
   base.doc["accessors"][0]["count"] = 4'000'000'000U;
   base.doc["accessors"][0]["sparse"] = {

@@ -17,9 +17,8 @@ using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
 GltfBuilder cube_with(const Json& extras) {
-  GltfBuilder builder;
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
-  builder.add_node({{"mesh", 0}, {"name", "cube"}, {"extras", extras}});
+  GltfBuilder builder(box(Vec3(0), Vec3(1)));
+  builder.doc["nodes"][0]["extras"] = extras;
   return builder;
 }
 Haptics haptics_of(const Json& extras) {

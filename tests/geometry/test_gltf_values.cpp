@@ -165,13 +165,11 @@ TEST(GltfAccessors, SparseWithoutABufferViewBeginsWithZeros) {
 }
 
 TEST(GltfMorph, DefaultWeightsOfMeshAndNode) {
-  GltfBuilder builder;
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  GltfBuilder builder(box(Vec3(0), Vec3(1)));
   const int up = builder.add_positions(std::vector<Vec3>(8, Vec3(0, 1, 0)));
   const int right = builder.add_positions(std::vector<Vec3>(8, Vec3(1, 0, 0)));
   builder.doc["meshes"][0]["primitives"][0]["targets"] = Json::array({{{"POSITION", up}}, {{"POSITION", right}}});
   builder.doc["meshes"][0]["weights"] = {0.5, 0};
-  builder.add_node({{"mesh", 0}});
   builder.add_node({{"mesh", 0}, {"weights", {0, 2}}});
   const Scene scene = load(builder);
   EXPECT_EQ(bounds(scene.meshes.at(0).mesh).low, Vec3(0, 0.5, 0));
