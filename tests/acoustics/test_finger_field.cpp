@@ -12,7 +12,6 @@
 #include "acoustics/bodies/sphere_series.hpp"
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/felt/spectrum.hpp"
-#include "acoustics/felt/tune.hpp"
 #include "acoustics/field/array_field.hpp"
 #include "acoustics/rigs.hpp"
 #include "geometry/mesh/icosphere.hpp"
@@ -177,23 +176,6 @@ TEST(FingerField, FociThatAskForAPressureHaveIt) {
   ASSERT_TRUE(FingerField(ball(), around(), still_air(), drive, &transfer, 20).felt(foci, 1, once));
   for (std::size_t i = 0; i < twice.size(); ++i)
     EXPECT_NEAR(twice[i], 4 * once[i], 1e-3 * twice[0]);
-}
-
-TEST(FingerField, TuningRestsOnIt) {
-  const FingerField field(ball(), around(), still_air(), {.directivity = array::Directivity::omni});
-  TuneOptions options;
-  options.spectrum.field = &field;
-  const std::vector<Vec3> foci = ring(5);
-  const Ring given{31e-3, 5, 2, 2e-3};
-  const Tuned tuned = tune(given, options, foci);
-  EXPECT_EQ(tuned.field, FocusKind::finger);
-  const Harmonics own = PathField(field, foci).harmonics(5);
-  EXPECT_NEAR(tuned.before.vibration, own.felt(2, 2e-3, 1000).vibration, 1e-12);
-  array::Voice voice;
-  voice.foci = foci;
-  voice.order = array::fill_order(5, 2);
-  voice.dwell_s = 2e-3;
-  EXPECT_NEAR(tuned.before.vibration, felt(spectrum_of(voice, 2e-3, {.field = &field})).vibration, 1e-9);
 }
 
 }  // namespace

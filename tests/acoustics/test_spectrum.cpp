@@ -146,14 +146,6 @@ TEST(Spectrum, OfAVoiceIsThatOfItsSlots) {
   expect_integrals(slow, 1.5e-3, 80);
 }
 
-TEST(Spectrum, OfAVoiceOnAWideCircleIsThatOfTheRing) {
-  // If the spot is small compared to the circle, along the circle and across it give the same.
-  const Spectrum voice = spectrum_of(circle(0.2), 1.5e-3), ring = spectrum_of(Ring{0.2, 10, 3, 1.5e-3});
-  ASSERT_EQ(voice.lines.size(), ring.lines.size());
-  for (std::size_t m = 0; m < ring.lines.size(); ++m)
-    EXPECT_NEAR(voice.lines[m].amplitude, ring.lines[m].amplitude, 1e-3);
-}
-
 Voice still(double hz, Modulation modulation) {
   Voice voice;
   voice.foci = {Vec3(0.01, 0.02, 0.03)};
@@ -177,18 +169,6 @@ TEST(Spectrum, OfAModulationIsThatOfItsSlots) {
     several.modulation = modulation;
     expect_integrals(several, 1.5e-3, 10);
   }
-}
-
-TEST(Spectrum, APressureSineHasOneLineAndItsImages) {
-  const Spectrum spectrum = spectrum_of(still(200, Modulation::pressure_sine), 1.5e-3);
-  ASSERT_EQ(spectrum.lines.size(), 3u);  // 200, 2000/3 -+ 200
-  EXPECT_NEAR(spectrum.lines[0].frequency_hz, 200, 1e-9);
-  EXPECT_NEAR(spectrum.lines[1].frequency_hz, 1400 / 3.0, 1e-9);
-  EXPECT_NEAR(spectrum.lines[2].frequency_hz, 2600 / 3.0, 1e-9);
-  EXPECT_NEAR(spectrum.lines[0].amplitude, std::sin(0.3 * pi) / (0.3 * pi), 1e-12);
-  // The amplitude's sine has an unwanted line at 2000/3 - 400 Hz.
-  const Spectrum plain = spectrum_of(still(200, Modulation::amplitude_sine), 1.5e-3);
-  EXPECT_GT(line_at(plain, 800 / 3.0).amplitude, 0.2);
 }
 
 TEST(Spectrum, NothingChangesNothingIsFelt) {

@@ -77,22 +77,6 @@ TEST(Solid, DepthIsTheDistanceToTheSurfaceInside) {
   }
 }
 
-TEST(Solid, RigidMotionMovesThePlanesAlong) {
-  std::mt19937 random(5);
-  const Mesh shape = test::sphere(0.02, 8, 11);
-  const Solid still = solids_of({shape})[0];
-  for (int round = 0; round < 20; ++round) {
-    const glm::dmat3 R = random_rotation(random);
-    const Vec3 t(0.1 * round, -0.2, 0.3);
-    const Solid moved = solids_of({test::transformed(shape, [&](const Vec3& p) { return R * p + t; })})[0];
-    ASSERT_EQ(moved.planes.size(), still.planes.size());
-    for (int i = 0; i < 20; ++i) {
-      const Vec3 p(0.001 * i, 0.002 * (i % 7), -0.0015 * (i % 5));
-      EXPECT_NEAR(depth(moved, R * p + t), depth(still, p), 1e-9);
-    }
-  }
-}
-
 TEST(Solid, MergesCoplanarTrianglesOfFinelyDividedFaces) {
   // Each face of a turned cube as 20 x 20 squares, in single precision.
   std::mt19937 random(9);
