@@ -332,6 +332,7 @@ TEST_P(SolverOn, DegenerateSlotsAndLayouts) {
       // Unreachable foci do not take sound away from the others.
       EXPECT_GT(heard(5).pascals[1], 0.2 * heard(6).pascals[1]) << static_cast<int>(solver);
     }
+    if (!usual) continue;
     Layout layout;
     EXPECT_TRUE(GetParam().drive(layout, {a, b}, with(solver)).empty());
     layout.transducers.push_back({{0, 0, 0}, {0, 0, 1}});
