@@ -96,12 +96,17 @@ TEST_P(DriveOn, FarAwayPhasesAreStillRight) {
 TEST_P(DriveOn, SeveralFociAreTheNormalisedSum) {
   const Layout layout = load_layout("paper");
   const auto slots = random_slots(12, 5, 4);
+  auto soft = slots;
+  for (auto& foci : soft) {
+    for (SlotFocus& focus : foci)
+      focus.gain *= 0.25F;
+  }
   for (const Weighting weighting : {Weighting::distance, Weighting::uniform}) {
     for (const Constraint constraint : constraints) {
       DriveOptions options;
       options.weighting = weighting;
       options.constraint = constraint;
-      const auto drives = GetParam().drives(layout, slots, options);
+      const auto drives = GetParam().drives(layout, slots, options), quiet = GetParam().drives(layout, soft, options);
       for (std::size_t s = 0; s < slots.size(); ++s) {
         if (slots[s].size() < 2) continue;
         EXPECT_EQ(faults(drives[s]), 0u);
@@ -128,6 +133,9 @@ TEST_P(DriveOn, SeveralFociAreTheNormalisedSum) {
           ASSERT_LE(angle_between(drives[s][t].phase, std::arg(heard[t])) * std::min(1.0, size),
                     GetParam().sum_tolerance * 3)
               << s << " " << t;
+          // A gain that all foci share is one scalar.
+          ASSERT_EQ(quiet[s][t].amplitude, 0.25F * drives[s][t].amplitude);
+          ASSERT_EQ(quiet[s][t].phase, drives[s][t].phase);
         }
       }
     }
