@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <numbers>
 
 #include "acoustics/field/pressure.hpp"
@@ -42,7 +41,6 @@ TEST(Pressure, FieldsAreLevitates) {
     // Phases are floats in a drive.
     EXPECT_LE(worst, focus_pa * 1e-6) << file;
     EXPECT_NEAR(std::abs(pressure_at(layout, drive, {0, 0, 0.15}, medium, kind)), focus_pa, 0.01);
-    std::printf("  %s: %zu points within %.1e of the focus' pressure\n", file, rows.size(), worst / focus_pa);
   }
 }
 

@@ -80,7 +80,6 @@ TEST_P(DriveOn, PhasesAreExactUpToTwoMetres) {
       worst = std::max(worst, angle_between(drive[t].phase, std::arg(expected[t])));
     }
     EXPECT_LE(worst, GetParam().phase_tolerance) << shift;
-    std::printf("  %s, focus at %.1f m: phases within %.1e rad\n", GetParam().name, shift, worst);
   }
 }
 

@@ -2,7 +2,6 @@
 // runs on both backends.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "acoustics/field/pressure.hpp"
@@ -39,8 +38,6 @@ std::vector<double> loudness(const Backend& backend, const LoudOptima& optima, s
     parts.push_back(*std::ranges::min_element(heard.pascals) / optima.pascals[s]);
   }
   std::ranges::sort(parts);
-  std::printf("  %s, %s, %zu to %zu foci: the least %.3f, then %.3f, median %.3f\n", backend.name,
-              optima.layout.c_str(), optima.fewest, optima.most, parts[0], parts[1], parts[parts.size() / 2]);
   return parts;
 }
 

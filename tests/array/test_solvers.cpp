@@ -71,9 +71,6 @@ TEST_P(SolverOn, TenFociAreEvenAndLoud) {
     EXPECT_GE(uniform.least_even(), tunnel ? 0.95 : 0.8);
     if (!tunnel) continue;
     const Served greedy = with_all(with(Solver::greedy));
-    std::printf("  %s: normalise %.3f even, %.2f of naive; uniform %.3f even, %.2f of greedy (%.3f even)\n",
-                GetParam().name, normalised.least_even(), normalised.mean() / naive.mean(), uniform.least_even(),
-                uniform.mean() / greedy.mean(), greedy.least_even());
     EXPECT_LT(naive.least_even(), 0.8) << "there is nothing to improve";
     EXPECT_GE(uniform.mean(), 0.98 * greedy.mean());
     EXPECT_GE(with_all(with(Solver::gs_pat, Constraint::clamp)).least_even(), 0.95);
@@ -376,8 +373,6 @@ TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
     for (std::size_t s = 0; s < sets.size(); ++s)
       apart.push_back(std::abs(device.weakest[s] / twin.weakest[s] - 1));
     std::ranges::sort(apart);
-    std::printf("  %d: median %.1e, nine of ten %.1e, farthest %.1e\n", static_cast<int>(constraint),
-                apart[apart.size() / 2], apart[apart.size() * 9 / 10], apart.back());
     // The sanitizers' few sets have a less certain median.
     EXPECT_LE(apart[apart.size() / 2], test::instrumented() ? 1e-4 : 3e-5) << static_cast<int>(constraint);
     EXPECT_LE(apart[apart.size() * 9 / 10], 1e-3) << static_cast<int>(constraint);
