@@ -30,6 +30,15 @@ StreamWriter writer_of(const std::string& file) {
   return {open_output(file), 1 << 16};
 }
 
+/// What comes out of a pipe until its other end is closed.
+std::string read_all(int pipe) {
+  std::string text;
+  std::array<char, 1000> block;
+  for (ssize_t got; (got = read(pipe, block.data(), block.size())) > 0;)
+    text.append(block.data(), static_cast<std::size_t>(got));
+  return text;
+}
+
 /// Lines of many lengths, each of one letter.
 std::string lines_of(char letter, int count) {
   std::string text;
@@ -43,11 +52,7 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   ASSERT_EQ(pipe(ends.data()), 0);
   constexpr int count = 2000;
   std::string read_back;
-  std::thread reader([&] {
-    std::array<char, 1000> block;
-    for (ssize_t got; (got = read(ends[0], block.data(), block.size())) > 0;)
-      read_back.append(block.data(), static_cast<std::size_t>(got));
-  });
+  std::thread reader([&] { read_back = read_all(ends[0]); });
   {
     StreamWriter a = writer_on(ends[1], 1 << 21), b = writer_on(ends[1], 1 << 21);
     // All waiting lines are taken at once: many lines together, and more than a pipe holds.
@@ -84,10 +89,7 @@ TEST(StreamWriter, LinesThatNobodyReadsStayWhole) {
     EXPECT_FALSE(writer.flush({.seconds = 0.1}));
   }
   close(ends[1]);
-  std::string text(1 << 20, '\0');
-  std::size_t size = 0;
-  for (ssize_t got; (got = read(ends[0], text.data() + size, text.size() - size)) > 0;)
-    size += static_cast<std::size_t>(got);
+  const std::size_t size = read_all(ends[0]).size();
   close(ends[0]);
   EXPECT_GT(size, 50'000u);
   EXPECT_EQ(size % line.size(), 0u);

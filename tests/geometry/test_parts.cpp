@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 #include <random>
 
@@ -88,24 +88,32 @@ struct Block {
 };
 constexpr int side = 9;
 
+/// Unit cubes, by the corner of each that is nearest to the origin.
 struct Voxels {
   std::array<bool, side * side * side> full{};
-  bool at(int x, int y, int z) const {
-    if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= side) return false;
-    return full[static_cast<std::size_t>((z * side + y) * side + x)];
+  bool at(const Corner& c) const {
+    return glm::all(glm::greaterThanEqual(c, Corner(0))) && glm::all(glm::lessThan(c, Corner(side))) &&
+           full[static_cast<std::size_t>((c.z * side + c.y) * side + c.x)];
   }
 };
 
-Voxels fill(const std::vector<Block>& blocks) {
-  Voxels voxels;
-  for (const Block& b : blocks) {
-    for (int z = b.low.z; z < b.high.z; ++z) {
-      for (int y = b.low.y; y < b.high.y; ++y) {
-        for (int x = b.low.x; x < b.high.x; ++x)
-          voxels.full[static_cast<std::size_t>((z * side + y) * side + x)] = true;
-      }
+/// Calls `use` for every whole corner from `low`, and below `high` along each axis.
+template <typename Use>
+void each_corner(const Corner& low, const Corner& high, const Use& use) {
+  for (int z = low.z; z < high.z; ++z) {
+    for (int y = low.y; y < high.y; ++y) {
+      for (int x = low.x; x < high.x; ++x)
+        use(Corner(x, y, z));
     }
   }
+}
+
+Voxels fill(const std::vector<Block>& blocks) {
+  Voxels voxels;
+  for (const Block& b : blocks)
+    each_corner(b.low, b.high, [&](const Corner& c) {
+      voxels.full[static_cast<std::size_t>((c.z * side + c.y) * side + c.x)] = true;
+    });
   return voxels;
 }
 
@@ -114,18 +122,13 @@ struct Square {
 };
 std::vector<Square> surface_of(const Voxels& voxels) {
   std::vector<Square> squares;
-  for (int z = -1; z < side; ++z) {
-    for (int y = -1; y < side; ++y) {
-      for (int x = -1; x < side; ++x) {
-        for (int axis = 0; axis < 3; ++axis) {
-          Corner next(x, y, z);
-          ++next[axis];
-          if (voxels.at(x, y, z) == voxels.at(next.x, next.y, next.z)) continue;
-          squares.push_back({Vec3(next), Vec3(x + 1, y + 1, z + 1)});
-        }
-      }
+  each_corner(Corner(-1), Corner(side), [&](const Corner& c) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Corner next = c;
+      ++next[axis];
+      if (voxels.at(c) != voxels.at(next)) squares.push_back({Vec3(next), Vec3(c + 1)});
     }
-  }
+  });
   return squares;
 }
 
@@ -172,7 +175,7 @@ TEST(UnionSurface, IsWhereTheDepthIsMeasuredTo) {
       const Vec3 p(place(random), place(random), place(random));
       const Corner cell(glm::floor(p));
       double expected = 0;
-      if (voxels.at(cell.x, cell.y, cell.z)) {
+      if (voxels.at(cell)) {
         expected = std::numeric_limits<double>::infinity();
         for (const Square& s : squares)
           expected = std::min(expected, glm::distance(glm::clamp(p, s.low, s.high), p));

@@ -113,20 +113,29 @@ TEST(Device, NamesItsObjectsWhileOtherThreadsMakeInstances) {
   names.join();
 }
 
+/// An event that is not signalled.
+VkEvent event_of(const Device& device) {
+  VkEvent event = VK_NULL_HANDLE;
+  const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+  PALPA_VK(vkCreateEvent(device.get(), &info, nullptr, &event));
+  return event;
+}
+void wait_for(VkCommandBuffer commands, VkEvent event) {
+  vkCmdWaitEvents(commands, 1, &event, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
+                  nullptr, 0, nullptr);
+}
+
 TEST(Timeline, ASubmitOfNothingIsDoneWhenAllBeforeItIs) {
   const char* const validation = std::getenv("PALPA_VALIDATION");
   if (validation && std::string_view(validation) == "gpu-assisted")
     GTEST_SKIP() << "this validation waits for a queue before its host may signal an event";
   const Device& device = palpa::test::test_device();
-  VkEvent later = VK_NULL_HANDLE;
-  const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-  PALPA_VK(vkCreateEvent(device.get(), &info, nullptr, &later));
+  const VkEvent later = event_of(device);
   const Handle<VkEvent> owner(device.get(), later, vkDestroyEvent);
   const Recorder recorder(device, "waits");
   Timeline work(device), drained(device);
   const VkCommandBuffer commands = recorder.begin();
-  vkCmdWaitEvents(commands, 1, &later, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
-                  nullptr, 0, nullptr);
+  wait_for(commands, later);
   const std::uint64_t busy = work.submit(recorder.end()), end = drained.submit();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_FALSE(drained.done(end));
@@ -153,12 +162,8 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
     const Buffer buffer(device, 1 << 16, "in use");
     const Recorder recorder(device, "for ever");
     Timeline timeline(device);
-    VkEvent never = VK_NULL_HANDLE;
-    const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-    vkCreateEvent(device.get(), &info, nullptr, &never);
     const VkCommandBuffer commands = recorder.begin();
-    vkCmdWaitEvents(commands, 1, &never, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
-                    nullptr, 0, nullptr);
+    wait_for(commands, event_of(device));
     vkCmdFillBuffer(commands, buffer.ref().buffer, 0, VK_WHOLE_SIZE, 7);
     const std::uint64_t value = timeline.submit(recorder.end());
     const auto is_copied = [&](double patience_s, const std::string& part) {
