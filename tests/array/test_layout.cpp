@@ -70,20 +70,13 @@ TEST(Layout, Autd3HasTheOrderOfItsMakersTable) {
   }
 }
 
-TEST(Layout, OpenmpdCountsColumnsDownwards) {
-  const Layout layout = load_layout("openmpd");
-  for (int x = 0; x < 16; ++x) {
-    for (int y = 0; y < 16; ++y) {
-      expect_near(layout.transducers[16 * x + y].position, {(x - 7.5) * 0.0105, (7.5 - y) * 0.0105, 0});
-    }
-  }
-}
-
-TEST(Layout, SonicsurfaceCountsRowsFromTheTop) {
-  const Layout layout = load_layout("sonicsurface");
+TEST(Layout, OpenmpdCountsColumnsDownwardsAndSonicsurfaceRowsFromTheTop) {
+  const Layout openmpd = load_layout("openmpd"), sonicsurface = load_layout("sonicsurface");
   for (int row = 0; row < 16; ++row) {
     for (int column = 0; column < 16; ++column) {
-      expect_near(layout.transducers[16 * row + column].position, {(column - 7.5) * 0.0105, (7.5 - row) * 0.0105, 0});
+      const Vec3 place((column - 7.5) * 0.0105, (7.5 - row) * 0.0105, 0);
+      expect_near(openmpd.transducers[16 * column + row].position, place);
+      expect_near(sonicsurface.transducers[16 * row + column].position, place);
     }
   }
 }

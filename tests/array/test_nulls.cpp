@@ -101,6 +101,13 @@ DriveOptions options_for(const Layout& layout, const std::vector<Null>& nulls, C
   return options;
 }
 
+/// The drive for the foci with these nulls.
+Drive drive_of(const Layout& layout, const Places& places, const std::vector<Null>& nulls, Constraint constraint) {
+  const Drive drive = drive_for(layout, places.foci, options_for(layout, nulls, constraint));
+  EXPECT_EQ(faults(drive), 0u);
+  return drive;
+}
+
 struct Heard {
   double weakest = std::numeric_limits<double>::infinity(), strongest = 0, loudest_null = 0;
   double depth_db() const { return decibels(loudest_null / weakest); }
@@ -118,17 +125,15 @@ Heard hear(const Layout& layout, const std::vector<Complex>& drive, const Places
 }
 
 void expect_figures(const Layout& layout, const Places& places, Constraint constraint, const std::string& what) {
-  const Drive drive = drive_for(layout, places.foci, options_for(layout, places.nulls, constraint));
-  EXPECT_EQ(faults(drive), 0u) << what;
+  const Drive drive = drive_of(layout, places, places.nulls, constraint);
   const Heard heard = hear(layout, complex_of(drive), places);
   EXPECT_LE(heard.depth_db(), constraint == Constraint::uniform ? -80 : -90) << what;
   EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1) << what;
-  const Drive without = drive_for(layout, places.foci, options_for(layout, {}, constraint));
-  const double loss_db = decibels(hear(layout, complex_of(without), places).weakest / heard.weakest);
+  const double loss_db =
+      decibels(hear(layout, complex_of(drive_of(layout, places, {}, constraint)), places).weakest / heard.weakest);
   EXPECT_LE(loss_db, constraint == Constraint::clamp ? 5 : 3) << what;
-  EXPECT_LE(hear(layout, rounded(drive, 32), places).depth_db(), -35) << what;
-  EXPECT_LE(hear(layout, rounded(drive, 128), places).depth_db(), -45) << what;
-  EXPECT_LE(hear(layout, rounded(drive, 256), places).depth_db(), -50) << what;
+  for (const auto& [steps, depth_db] : {std::pair(32, -35), std::pair(128, -45), std::pair(256, -50)})
+    EXPECT_LE(hear(layout, rounded(drive, steps), places).depth_db(), depth_db) << what;
   if (constraint != Constraint::uniform) return;
   for (const TransducerDrive& one : drive)
     ASSERT_EQ(one.amplitude, 1) << what;
@@ -168,8 +173,7 @@ TEST(Nulls, ABallIsSilentAsAWhole) {
     for (Null& null : places.nulls)
       null.radius_m = radius_m;
     for (const Constraint constraint : constraints) {
-      const std::vector<Complex> drive =
-          complex_of(drive_for(layout, places.foci, options_for(layout, places.nulls, constraint)));
+      const std::vector<Complex> drive = complex_of(drive_of(layout, places, places.nulls, constraint));
       const double weakest = hear(layout, drive, places).weakest;
       double loudest = 0;
       for (const Null& null : places.nulls) {
@@ -213,15 +217,13 @@ TEST(Nulls, GainsStayAsAsked) {
   places.foci[0].gain = 0.3F;
   places.foci[2].gain = 0.7F;
   for (const Constraint constraint : constraints) {
-    const Drive drive = drive_for(layout, places.foci, options_for(layout, places.nulls, constraint));
-    const Heard heard = hear(layout, complex_of(drive), places);
+    const Heard heard = hear(layout, complex_of(drive_of(layout, places, places.nulls, constraint)), places);
     EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1);
     EXPECT_LE(heard.depth_db(), -60);
   }
   for (SlotFocus& focus : places.foci)
     focus.gain = 0;
-  const Drive silent = drive_for(layout, places.foci, options_for(layout, places.nulls, Constraint::normalise));
-  for (const TransducerDrive& one : silent)
+  for (const TransducerDrive& one : drive_of(layout, places, places.nulls, Constraint::normalise))
     ASSERT_EQ(one.amplitude, 0);
 }
 
