@@ -15,18 +15,13 @@
 #include "acoustics/field/array_field.hpp"
 #include "acoustics/field/asked_field.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "acoustics/rigs.hpp"
 
 namespace palpa::acoustics {
 namespace {
 
 using array::Layout;
 constexpr double pi = std::numbers::pi;
-
-/// In the world, at the height at which a finger touches an object's top.
-Layout posed(const char* name) {
-  const Layout layout = array::load_layout(name);
-  return array::transformed(layout, layout.default_T_world_layout);
-}
 
 /// Foci on a horizontal circle.
 std::vector<Vec3> circle(double radius, std::uint32_t count) {
@@ -253,7 +248,7 @@ TEST(PathField, KnowsOtherNumbersOfFociOnItsPath) {
   }
 }
 
-TEST(PathField, OfFociAllInOnePlaceNothingIsFelt) {
+TEST(PathField, FociAtOnePlaceAreNotFelt) {
   const Layout layout = posed("autd3");
   const ArrayField field(layout, {});
   const Harmonics harmonics = PathField(field, std::vector<Vec3>(10, Vec3(1e-3, 0, 0))).harmonics(10);

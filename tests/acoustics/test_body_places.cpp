@@ -16,6 +16,7 @@
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
 #include "acoustics/field/waves.hpp"
+#include "acoustics/rigs.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/mesh/topology.hpp"
 #include "support/instrumented.hpp"
@@ -61,9 +62,8 @@ TEST(Scattered, AKilometreAwayPhasesAreWhatTheyAreNearby) {
   const auto unknowns = body.solve(plane_wave(k, along, body.points(), body.normals()));
   double worst = 0;
   for (int i = 0; i < 40; ++i) {
-    const Vec3 direction = glm::normalize(Vec3(std::sin(1.7 * i), std::cos(2.9 * i), std::sin(0.6 * i + 1)));
     const double near = 100, far = 1000;
-    const std::vector<Vec3> points{near * direction, far * direction};
+    const std::vector<Vec3> points{near * direction(i), far * direction(i)};
     const auto sound = body.scattered(unknowns, points);
     // The rest of the near field there is k a^2 / r, about 5e-4.
     const Complex pattern[]{near * sound[0] * std::polar(1.0, -k * near), far * sound[1] * std::polar(1.0, -k * far)};

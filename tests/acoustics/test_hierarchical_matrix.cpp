@@ -16,8 +16,8 @@
 #include "acoustics/compressed/low_rank.hpp"
 #include "acoustics/compressed/matrix_entries.hpp"
 #include "acoustics/compressed/split_kernels.hpp"
+#include "acoustics/rigs.hpp"
 #include "geometry/mesh/icosphere.hpp"
-
 #include "support/shapes.hpp"
 
 namespace palpa::acoustics {
@@ -173,7 +173,7 @@ TEST(MatrixEntries, AreThoseOfTheWholeMatrix) {
 double error_of(const Parts& parts, const BlockPlace& place, const LowRank& product) {
   const Cluster &a = parts.tree.clusters[place.rows], &b = parts.tree.clusters[place.columns];
   const std::size_t left = split_stride(a.size()), right = split_stride(b.size());
-  double wrong = 0, all = 0;
+  Deviation off;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
       Complex sum = 0;
@@ -181,11 +181,10 @@ double error_of(const Parts& parts, const BlockPlace& place, const LowRank& prod
         sum += Complex(product.left[2 * left * r + i], product.left[2 * left * r + left + i]) *
                Complex(product.right[2 * right * r + j], product.right[2 * right * r + right + j]);
       }
-      wrong += std::norm(sum - parts.entry(a, i, b, j));
-      all += std::norm(parts.entry(a, i, b, j));
+      off.add(sum, parts.entry(a, i, b, j));
     }
   }
-  return std::sqrt(wrong / all);
+  return off.relative();
 }
 
 TEST(LowRank, IsAsExactAsAskedFor) {
@@ -232,7 +231,7 @@ TEST(HierarchicalMatrix, MultipliesAsTheWholeMatrix) {
     std::copy_n(&numbers[v * size], size, &x[v * stride]);
   for (const Way way : {Way::forth, Way::back}) {
     matrix.multiply(way, {x.data(), stride}, count, {y.data(), stride});
-    double wrong = 0, all = 0;
+    Deviation off;
     for (std::size_t v = 0; v < count; ++v) {
       for (std::size_t i = 0; i < size; ++i) {
         Complex sum = 0;
@@ -241,25 +240,21 @@ TEST(HierarchicalMatrix, MultipliesAsTheWholeMatrix) {
           sum += Complex(way == Way::forth ? whole[a * size + b] : whole[b * size + a]) *
                  Complex(x[2 * stride * v + j], x[2 * stride * v + stride + j]);
         }
-        wrong += std::norm(Complex(y[2 * stride * v + i], y[2 * stride * v + stride + i]) - sum);
-        all += std::norm(sum);
+        off.add(Complex(y[2 * stride * v + i], y[2 * stride * v + stride + i]), sum);
       }
     }
-    EXPECT_LT(std::sqrt(wrong / all), 2e-4);
+    EXPECT_LT(off.relative(), 2e-4);
   }
   for (const auto& square : matrix.squares(128)) {
     const std::size_t wide = square.end - square.begin;
     ASSERT_LE(wide, 128u);
     const auto found = matrix.entries(square);
-    double wrong = 0, all = 0;
+    Deviation off;
     for (std::size_t i = 0; i < wide; ++i) {
-      for (std::size_t j = 0; j < wide; ++j) {
-        const Complex exact = whole[matrix.order()[square.begin + i] * size + matrix.order()[square.begin + j]];
-        wrong += std::norm(Complex(found[i * wide + j]) - exact);
-        all += std::norm(exact);
-      }
+      for (std::size_t j = 0; j < wide; ++j)
+        off.add(found[i * wide + j], whole[matrix.order()[square.begin + i] * size + matrix.order()[square.begin + j]]);
     }
-    EXPECT_LT(std::sqrt(wrong / all), 1e-4);
+    EXPECT_LT(off.relative(), 1e-4);
   }
 }
 

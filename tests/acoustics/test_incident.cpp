@@ -13,6 +13,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "acoustics/rigs.hpp"
 #include "base/error.hpp"
 #include "support/thrown.hpp"
 
@@ -38,7 +39,7 @@ TEST(Air, AbsorbsAsTheStandardSays) {
   EXPECT_EQ(without_absorption(air_of({})).absorption_np_m, 0);
 }
 
-TEST(Air, RefusesWhatIsNoAir) {
+TEST(Air, RefusesValuesOutOfRange) {
   const std::pair<Weather, const char*> none[]{{{.celsius = -61}, "temperature -61"},
                                                {{.celsius = 101}, "temperature 101"},
                                                {{.humidity_percent = -1}, "humidity of -1 percent"},
@@ -80,15 +81,6 @@ struct Scene {
     }
   }
 };
-
-double relative_error(const std::vector<Complex>& got, const std::vector<Complex>& expected) {
-  double wrong = 0, all = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    wrong += std::norm(got[i] - expected[i]);
-    all += std::norm(expected[i]);
-  }
-  return std::sqrt(wrong / all);
-}
 
 TEST(Incident, IsTheDefinitionsSum) {
   const Air air = air_of({});

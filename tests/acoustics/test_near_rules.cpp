@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <glm/geometric.hpp>
 #include <utility>
 #include <vector>
@@ -69,9 +68,7 @@ TEST(NearRules, CutNeedlesAcross) {
       weights += table.weight[i];
     }
     EXPECT_NEAR(weights, 0.25, 1e-5);
-    const double off = sum / potential(needle, other) - 1;
-    EXPECT_LE(std::abs(off), 1e-3);
-    std::printf("  %zu samples, %.1e off\n", table.size(), off);
+    EXPECT_NEAR(sum / potential(needle, other), 1, 1e-3);
   }
   // For faces that lie exactly on each other, no division helps: it ends and reports this.
   const Patch upon = patch({0, 0, 1e-7}, {5e-3, 0, 1e-7}, {2e-3, 1e-4, 1e-7});
@@ -96,7 +93,7 @@ TEST(NearRules, EndWhereRoundingMakesNeedlesOfAllPieces) {
   }
 }
 
-TEST(DenseLu, EndsWhenNobodyWantsIt) {
+TEST(DenseLu, CanBeGivenUp) {
   const std::vector<std::complex<float>> unit{1, 0, 0, 1};
   std::atomic<bool> give_up{true};
   EXPECT_THROW(DenseLu(unit, 2, &give_up), GivenUp);

@@ -69,14 +69,6 @@ TEST(Tune, DoesNotBuyVibrationWithFlutter) {
   }
 }
 
-TEST(Tune, MovesTheEnergyToWhereSkinFeelsIt) {
-  const Tuned tuned = tune(ring(37e-3, 12, 5));
-  EXPECT_TRUE(tuned.changed);
-  EXPECT_GT(balance(tuned.after), balance(tuned.before) + 0.05 * tuned.before.vibration);
-  EXPECT_GT(tuned.after.vibration, 1.05 * tuned.before.vibration);
-  EXPECT_EQ(tuned.ring.dwell_s, 1.5e-3);
-}
-
 TEST(Tune, NothingElseIsBetter) {
   for (const double perimeter : {12e-3, 24e-3, 37e-3, 50e-3, 70e-3}) {
     const Tuned tuned = tune(ring(perimeter));
@@ -162,7 +154,7 @@ TEST(StrideTuner, DoesNotFlipWhereTwoAreAsGood) {
   for (const std::uint32_t foci : {13u, 16u, 21u}) {
     std::uint32_t small = 0, large = 0;
     const double border = border_of(foci, small, large);
-    if (border == 0) continue;
+    ASSERT_GT(border, 0) << foci;
     StrideTuner tuner;
     std::uint32_t last = 0, changes = 0;
     for (int frame = 0; frame < 900; ++frame) {

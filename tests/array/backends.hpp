@@ -29,6 +29,11 @@ inline std::string backend_name(const testing::TestParamInfo<Backend>& info) {
   return info.param.name;
 }
 
+inline constexpr Constraint constraints[] = {Constraint::normalise, Constraint::uniform, Constraint::clamp};
+inline DriveOptions with(Solver solver, Constraint constraint = Constraint::normalise) {
+  return {.constraint = constraint, .solver = solver};
+}
+
 /// The smaller of the two angles between `a` and `b`.
 double angle_between(double a, double b);
 /// Counts the values that no drive may have: NaN, infinite or out of range.

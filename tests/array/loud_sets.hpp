@@ -1,4 +1,4 @@
-// The sets of foci for which the loudness of the weakest focus is compared with its optimum (loud_optima.hpp): rings,
+// The sets of foci for which the loudness of the weakest focus is compared with its optimum (loud_optima.txt): rings,
 // balls, lines and two fingers, in any direction.
 #pragma once
 

@@ -37,24 +37,22 @@ TEST(AsBuilt, WithoutSpreadIsTheLayout) {
 
 TEST(AsBuilt, HasTheStandardDeviationsOfItsSpread) {
   const Spread spread{.amplitude = 0.1, .phase_rad = 0.3, .position_m = 5e-4, .temperature = 2};
-  std::vector<double> amplitude, phase, x, y, z, temperature;
+  std::vector<double> amplitude, phase, temperature, off[3];
   for (std::uint32_t draw = 0; draw < 400; ++draw) {
     const AsBuilt built = as_built(board(), drive_of(0.5F, 1), spread, 3, draw);
     temperature.push_back(built.temperature);
     for (std::size_t t = 0; t < built.drive.size(); ++t) {
       amplitude.push_back(built.drive[t].amplitude / 0.5 - 1);
       phase.push_back(built.drive[t].phase - 1);
-      const Vec3 off = built.layout.transducers[t].position - board().transducers[t].position;
-      x.push_back(off.x);
-      y.push_back(off.y);
-      z.push_back(off.z);
+      for (int axis = 0; axis < 3; ++axis)
+        off[axis].push_back(built.layout.transducers[t].position[axis] - board().transducers[t].position[axis]);
     }
   }
   EXPECT_NEAR(deviation(temperature), 2, 2 * 0.12);
   EXPECT_NEAR(deviation(amplitude), 0.1, 0.001);
   EXPECT_NEAR(deviation(phase), 0.3, 0.003);
-  for (const auto* axis : {&x, &y, &z})
-    EXPECT_NEAR(deviation(*axis), 5e-4, 5e-6);
+  for (const std::vector<double>& along : off)
+    EXPECT_NEAR(deviation(along), 5e-4, 5e-6);
 }
 
 TEST(AsBuilt, DependsOnSeedAndNumberOnly) {

@@ -61,12 +61,7 @@ TEST(BoardMesh, TheTunnelsBoardsDoNotOverlap) {
     }
   }
   // Walls of 384 mm in a tunnel of 400: corners stay open by 8 mm.
-  const Box all = geometry::Mesh(mesh).positions.empty() ? Box{} : [&] {
-    Box box;
-    for (const Vec3& p : mesh.positions)
-      box.add(p);
-    return box;
-  }();
+  const Box all = bounds(mesh);
   EXPECT_NEAR(all.high.x, 0.2, 1e-12);
   EXPECT_NEAR(all.high.z, 0.1514, 1e-12);
 }

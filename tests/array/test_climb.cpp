@@ -5,10 +5,9 @@
 #include <cmath>
 #include <complex>
 
-#include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/climb.hpp"
-#include "array/solvers/hearing.hpp"
+#include "columns.hpp"
 #include "focus_sets.hpp"
 #include "loud_sets.hpp"
 
@@ -16,38 +15,6 @@ namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& foci) {
-  FreeField field;
-  field.set(layout, {}, Directivity::t4010a1);
-  std::vector<FocusSource> sources;
-  for (const SlotFocus& focus : foci)
-    sources.push_back({focus.position, 1, 1});
-  Columns columns;
-  field.fill(sources, Weighting::uniform, columns);
-  return columns;
-}
-
-std::vector<Complex> sums_of(const Columns& columns) {
-  std::vector<Complex> sums(columns.transducers);
-  for (std::size_t n = 0; n < sums.size(); ++n) {
-    for (std::size_t j = 0; j < columns.foci; ++j)
-      sums[n] += columns.ask(n * columns.foci + j);
-    sums[n] = bounded(sums[n], Constraint::uniform);
-  }
-  return sums;
-}
-
-std::vector<double> heard_of(const Columns& columns, const std::vector<Complex>& does) {
-  std::vector<double> heard;
-  for (std::size_t j = 0; j < columns.foci; ++j) {
-    Complex sum = 0;
-    for (std::size_t n = 0; n < does.size(); ++n)
-      sum += columns.transfer(n * columns.foci + j) * does[n];
-    heard.push_back(std::abs(sum));
-  }
-  return heard;
-}
 
 // The conditions of an optimum: all foci with a share are at the level, all others above it.
 TEST(ShareStep, FindsTheBestCommonLevel) {
@@ -99,9 +66,9 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
   for (const char* name : {"openmpd", "autd3"}) {
     const Layout layout = load_layout(name);
     for (std::uint32_t set = 0; set < 8; ++set) {
-      const Columns columns = columns_of(layout, loud_set(set, 2, 10, middle_of(layout)));
+      const Columns columns = columns_of(layout, loud_set(set, 2, 10, middle_of(layout)), Weighting::uniform);
       const std::vector<double> targets(columns.foci, 1);
-      std::vector<Complex> does = sums_of(columns);
+      std::vector<Complex> does = sums_of(columns, Constraint::uniform);
       does[7] = 0;     // silent, and remains so
       does[8] *= 0.5;  // half as loud, and remains so
       const std::vector<Complex> first = does;
@@ -126,8 +93,8 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
 
 TEST(Climb, TargetsAreRelativeAndMayBeNone) {
   const Layout layout = load_layout("openmpd");
-  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}));
-  std::vector<Complex> does = sums_of(columns);
+  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::uniform);
+  std::vector<Complex> does = sums_of(columns, Constraint::uniform);
   std::vector<double> shares(4, 1);
   ClimbScratch scratch;
   climb(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, {10, 40, 20, 1000, 1e-5}, shares, does, scratch);

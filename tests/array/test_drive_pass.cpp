@@ -4,12 +4,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "array/drive_pass.hpp"
 #include "array/reach.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
-#include "gpu/texel_view.hpp"
+#include "pass_inputs.hpp"
 #include "spirv/drive_focus.comp.hpp"
 #include "spirv/drive_sum.comp.hpp"
 #include "spirv/drive_sum_checked.comp.hpp"
@@ -23,67 +22,27 @@
 namespace palpa::array {
 namespace {
 
-using test::GuardedBuffer;
-
-/// The pass' inputs, written from its header's description alone.
-struct Inputs {
-  std::vector<shader::DrivePoint> transducers;
-  std::vector<shader::DriveFocus> foci;
-  std::vector<shader::DriveSlot> slots;
-  bool several = false;
-
-  Inputs(const Layout& layout, const std::vector<std::vector<SlotFocus>>& batch, const Medium& medium = {}) {
-    const double turns = medium.turns_per_metre();
-    for (const Transducer& t : layout.transducers)
-      transducers.push_back(drive_point(t.position, turns));
-    for (const auto& slot : batch) {
-      float gain = 0;
-      for (const SlotFocus& focus : slot)
-        gain = std::max(gain, focus.gain);
-      slots.push_back({static_cast<std::uint32_t>(foci.size()), static_cast<std::uint32_t>(slot.size()), gain,
-                       shader::drive_unsolved});
-      several = several || slot.size() > 1;
-      for (const SlotFocus& focus : slot) {
-        const shader::DrivePoint point = drive_point(focus.position, turns);
-        double reach = 0;
-        for (const Transducer& t : layout.transducers)
-          reach = std::max(reach, glm::distance(t.position, focus.position));
-        foci.push_back({point.coarse, point.fine});
-        foci.back().coarse.w = static_cast<float>(1 / (reach * turns));
-        foci.back().fine.w = gain > 0 ? focus.gain / gain : 1;
-      }
-    }
-    foci.resize(std::max<std::size_t>(1, foci.size()));
-  }
-  DriveBatch batch() const {
-    DriveBatch batch;
-    batch.transducers = static_cast<std::uint32_t>(transducers.size());
-    batch.slots = static_cast<std::uint32_t>(slots.size());
-    batch.several = several;
-    return batch;
-  }
-};
+DriveBatch batch_of(const PassInputs& inputs) {
+  DriveBatch batch;
+  batch.transducers = static_cast<std::uint32_t>(inputs.transducers.size());
+  batch.slots = static_cast<std::uint32_t>(inputs.slots.size());
+  batch.several = inputs.several;
+  return batch;
+}
 
 /// Runs `record` on guarded buffers and returns the drives of all slots; fails if a guard word changed.
 template <typename Record>
-std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const Record& record) {
-  gpu::Device& device = test::test_device();
-  auto transducers = GuardedBuffer::of<shader::DrivePoint>(device, inputs.transducers);
-  auto foci = GuardedBuffer::of<shader::DriveFocus>(device, inputs.foci);
-  auto slots = GuardedBuffer::of<shader::DriveSlot>(device, inputs.slots);
-  const gpu::TexelView transducer_texels(device, transducers.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "transducers"),
-      focus_texels(device, foci.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "foci"),
-      slot_texels(device, slots.ref(), VK_FORMAT_R32G32B32A32_UINT, "slots");
-  GuardedBuffer drives(device, inputs.slots.size() * inputs.transducers.size() * sizeof(shader::DriveOut));
+std::vector<shader::DriveOut> run_guarded(const PassInputs& inputs, const Record& record) {
+  GuardedInputs guarded(inputs);
   test::run_on_device([&](VkCommandBuffer commands) {
-    record(commands, DriveBindings{transducer_texels.ref(), focus_texels.ref(), slot_texels.ref(), drives.ref(), {}});
+    record(commands, guarded.bindings());
     gpu::compute_to_compute(commands);
   });
-  EXPECT_TRUE(transducers.intact() && foci.intact() && slots.intact() && drives.intact());
-  return drives.read<shader::DriveOut>();
+  EXPECT_TRUE(guarded.intact());
+  return guarded.drives.read<shader::DriveOut>();
 }
 
-std::vector<shader::DriveOut> run_guarded(const Inputs& inputs, const DriveBatch& batch) {
+std::vector<shader::DriveOut> run_guarded(const PassInputs& inputs, const DriveBatch& batch) {
   const DrivePass pass(test::test_device());
   return run_guarded(
       inputs, [&](VkCommandBuffer commands, const DriveBindings& bindings) { pass.record(commands, bindings, batch); });
@@ -102,8 +61,8 @@ TEST(DrivePass, StaysInsideItsBuffersAtEverySize) {
     for (const std::size_t slots : {1u, 2u, 63u, 64u, 65u, 129u}) {
       const Layout layout = line(transducers);
       const auto batch = random_slots(slots, 3, static_cast<unsigned>(transducers * 1000 + slots));
-      const Inputs inputs(layout, batch);
-      const auto drives = run_guarded(inputs, inputs.batch());
+      const PassInputs inputs(layout, batch);
+      const auto drives = run_guarded(inputs, batch_of(inputs));
       for (std::size_t s = 0; s < slots; ++s) {
         const Drive twin = drive_for(layout, batch[s]);
         for (std::size_t t = 0; t < transducers; ++t) {
@@ -126,8 +85,8 @@ TEST(DrivePass, NoSineOutsideOfAQuarterTurn) {
     const Vec3 there = layout.transducers[3].position + Vec3(0, 0, waves * wavelength);
     batch.push_back({{there}, {there + Vec3(0, 0, 1e-9)}, {{0, 0, 0.1}}});
   }
-  const Inputs inputs(layout, batch);
-  DriveBatch sums = inputs.batch();
+  const PassInputs inputs(layout, batch);
+  DriveBatch sums = batch_of(inputs);
   sums.single = false;
   const auto plain = run_guarded(inputs, sums);
   const gpu::ComputePipeline checked(test::test_device(), "drive_sum_checked", spirv::drive_sum_checked_comp,
@@ -151,10 +110,10 @@ TEST(DrivePass, NoSineOutsideOfAQuarterTurn) {
 
 TEST(DrivePass, TheSameBytesOnEveryRun) {
   const Layout layout = load_layout("paper");
-  const Inputs inputs(layout, random_slots(70, 4, 5));
-  const auto first = run_guarded(inputs, inputs.batch());
+  const PassInputs inputs(layout, random_slots(70, 4, 5));
+  const auto first = run_guarded(inputs, batch_of(inputs));
   for (int run = 0; run < 3; ++run) {
-    const auto again = run_guarded(inputs, inputs.batch());
+    const auto again = run_guarded(inputs, batch_of(inputs));
     ASSERT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(first[0])), 0);
   }
   test::Digest digest;

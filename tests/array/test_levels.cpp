@@ -4,8 +4,12 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <vector>
 
+#include "array/crowd.hpp"
+#include "array/free_field.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
 
 namespace palpa::array {
@@ -51,7 +55,7 @@ TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
   EXPECT_GT(levels_of({{0.999}, {4.0 / 3}})[0], 0.985);
 }
 
-TEST(Levels, WhoAsksForNoPressureComesLast) {
+TEST(Levels, FingersWithoutAPressureHaveWhatIsLeft) {
   const std::vector<double> levels = levels_of({{0.7}, {1, false}, {0.2}});
   EXPECT_DOUBLE_EQ(levels[0], 1);
   EXPECT_NEAR(levels[1], 0.1, 1e-12);
@@ -72,6 +76,28 @@ TEST(Levels, NoFingerJumpsWhereAnotherCrossesTheBorderOfWhatCanBeReached) {
     EXPECT_NEAR(now, before, 0.006) << takes;
     before = now;
   }
+}
+
+TEST(Crowd, AFingerThatIsTooLoudIsLoweredAsAWhole) {
+  using Complex = std::complex<double>;
+  const Layout layout = load_layout("openmpd");
+  FreeField field;
+  field.set(layout, {}, Directivity::t4010a1);
+  std::vector<SlotFocus> foci{{{-0.02, 0, 0.15}}, {{0.02, 0, 0.15}}, {{0, 0.04, 0.15}}};
+  foci[2].voice = 1;
+  std::vector<FocusSource> sources;
+  for (const SlotFocus& focus : foci)
+    sources.push_back({focus.position, 1, 1});
+  const std::vector<Complex> asked{{0.3, 0}, {0, 0.1}, {0.1, 0}};
+  std::vector<Complex> factors = asked, heard(3);
+  Columns columns;
+  hear_all(field, layout, sources, Weighting::uniform, factors, columns, heard);
+  foci[0].most_pa = 0.5 * layout.source_level_pa_m * std::abs(heard[0]);
+  keep_below(field, layout, foci, sources, Weighting::uniform, factors, columns, heard);
+  EXPECT_LE(layout.source_level_pa_m * std::abs(heard[0]), *foci[0].most_pa * (1 + 1e-9));
+  EXPECT_LT(std::abs(factors[0]), 0.16);
+  EXPECT_LT(std::abs(factors[1] / factors[0] - asked[1] / asked[0]), 1e-12) << "one factor for all of its foci";
+  EXPECT_GT(std::abs(factors[2]), 0.06) << "the other finger";
 }
 
 RC_GTEST_PROP(Levels, AreBoundedAndUseAllThatThereIs, ()) {

@@ -10,12 +10,10 @@
 #include <numbers>
 #include <tuple>
 
-#include "array/drive_pass.hpp"
-#include "array/reach.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
 #include "gpu/barrier.hpp"
-#include "gpu/texel_view.hpp"
+#include "pass_inputs.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
 #include "spirv/solve_eigenvalue.comp.hpp"
 #include "spirv/solve_even_phases.comp.hpp"
@@ -60,80 +58,56 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
   gpu::Device& device = test::test_device();
   static std::map<Solver, SolverPass> passes;
   const SolverPass& pass = passes.try_emplace(solver, device, solver).first->second;
-  const Medium air;
-  const double turns = air.turns_per_metre();
-  const Reach reach(layout);
-  std::vector<shader::DrivePoint> points;
-  std::vector<shader::vec4> axes;
-  for (const Transducer& t : layout.transducers) {
-    points.push_back(drive_point(t.position, turns));
-    axes.push_back({0, 0, 1, 0});
-  }
-  std::vector<shader::DriveFocus> foci;
-  std::vector<shader::DriveSlot> slots;
+  const double turns = Medium{}.turns_per_metre();
+  const PassInputs inputs(layout, batch, true);
+  const std::vector<shader::vec4> axes(layout.transducers.size(), {0, 0, 1, 0});
   SolveBatch shape;
-  std::uint32_t entries = 0;
   for (const auto& slot : batch) {
-    const auto count = static_cast<std::uint32_t>(slot.size());
-    slots.push_back({static_cast<std::uint32_t>(foci.size()), count, 1, count > 1 ? entries : shader::drive_unsolved});
-    if (count > 1) entries += count * count;
-    if (count > 1) shape.sizes |= std::uint64_t{1} << (count - 1);
-    for (const SlotFocus& focus : slot) {
-      const shader::DrivePoint point = drive_point(focus.position, turns);
-      foci.push_back({point.coarse, point.fine});
-      foci.back().coarse.w = static_cast<float>(1 / (reach.farthest(focus.position) * turns));
-      foci.back().fine.w = focus.gain;
-    }
+    if (slot.size() > 1) shape.sizes |= std::uint64_t{1} << (slot.size() - 1);
   }
-  shape.transducers = static_cast<std::uint32_t>(points.size());
-  shape.slots = static_cast<std::uint32_t>(slots.size());
+  shape.transducers = static_cast<std::uint32_t>(inputs.transducers.size());
+  shape.slots = static_cast<std::uint32_t>(inputs.slots.size());
   shape.constraint = constraint;
   shape.nearest = layout.transducer_radius_m * turns;
-  auto point_buffer = GuardedBuffer::of<shader::DrivePoint>(device, points);
+  GuardedInputs guarded(inputs);
   auto axis_buffer = GuardedBuffer::of<shader::vec4>(device, axes);
-  auto focus_buffer = GuardedBuffer::of<shader::DriveFocus>(device, foci);
-  auto slot_buffer = GuardedBuffer::of<shader::DriveSlot>(device, slots);
   auto table = GuardedBuffer::of<std::uint32_t>(device, solver_directivity(Directivity::t4010a1, 3.3));
-  GuardedBuffer weights(device, foci.size() * 16), drives(device, points.size() * slots.size() * 8);
-  test::GuardedScratch scratch(device, SolverPass::scratch(solver, static_cast<std::uint32_t>(foci.size())));
-  const auto floats = [&](const GuardedBuffer& buffer) {
-    return gpu::TexelView(device, buffer.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "texels");
-  };
-  const gpu::TexelView point_texels = floats(point_buffer), axis_texels = floats(axis_buffer),
-                       focus_texels = floats(focus_buffer),
-                       slot_texels(device, slot_buffer.ref(), VK_FORMAT_R32G32B32A32_UINT, "slots"),
-                       table_texels(device, table.ref(), VK_FORMAT_R32_UINT, "directivity");
+  GuardedBuffer weights(device, inputs.foci.size() * 16);
+  test::GuardedScratch scratch(device, SolverPass::scratch(solver, static_cast<std::uint32_t>(inputs.foci.size())));
+  const gpu::TexelView axis_texels(device, axis_buffer.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "axes"),
+      table_texels(device, table.ref(), VK_FORMAT_R32_UINT, "directivity");
   test::run_on_device([&](VkCommandBuffer commands) {
     pass.record(commands,
-                {point_texels.ref(), focus_texels.ref(), slot_texels.ref(), drives.ref(), weights.ref(),
-                 axis_texels.ref(), table_texels.ref()},
+                {guarded.transducer_texels.ref(), guarded.focus_texels.ref(), guarded.slot_texels.ref(),
+                 guarded.drives.ref(), weights.ref(), axis_texels.ref(), table_texels.ref()},
                 scratch, shape);
     gpu::compute_to_compute(commands);
   });
-  EXPECT_TRUE(point_buffer.intact() && axis_buffer.intact() && focus_buffer.intact() && slot_buffer.intact() &&
-              table.intact() && scratch.intact() && weights.intact() && drives.intact());
+  EXPECT_TRUE(guarded.intact() && axis_buffer.intact() && table.intact() && scratch.intact() && weights.intact());
   if (solver == Solver::greedy) return;
   for (const float factor : weights.read<float>())
     ASSERT_TRUE(std::isfinite(factor));
   if (solver == Solver::eigenvalue) return;  // it overwrites the matrix
   // The matrix against sums that are computed here.
-  const auto matrix = matrices_of(scratch, entries);
+  const auto matrix = matrices_of(scratch, inputs.entries);
   const double k = 2 * std::numbers::pi * turns;
   for (std::size_t s = 0; s < batch.size(); ++s) {
     if (batch[s].size() < 2) continue;
     const std::size_t count = batch[s].size();
     for (const auto& [row, column] : {std::pair{count - 1, 0ul}, {0ul, count - 1}, {count / 2, count / 2}}) {
       std::complex<double> sum = 0;
-      double size = 0;
+      double size = 0, farthest = 0;
       const Vec3 at = batch[s][row].position, asks = batch[s][column].position;
+      for (const Transducer& t : layout.transducers)
+        farthest = std::max(farthest, glm::distance(t.position, asks));
       for (const Transducer& t : layout.transducers) {
         const double d = glm::distance(t.position, at), other = glm::distance(t.position, asks);
         const double loud = directivity(Directivity::t4010a1, (at.z - t.position.z) / d, 3.3) / (d * turns);
-        const double asked = other / reach.farthest(asks);
+        const double asked = other / farthest;
         sum += loud * asked * std::exp(std::complex<double>(0, k * (d - other)));
         size += loud * asked;
       }
-      const std::complex<double> found(matrix[slots[s].solved + column * count + row]);
+      const std::complex<double> found(matrix[inputs.slots[s].solved + column * count + row]);
       ASSERT_LE(std::abs(found - sum), 3e-4 * size) << layout.transducers.size() << " " << count << " " << row;
     }
   }
@@ -170,9 +144,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
   test::Digest digest;
   for (const Solver solver : {Solver::gs_pat, Solver::greedy, Solver::eigenvalue, Solver::back_propagation}) {
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform}) {
-      DriveOptions options;
-      options.solver = solver;
-      options.constraint = constraint;
+      const DriveOptions options = with(solver, constraint);
       const auto first = backends[1].drives(layout, slots, options);
       const auto again = backends[1].drives(layout, slots, options);
       for (std::size_t s = 0; s < slots.size(); ++s) {
@@ -190,8 +162,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
 TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
   // More transducers than a single dispatch handles.
   const Layout layout = line(shader::solve_turns + 700);
-  DriveOptions options;
-  options.solver = Solver::greedy;
+  const DriveOptions options = with(Solver::greedy);
   const std::vector<std::vector<SlotFocus>> slots{focus_set(1, 3, {0.08, 0.4, 0.2})};
   const auto twin = backends[0].drives(layout, slots, options), device = backends[1].drives(layout, slots, options);
   std::size_t others = 0;

@@ -1,68 +1,48 @@
 // The solvers' inputs: the free field's columns against its formula, R against sums computed here.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
-#include "array/free_field.hpp"
+#include "columns.hpp"
 
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
 
-std::vector<FocusSource> some_foci(const Layout& layout) {
-  std::vector<FocusSource> foci{{{0.01, 0.02, 0.15}, 0, 1}, {{-0.03, 0, 0.1}, 0, 1}, {{0.02, -0.01, 0.2}, 0, 1}};
-  for (FocusSource& focus : foci) {
-    for (const Transducer& t : layout.transducers)
-      focus.reach = std::max(focus.reach, glm::distance(t.position, focus.position));
-  }
-  return foci;
-}
+const std::vector<SlotFocus> foci{{{0.01, 0.02, 0.15}}, {{-0.03, 0, 0.1}}, {{0.02, -0.01, 0.2}}};
 
 TEST(FreeField, ColumnsAreTheFormula) {
   const Layout layout = load_layout("openmpd");
-  const Medium medium;
-  const auto foci = some_foci(layout);
-  FreeField field;
-  Columns columns;
+  const double k = 2 * std::numbers::pi * Medium{}.turns_per_metre();
   for (const Directivity kind : {Directivity::omni, Directivity::piston, Directivity::t4010a1}) {
-    field.set(layout, medium, kind);
-    field.fill(foci, Weighting::distance, columns);
+    const Columns columns = columns_of(layout, foci, Weighting::distance, kind);
     ASSERT_EQ(columns.foci, foci.size());
     ASSERT_EQ(columns.transducers, layout.transducers.size());
-    const double k = 2 * std::numbers::pi * medium.turns_per_metre();
-    for (std::size_t n = 0; n < columns.transducers; ++n) {
-      for (std::size_t j = 0; j < foci.size(); ++j) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      double reach = 0;
+      for (const Transducer& t : layout.transducers)
+        reach = std::max(reach, glm::distance(t.position, foci[j].position));
+      for (std::size_t n = 0; n < columns.transducers; ++n) {
         const Vec3 way = foci[j].position - layout.transducers[n].position;
         const double d = glm::length(way);
         const double loud =
             directivity(kind, glm::dot(way, layout.transducers[n].axis) / d, k * layout.transducer_radius_m) / d;
         const std::size_t entry = n * foci.size() + j;
         ASSERT_LE(std::abs(columns.transfer(entry) - std::polar(loud, k * d)), 5e-5 / d);
-        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / foci[j].reach, -k * d)), 1e-10);
+        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / reach, -k * d)), 1e-10);
       }
     }
   }
-}
-
-TEST(FreeField, AnEvenWeightingAsksForAll) {
-  const Layout layout = load_layout("openmpd");
-  FreeField field;
-  field.set(layout, {}, Directivity::omni);
-  Columns columns;
-  field.fill(some_foci(layout), Weighting::uniform, columns);
-  for (const double asked : columns.asked)
+  for (const double asked : columns_of(layout, foci, Weighting::uniform, Directivity::omni).asked)
     ASSERT_EQ(asked, 1);
 }
 
 TEST(FocusMatrix, IsWhatArrivesOfWhatIsAsked) {
-  const Layout layout = load_layout("openmpd");
-  FreeField field;
-  field.set(layout, {}, Directivity::t4010a1);
-  Columns columns;
-  field.fill(some_foci(layout), Weighting::distance, columns);
+  const Columns columns = columns_of(load_layout("openmpd"), foci, Weighting::distance);
   FocusMatrix matrix;
   // Twice: it reuses its storage, but none of the old contents.
   for (int time = 0; time < 2; ++time)

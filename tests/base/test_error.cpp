@@ -1,27 +1,24 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <tuple>
 
 #include "base/error.hpp"
 
 namespace palpa {
 namespace {
 
-TEST(Error, BadInputNamesTheFileFirst) {
-  const Error error = bad_input("cube.glb", "node 3 has a scale of zero");
-  EXPECT_EQ(error.code(), Exit::bad_input);
-  EXPECT_STREQ(error.what(), "cube.glb: node 3 has a scale of zero");
-}
-
-TEST(Error, UsageAndFailureKeepTheirLine) {
-  EXPECT_EQ(bad_usage("no").code(), Exit::usage);
-  EXPECT_STREQ(bad_usage("--stride 5 is not coprime to --foci 10").what(), "--stride 5 is not coprime to --foci 10");
-  EXPECT_EQ(failure("no").code(), Exit::failed);
-  EXPECT_STREQ(failure("disk full").what(), "disk full");
-}
-
-TEST(Error, IsCaughtAsAStandardException) {
-  EXPECT_THROW(throw bad_input("a", "b"), std::runtime_error);
+TEST(Error, KeepsItsCodeAndLine) {
+  const std::tuple<Error, Exit, const char*> errors[]{
+      {bad_input("cube.glb", "node 3 has a scale of zero"), Exit::bad_input, "cube.glb: node 3 has a scale of zero"},
+      {bad_usage("--stride 5 is wrong"), Exit::usage, "--stride 5 is wrong"},
+      {failure("disk full"), Exit::failed, "disk full"},
+  };
+  for (const auto& [error, code, line] : errors) {
+    EXPECT_EQ(error.code(), code);
+    EXPECT_STREQ(error.what(), line);
+    EXPECT_THROW(throw error, std::runtime_error);
+  }
 }
 
 // Other programs depend on these numbers.

@@ -7,9 +7,11 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/log.hpp"
+#include "support/captured.hpp"
 
 namespace palpa {
 namespace {
@@ -28,12 +30,12 @@ class AtLevel {
 
 std::string everything_at(log::Level level) {
   const AtLevel at(level);
-  testing::internal::CaptureStderr();
-  log::error("e");
-  log::warning("w");
-  log::info("i");
-  log::debug("d");
-  return testing::internal::GetCapturedStderr();
+  return test::stderr_of([] {
+    log::error("e");
+    log::warning("w");
+    log::info("i");
+    log::debug("d");
+  });
 }
 
 TEST(Log, EachLevelIncludesThoseBefore) {
@@ -45,9 +47,7 @@ TEST(Log, EachLevelIncludesThoseBefore) {
 }
 
 TEST(Log, AnEventIsOneLineWhateverItHolds) {
-  testing::internal::CaptureStderr();
-  log::error("a\nb\x1b[2Jc\td");
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: a b\\x1b[2Jc d\n");
+  EXPECT_EQ(test::stderr_of([] { log::error("a\nb\x1b[2Jc\td"); }), "palpa: error: a b\\x1b[2Jc d\n");
 }
 
 TEST(Log, WarningsAreTheDefault) {
@@ -55,11 +55,10 @@ TEST(Log, WarningsAreTheDefault) {
 }
 
 TEST(Log, LevelsAreReadByName) {
-  EXPECT_EQ(value_of(log::level_words, "quiet"), log::Level::quiet);
-  EXPECT_EQ(value_of(log::level_words, "error"), log::Level::error);
-  EXPECT_EQ(value_of(log::level_words, "warning"), log::Level::warning);
-  EXPECT_EQ(value_of(log::level_words, "info"), log::Level::info);
-  EXPECT_EQ(value_of(log::level_words, "debug"), log::Level::debug);
+  using enum log::Level;
+  for (const auto& [word, level] :
+       {std::pair("quiet", quiet), {"error", error}, {"warning", warning}, {"info", info}, {"debug", debug}})
+    EXPECT_EQ(value_of(log::level_words, word), level) << word;
   for (const char* other : {"", "Debug", "warn", "debug ", "trace"})
     EXPECT_FALSE(value_of(log::level_words, other)) << other;
 }
@@ -119,7 +118,7 @@ TEST(Log, TheSameWarningIsToldOnceWithACount) {
             "palpa: warning: once (2 times)\npalpa: warning: later (3 times)\n");
 }
 
-TEST(Log, OfTooManyWarningsTheRestIsCounted) {
+TEST(Log, WarningsBeyondTheLimitAreCounted) {
   log::set_level(log::Level::warning);
   testing::internal::CaptureStderr();
   log::hold_warnings();
@@ -133,9 +132,8 @@ TEST(Log, OfTooManyWarningsTheRestIsCounted) {
 }
 
 TEST(Log, LinesHaveAtMost500Bytes) {
-  testing::internal::CaptureStderr();
-  log::error("file " + std::string(5000, '\xff') + " is wrong: give another");
-  const std::string line = testing::internal::GetCapturedStderr();
+  const std::string line =
+      test::stderr_of([] { log::error("file " + std::string(5000, '\xff') + " is wrong: give another"); });
   EXPECT_EQ(line.size(), 501u);
   EXPECT_TRUE(line.starts_with("palpa: error: file \\xff\\xff")) << line;
   EXPECT_TRUE(line.ends_with("\\xff is wrong: give another\n")) << line;
@@ -178,7 +176,7 @@ class FullStderr {
   int before_;
 };
 
-TEST(LogRelay, NobodyWaitsForAReaderThatDoesNotRead) {
+TEST(LogRelay, AReaderThatDoesNotReadDelaysNobody) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   {
@@ -205,7 +203,7 @@ TEST(LogRelay, NobodyWaitsForAReaderThatDoesNotRead) {
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8));
 }
 
-TEST(LogRelay, ItsEndWaitsForNobodyLong) {
+TEST(LogRelay, EndsSoonWithoutAReader) {
   const auto begin = std::chrono::steady_clock::now();
   {
     const FullStderr full;
@@ -217,22 +215,21 @@ TEST(LogRelay, ItsEndWaitsForNobodyLong) {
   // The lines that were left out are reported to a later reader.
   const std::uint64_t left_out = log::Relay::left_out();
   EXPECT_EQ(left_out, 5000u) << "those that waited to the end are counted, too";
-  testing::internal::CaptureStderr();
-  log::error("the end");
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+  EXPECT_EQ(test::stderr_of([] { log::error("the end"); }),
             "palpa: warning: " + std::to_string(left_out) +
                 " lines were left out here: nobody read them\npalpa: error: the end\n");
 }
 
 TEST(LogRelay, WritesWhatItIsGivenInOrder) {
-  testing::internal::CaptureStderr();
-  {
-    const log::Relay relay;
-    log::warning("a");
-    log::error("b");
-  }
-  log::error("c");
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: warning: a\npalpa: error: b\npalpa: error: c\n");
+  const std::string told = test::stderr_of([] {
+    {
+      const log::Relay relay;
+      log::warning("a");
+      log::error("b");
+    }
+    log::error("c");
+  });
+  EXPECT_EQ(told, "palpa: warning: a\npalpa: error: b\npalpa: error: c\n");
 }
 
 }  // namespace

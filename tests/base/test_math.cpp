@@ -15,15 +15,9 @@ Transform quarter_turn() {
   return T_a_b;
 }
 
-TEST(Math, TransformTakesPointsFromBToA) {
+TEST(Math, TransformsTakePointsAndDirectionsFromBToAAndChain) {
   EXPECT_EQ(transform_point(quarter_turn(), Vec3(1, 2, 3)), Vec3(8, 21, 33));
-}
-
-TEST(Math, DirectionsAreTurnedButNotShifted) {
   EXPECT_EQ(transform_direction(quarter_turn(), Vec3(1, 2, 3)), Vec3(-2, 1, 3));
-}
-
-TEST(Math, TransformsChain) {
   const Transform T_a_c = quarter_turn() * quarter_turn();
   EXPECT_EQ(transform_point(T_a_c, Vec3(1, 2, 3)),
             transform_point(quarter_turn(), transform_point(quarter_turn(), Vec3(1, 2, 3))));

@@ -41,7 +41,7 @@ class ReferenceTest : public testing::Test {
   fs::path top_ = test::scratch_folder("reference"), folder_ = top_ / "scene";
 };
 
-TEST_F(ReferenceTest, WithinTheFolderAreFollowed) {
+TEST_F(ReferenceTest, ReferencesWithinTheFolderAreFollowed) {
   for (const char* inside : {"beside", "./beside", "deep/below", "deep/../beside", "deep/deeper/../../beside", "absent",
                              "no/such/file", "link-in", "folder-in/below", "folder-in/../beside", "deep//below"})
     EXPECT_EQ(ReferenceFolder("m", folder_).find(inside, "buffer 0"), folder_ / inside) << inside;
@@ -52,7 +52,7 @@ TEST_F(ReferenceTest, WithinTheFolderAreFollowed) {
   EXPECT_NO_THROW(ReferenceFolder("m", "").find("beside", "x"));
 }
 
-TEST_F(ReferenceTest, OutOfTheFolderAreRefused) {
+TEST_F(ReferenceTest, ReferencesOutOfTheFolderAreRefused) {
   for (const std::string& outside :
        {std::string("../secret"), std::string("deep/../../secret"), std::string("link-out"),
         std::string("folder-out/secret"), std::string("deep/link-to-link"), std::string("dangling-out"),
@@ -70,7 +70,7 @@ TEST_F(ReferenceTest, OutOfTheFolderAreRefused) {
       << "whether it is there is not told";
 }
 
-TEST_F(ReferenceTest, ManyInOneFolderAreJudgedEach) {
+TEST_F(ReferenceTest, EachReferenceIsJudged) {
   ReferenceFolder references("m", folder_);
   EXPECT_NO_THROW(references.find("beside", "x"));
   EXPECT_REFUSED(references.find("link-out", "x"), "m: x: \"link-out\" leads out");
@@ -79,7 +79,7 @@ TEST_F(ReferenceTest, ManyInOneFolderAreJudgedEach) {
     EXPECT_REFUSED(references.find("folder-out/secret", "x"), "m: x: \"folder-out/secret\" leads out");
 }
 
-TEST_F(ReferenceTest, MayLeaveWhereTheUserSaysSo) {
+TEST_F(ReferenceTest, TheUserMayAllowReferencesOutside) {
   allow_outside_references(true);
   EXPECT_EQ(ReferenceFolder("m", folder_).find("../secret", "x"), folder_ / "../secret");
   EXPECT_EQ(ReferenceFolder("m", folder_).find("/dev/zero", "x"), "/dev/zero");

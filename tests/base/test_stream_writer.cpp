@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -29,6 +30,15 @@ StreamWriter writer_of(const std::string& file) {
   return {open_output(file), 1 << 16};
 }
 
+/// What comes out of a pipe until its other end is closed.
+std::string read_all(int pipe) {
+  std::string text;
+  std::array<char, 1000> block;
+  for (ssize_t got; (got = read(pipe, block.data(), block.size())) > 0;)
+    text.append(block.data(), static_cast<std::size_t>(got));
+  return text;
+}
+
 /// Lines of many lengths, each of one letter.
 std::string lines_of(char letter, int count) {
   std::string text;
@@ -42,11 +52,7 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   ASSERT_EQ(pipe(ends.data()), 0);
   constexpr int count = 2000;
   std::string read_back;
-  std::thread reader([&] {
-    std::array<char, 1000> block;
-    for (ssize_t got; (got = read(ends[0], block.data(), block.size())) > 0;)
-      read_back.append(block.data(), static_cast<std::size_t>(got));
-  });
+  std::thread reader([&] { read_back = read_all(ends[0]); });
   {
     StreamWriter a = writer_on(ends[1], 1 << 21), b = writer_on(ends[1], 1 << 21);
     // All waiting lines are taken at once: many lines together, and more than a pipe holds.
@@ -71,7 +77,7 @@ TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   EXPECT_TRUE(of_b == lines_of('b', count));
 }
 
-TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
+TEST(StreamWriter, LinesThatNobodyReadsStayWhole) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
   std::string line(1000, 'x');
@@ -83,24 +89,30 @@ TEST(StreamWriter, WhatNobodyReadsIsThereInWholeLines) {
     EXPECT_FALSE(writer.flush({.seconds = 0.1}));
   }
   close(ends[1]);
-  std::string text(1 << 20, '\0');
-  std::size_t size = 0;
-  for (ssize_t got; (got = read(ends[0], text.data() + size, text.size() - size)) > 0;)
-    size += static_cast<std::size_t>(got);
+  const std::size_t size = read_all(ends[0]).size();
   close(ends[0]);
   EXPECT_GT(size, 50'000u);
   EXPECT_EQ(size % line.size(), 0u);
 }
 
+// A recording of drives that cannot grow must leave the array silent.
+TEST(StreamWriter, AFileThatCannotGrowEndsWithAWholeRecordInZeros) {
+  const std::string file = test::scratch_folder("zeros") / "stream";
+  const test::FileSizeLimit limit(25);
+  StreamWriter writer = writer_of(file);
+  writer.end_in_zeros(4);
+  for (const char letter : {'a', 'b'}) {
+    ASSERT_TRUE(writer.add(std::string(10, letter)));
+    ASSERT_TRUE(writer.flush({.seconds = 10}));
+  }
+  ASSERT_TRUE(writer.add(std::string(10, 'c')));
+  EXPECT_ERROR(writer.flush({.seconds = 10}), Exit::failed, "cannot be written");
+  EXPECT_EQ(test::read_text(file), std::string(10, 'a') + std::string(6, 'b') + std::string(4, '\0'));
+}
+
 /// The message for a second writer of the file; empty if it may write.
 std::string second_writer(const std::string& file) {
-  try {
-    writer_of(file);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::usage);
-    return error.what();
-  }
-  return {};
+  return test::error_of([&] { writer_of(file); }, Exit::usage);
 }
 
 TEST(StreamWriter, AFileHasOneWriterAtATime) {

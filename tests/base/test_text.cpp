@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::string_literals;
 
-TEST(Text, WhatCannotBeSeenIsEscaped) {
+TEST(Text, InvisibleCharactersAreEscaped) {
   EXPECT_EQ(printable("plain, \xc3\xa9"), "plain, \xc3\xa9");
   EXPECT_EQ(printable("\0\t\n\r\x1b[31m\x7f"s), "\\x00\\t\\n\\r\\x1b[31m\\x7f");
   EXPECT_EQ(printable("a\xff\xc3"), "a\\xff\\xc3");
@@ -43,7 +43,7 @@ TEST(Text, LongTextsAreCutBetweenCharacters) {
   EXPECT_EQ(printable(std::string(100, '\x80'), 5), "\\x80...");  // no escape is cut in two
 }
 
-TEST(Text, MessagesLoseWhatEndsThem) {
+TEST(Text, MessagesLoseTheirFinalDots) {
   EXPECT_EQ(one_line("A thing\nis wrong. \n"), "A thing is wrong");
   EXPECT_EQ(one_line(" ... \n"), "");
   EXPECT_EQ(one_line(""), "");

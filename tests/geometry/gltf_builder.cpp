@@ -1,10 +1,15 @@
 #include "geometry/gltf_builder.hpp"
-#include "geometry/memory_file.hpp"
-#include "support/files.hpp"
 
 #include <cstring>
 #include <fstream>
 #include <iterator>
+
+#include "geometry/memory_file.hpp"
+#include "geometry/solid.hpp"
+#include "support/captured.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::test {
 
@@ -18,6 +23,11 @@ GltfBuilder::GltfBuilder() {
          {"meshes", Json::array()},
          {"accessors", Json::array()},
          {"bufferViews", Json::array()}};
+}
+
+GltfBuilder::GltfBuilder(const Mesh& mesh) : GltfBuilder() {
+  add_mesh(mesh);
+  add_node({{"mesh", 0}});
 }
 
 int GltfBuilder::add_view(const std::vector<unsigned char>& bytes, int stride) {
@@ -152,6 +162,35 @@ std::vector<std::uint32_t> corners_of(const Mesh& mesh) {
   for (const glm::uvec3& t : mesh.triangles)
     corners.insert(corners.end(), {t[0], t[1], t[2]});
   return corners;
+}
+
+geometry::Scene load(const GltfBuilder& builder, std::optional<int> scene) {
+  return geometry::load_gltf(builder.in_memory(), scene);
+}
+
+std::string warnings_of(const GltfBuilder& builder, std::size_t meshes) {
+  return stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), meshes); });
+}
+
+std::string fault_of_file(const std::filesystem::path& file) {
+  [[maybe_unused]] const double start = processor_s();
+  std::string line = error_of([&] { geometry::make_solids(geometry::load_gltf(file)); });
+#ifdef NDEBUG
+  EXPECT_LT(processor_s() - start, slowest) << line;
+#endif
+  EXPECT_TRUE(line.empty() || line.starts_with(file.string() + ": ")) << line;
+  return line;
+}
+
+std::string fault_of(const GltfBuilder& builder) {
+  static const std::filesystem::path folder = scratch_folder("gltf-faults");
+  return fault_of_file(builder.write_glb(folder / "model.glb"));
+}
+
+void expect_faults(const GltfBuilder& good, const std::vector<Fault>& faults, const std::string& prefix) {
+  for (const Fault& fault : faults)
+    EXPECT_CONTAINS(fault_of(good.with(prefix + fault.pointer, fault.json)), fault.message)
+        << fault.pointer << fault.json;
 }
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size) {

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "support/json.hpp"
 #include "support/thrown.hpp"
@@ -17,6 +19,8 @@ class GltfBuilder {
   using Json = nlohmann::json;
 
   GltfBuilder();
+  /// With a mesh, and a node that shows it.
+  explicit GltfBuilder(const geometry::Mesh& mesh);
 
   /// Each returns the new item's index. Data is appended to the one buffer, 4-byte aligned.
   int add_view(const std::vector<unsigned char>& bytes, int stride = 0);
@@ -57,19 +61,30 @@ std::vector<unsigned char> bytes_of(const std::vector<T>& values) {
 /// The indices of a mesh's triangles.
 std::vector<std::uint32_t> corners_of(const geometry::Mesh& mesh);
 
+geometry::Scene load(const GltfBuilder& builder, std::optional<int> scene = std::nullopt);
+
+/// What is written to stderr when the file is read; it must have this many meshes.
+std::string warnings_of(const GltfBuilder& builder, std::size_t meshes = 1);
+
+/// The error when the file is read and made into solids: it must begin with the file's name, and cost a second of
+/// processor time at most. "" if there is none.
+std::string fault_of_file(const std::filesystem::path& file);
+std::string fault_of(const GltfBuilder& builder);
+
 /// A value that spoils a file, as GltfBuilder::with() takes it, and a part of the message about it.
 struct Fault {
   std::string pointer, json, message;
 };
 
-/// Checks the message for each of them. Their pointers begin after `prefix`; `fault_of` gets the spoilt file.
-template <typename FaultOf>
-void expect_faults(const GltfBuilder& good, const std::vector<Fault>& faults, const FaultOf& fault_of,
-                   const std::string& prefix = "") {
-  for (const Fault& fault : faults)
-    EXPECT_CONTAINS(fault_of(good.with(prefix + fault.pointer, fault.json)), fault.message)
-        << fault.pointer << fault.json;
-}
+/// Checks the message for each of them. Their pointers begin after `prefix`.
+void expect_faults(const GltfBuilder& good, const std::vector<Fault>& faults, const std::string& prefix = "");
+
+/// What stands at a place of a binary file, and a part of the message about it.
+struct BadByte {
+  std::size_t place;
+  unsigned char value;
+  const char* message;
+};
 
 void write_bytes(const std::filesystem::path& file, const void* data, std::size_t size);
 std::vector<unsigned char> read_bytes(const std::filesystem::path& file);

@@ -45,7 +45,7 @@ TEST(Nearest, IsTheLeastOverAllTriangles) {
 }
 
 // V-HACD's search tree has a level for each vertex of this mesh.
-TEST(Vhacd, HasAStackForEachVertex) {
+TEST(Vhacd, ItsStackHoldsALevelForEachVertex) {
   NEEDS_VHACD();
   if (test::instrumented()) GTEST_SKIP() << "skipped: what a level takes of the stack differs here";
   // Points on three sides of a cube, taken from each side in turn, so that each is the smallest along the axis that is

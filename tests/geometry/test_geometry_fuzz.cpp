@@ -24,52 +24,44 @@ using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 using Random = std::mt19937;
 
-class Quiet {
- public:
-  Quiet() { log::set_level(log::Level::quiet); }
-  ~Quiet() { log::set_level(before_); }
+class GeometryFuzz : public ::testing::Test {
+ protected:
+  GeometryFuzz() { log::set_level(log::Level::quiet); }
+  ~GeometryFuzz() override { log::set_level(before_); }
+
+  /// Reads the bytes as a file and counts whether that succeeds. Triangles that were read must have their vertices.
+  void try_gltf(const std::vector<unsigned char>& bytes) {
+    count(bytes, [](const std::filesystem::path& file) {
+      const Scene scene = load_gltf(file);
+      for (const SceneMesh& m : scene.meshes)
+        expect_vertices(m.mesh.triangles, m.mesh.positions.size());
+      for (const Solid& s : make_solids(scene)) {
+        ASSERT_GT(signed_volume(s.mesh), 0);
+        ASSERT_GE(s.mesh.triangles.size(), 4U);
+      }
+    });
+  }
+  void try_ply(const std::vector<unsigned char>& bytes) {
+    count(bytes, [](const std::filesystem::path& file) {
+      const Ply ply = read_ply(file);
+      expect_vertices(ply.triangles, ply.positions.size());
+    });
+  }
+  int good = 0, refused = 0;
 
  private:
+  static void expect_vertices(const std::vector<glm::uvec3>& triangles, std::size_t vertices) {
+    for (const glm::uvec3& t : triangles)
+      ASSERT_LT(std::max({t[0], t[1], t[2]}), vertices);
+  }
+  template <typename Read>
+  void count(const std::vector<unsigned char>& bytes, const Read& read) {
+    static test::MemoryFile file;
+    const auto path = file.write(bytes.data(), bytes.size());
+    ++(test::error_of([&] { read(path); }).empty() ? good : refused);
+  }
   log::Level before_ = log::level();
 };
-
-struct Tally {
-  int good = 0, refused = 0;
-};
-
-void try_gltf(const std::vector<unsigned char>& bytes, Tally& tally) {
-  static test::MemoryFile file;
-  const auto path = file.write(bytes.data(), bytes.size());
-  bool read = false;
-  const std::string line = test::error_of([&] {
-    const Scene scene = load_gltf(path);
-    read = true;
-    for (const SceneMesh& m : scene.meshes) {
-      for (const glm::uvec3& t : m.mesh.triangles) {
-        for (int i = 0; i < 3; ++i)
-          ASSERT_LT(t[i], m.mesh.positions.size());
-      }
-    }
-    for (const Solid& s : make_solids(scene)) {
-      ASSERT_GT(signed_volume(s.mesh), 0);
-      ASSERT_GE(s.mesh.triangles.size(), 4U);
-    }
-  });
-  ++(line.empty() ? tally.good : tally.refused);
-}
-
-void try_ply(const std::vector<unsigned char>& bytes, Tally& tally) {
-  static test::MemoryFile file;
-  const auto path = file.write(bytes.data(), bytes.size());
-  const std::string line = test::error_of([&] {
-    const Ply ply = read_ply(path);
-    for (const glm::uvec3& t : ply.triangles) {
-      for (int i = 0; i < 3; ++i)
-        ASSERT_LT(t[i], ply.positions.size());
-    }
-  });
-  ++(line.empty() ? tally.good : tally.refused);
-}
 
 // A few bytes changed, removed, repeated, or the end cut off.
 std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& random) {
@@ -77,6 +69,9 @@ std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& ran
   for (std::size_t i = 0; i < hits && !bytes.empty(); ++i) {
     const std::size_t at = random() % bytes.size();
     const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto at_most = [&](std::size_t count) {
+      return static_cast<std::ptrdiff_t>(std::min(count, bytes.size() - at));
+    };
     switch (random() % 7) {
       case 0:
         *place = static_cast<unsigned char>(random());
@@ -88,8 +83,7 @@ std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& ran
         *place = 0xff;
         break;
       case 3:
-        bytes.erase(place,
-                    place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1 + random() % 8, bytes.size() - at)));
+        bytes.erase(place, place + at_most(1 + random() % 8));
         break;
       case 4:
         bytes.insert(place, static_cast<unsigned char>("0123456789[]{},:\"-.eE \n"[random() % 23]));
@@ -98,8 +92,7 @@ std::vector<unsigned char> damaged(std::vector<unsigned char> bytes, Random& ran
         bytes.resize(at);
         break;
       default: {
-        const std::vector<unsigned char> piece(
-            place, place + static_cast<std::ptrdiff_t>(std::min<std::size_t>(random() % 40, bytes.size() - at)));
+        const std::vector<unsigned char> piece(place, place + at_most(random() % 40));
         bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(random() % bytes.size()), piece.begin(), piece.end());
       }
     }
@@ -118,31 +111,19 @@ void damage(Json& value, Random& random) {
   static const Json replacements = Json::parse(R"([null, true, -1, 0, 1, 2, 3, 4, 255, 65535, 2147483647, 2147483648,
       4294967295, 18446744073709551615, 1e300, -1e300, 0.5, 1e-300, "", "x", "SCALAR", "VEC3", "MAT4", [], {}, 5120,
       5121, 5123, 5125, 5126, [0, 0], [0, 1, 2], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]])");
-  switch (random() % 6) {
-    case 0:
-      if (at->is_structured() && !at->empty()) {
-        if (at->is_array()) {
-          at->erase(random() % at->size());
-        } else {
-          at->erase(std::next(at->begin(), static_cast<std::ptrdiff_t>(random() % at->size())).key());
-        }
-        break;
-      }
-      [[fallthrough]];
-    case 1:
-      if (at->is_array() && !at->empty()) {
-        at->push_back((*at)[random() % at->size()]);
-        break;
-      }
-      [[fallthrough]];
-    case 2:
-      if (at->is_number()) {
-        *at = at->get<double>() + static_cast<double>(random() % 9) - 4;
-        break;
-      }
-      [[fallthrough]];
-    default:
-      *at = replacements[random() % replacements.size()];
+  const auto kind = random() % 6;
+  const bool full = at->is_structured() && !at->empty();
+  const auto any = [&] { return random() % at->size(); };
+  if (kind == 0 && full && at->is_array()) {
+    at->erase(any());
+  } else if (kind == 0 && full) {
+    at->erase(std::next(at->begin(), static_cast<std::ptrdiff_t>(any())).key());
+  } else if (kind <= 1 && full && at->is_array()) {
+    at->push_back((*at)[any()]);
+  } else if (kind <= 2 && at->is_number()) {
+    *at = at->get<double>() + static_cast<double>(random() % 9) - 4;
+  } else {
+    *at = replacements[random() % replacements.size()];
   }
 }
 
@@ -192,40 +173,29 @@ GltfBuilder rich_file() {
   return b;
 }
 
-TEST(GeometryFuzz, TheUndamagedFileIsThreeSolids) {
-  Tally tally;
-  try_gltf(rich_file().glb(), tally);
-  EXPECT_EQ(tally.good, 1);
-  EXPECT_EQ(make_solids(load_gltf(rich_file().in_memory())).size(), 3U);
-}
-
-TEST(GeometryFuzz, GltfWithDamagedBytes) {
-  const Quiet quiet;
+TEST_F(GeometryFuzz, GltfWithDamagedBytes) {
+  EXPECT_EQ(make_solids(load(rich_file())).size(), 3U) << "undamaged";
   Random random(20240501);
   const auto binary = rich_file().glb();
   const std::string text = rich_file().text("data:application/octet-stream;base64,AAAA");
   const std::vector<unsigned char> plain(text.begin(), text.end());
-  Tally tally;
   for (int i = 0; i < 3000; ++i)
-    try_gltf(damaged(i % 3 == 0 ? plain : binary, random), tally);
+    try_gltf(damaged(i % 3 == 0 ? plain : binary, random));
   // Truncated at many places.
-  for (std::size_t length = 1; length < binary.size(); length += 7) {
-    try_gltf({binary.begin(), binary.begin() + static_cast<std::ptrdiff_t>(length)}, tally);
-  }
-  EXPECT_GT(tally.refused, 1000);
+  for (std::size_t length = 1; length < binary.size(); length += 7)
+    try_gltf({binary.begin(), binary.begin() + static_cast<std::ptrdiff_t>(length)});
+  EXPECT_GT(refused, 1000);
 }
 
-TEST(GeometryFuzz, GltfWithDamagedValues) {
-  const Quiet quiet;
+TEST_F(GeometryFuzz, GltfWithDamagedValues) {
   Random random(20240502);
-  const GltfBuilder good = rich_file();
-  Tally tally;
+  const GltfBuilder whole = rich_file();
   for (int i = 0; i < 4000; ++i) {
-    const auto bytes = with_damaged_values(good, 1 + random() % 3, random);
-    if (!bytes.empty()) try_gltf(bytes, tally);
+    const auto bytes = with_damaged_values(whole, 1 + random() % 3, random);
+    if (!bytes.empty()) try_gltf(bytes);
   }
-  EXPECT_GT(tally.good, 200);
-  EXPECT_GT(tally.refused, 1000);
+  EXPECT_GT(good, 200);
+  EXPECT_GT(refused, 1000);
 }
 
 /// Small members of the families whose cost could grow faster than their size: nested bodies, bodies side by side along
@@ -254,34 +224,26 @@ std::vector<GltfBuilder> families() {
   return all;
 }
 
-TEST(GeometryFuzz, DamagedFamilies) {
-  const Quiet quiet;
+TEST_F(GeometryFuzz, DamagedFamilies) {
+  for (const GltfBuilder& seed : families())
+    try_gltf(seed.glb());
+  EXPECT_EQ(good, 5);
+  EXPECT_EQ(refused, 1) << "the needles";
   Random random(20240506);
-  Tally tally;
   for (const GltfBuilder& seed : families()) {
     const auto whole = seed.glb();
     for (int i = 0; i < 300; ++i) {
-      try_gltf(damaged(whole, random), tally);
+      try_gltf(damaged(whole, random));
       const auto bytes = with_damaged_values(seed, 1, random);
-      if (!bytes.empty()) try_gltf(bytes, tally);
+      if (!bytes.empty()) try_gltf(bytes);
     }
   }
-  EXPECT_GT(tally.good, 100);
-  EXPECT_GT(tally.refused, 500);
-}
-
-TEST(GeometryFuzz, TheFamiliesThemselves) {
-  const Quiet quiet;
-  Tally tally;
-  for (const GltfBuilder& seed : families())
-    try_gltf(seed.glb(), tally);
-  EXPECT_EQ(tally.good, 5);
-  EXPECT_EQ(tally.refused, 1) << "the needles";
+  EXPECT_GT(good, 105);
+  EXPECT_GT(refused, 501);
 }
 
 // Only the compressed bytes: other tests damage the rest.
-TEST(GeometryFuzz, DamagedStreams) {
-  const Quiet quiet;
+TEST_F(GeometryFuzz, DamagedStreams) {
   Random random(20240505);
   const Mesh ball = test::rounded(test::sphere(0.02, 6, 8));
   std::vector<GltfBuilder> seeds{test::meshopt_file(ball), test::meshopt_file(ball, {.sequence = true}),
@@ -294,7 +256,6 @@ TEST(GeometryFuzz, DamagedStreams) {
       seeds.push_back(test::draco_file(test::draco_stream(ball, bits, sequential, bits == 0), 500'000, 500'000));
     }
   }
-  Tally tally;
   for (const GltfBuilder& seed : seeds) {
     EXPECT_EQ(load_gltf(seed.in_memory()).meshes.at(0).mesh.triangles.size(), ball.triangles.size());
     for (int i = 0; i < 400; ++i) {
@@ -304,36 +265,33 @@ TEST(GeometryFuzz, DamagedStreams) {
         byte = random() % 2 == 0 ? static_cast<unsigned char>(byte ^ 1U << random() % 8)
                                  : static_cast<unsigned char>(random());
       }
-      try_gltf(bad.glb(), tally);
+      try_gltf(bad.glb());
     }
     for (std::size_t length = 1; length < seed.bin.size(); length += 13) {
       GltfBuilder bad = seed;
       bad.bin.resize(length);
       bad.bin.resize(seed.bin.size());
-      try_gltf(bad.glb(), tally);
+      try_gltf(bad.glb());
     }
   }
-  EXPECT_GT(tally.refused, 1000);
+  EXPECT_GT(refused, 1000);
 }
 
-TEST(GeometryFuzz, DamagedRealFiles) {
+TEST_F(GeometryFuzz, DamagedRealFiles) {
   PALPA_SHARED_OR_SKIP(folder, "gltf-valid");
-  const Quiet quiet;
   Random random(20240503);
-  Tally tally;
   for (const char* name : {"03_Box/Box.glb", "07_cubeStrip/cubeStrip.glb", "39_quad_skin/quad_skin.glb",
                            "53_BoxVertexColors/BoxVertexColors.gltf", "11_Duck-vp-3-vt-3-vn-3/Duck-vp-3-vt-3-vn-3.glb",
                            "43_BoxMeshopt/BoxMeshopt.glb", "49_Box_Draco/Box_Draco.glb"}) {
     const auto bytes = test::read_bytes(folder / name);
     ASSERT_FALSE(bytes.empty());
     for (int i = 0; i < 500; ++i)
-      try_gltf(damaged(bytes, random), tally);
+      try_gltf(damaged(bytes, random));
   }
-  EXPECT_GT(tally.refused, 500);
+  EXPECT_GT(refused, 500);
 }
 
-TEST(GeometryFuzz, Ply) {
-  const Quiet quiet;
+TEST_F(GeometryFuzz, Ply) {
   Random random(20240504);
   const auto folder = test::scratch_folder("fuzz");
   const Mesh ball = test::sphere(0.02, 4, 5);
@@ -349,16 +307,15 @@ TEST(GeometryFuzz, Ply) {
       "vertex_index\nend_header\n";
   big += std::string(2 * 4 + 2 * 15, '\0') + std::string("\3\0\1\0", 4);
   seeds.emplace_back(big.begin(), big.end());
-  Tally tally;
+  for (const auto& seed : seeds)
+    try_ply(seed);
+  EXPECT_EQ(good, 3) << "undamaged";
   for (const auto& seed : seeds) {
-    Tally whole;
-    try_ply(seed, whole);
-    EXPECT_EQ(whole.good, 1);
     for (int i = 0; i < 2000; ++i)
-      try_ply(damaged(seed, random), tally);
+      try_ply(damaged(seed, random));
   }
-  EXPECT_GT(tally.good, 100);
-  EXPECT_GT(tally.refused, 1000);
+  EXPECT_GT(good, 103);
+  EXPECT_GT(refused, 1000);
 }
 
 }  // namespace

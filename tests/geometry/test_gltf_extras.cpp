@@ -16,36 +16,29 @@ using test::box;
 using test::GltfBuilder;
 using Json = GltfBuilder::Json;
 
-Scene load_extras(const GltfBuilder& builder) {
-  return load_gltf(builder.in_memory());
-}
 GltfBuilder cube_with(const Json& extras) {
-  GltfBuilder builder;
-  builder.add_mesh(box(Vec3(0), Vec3(1)));
-  builder.add_node({{"mesh", 0}, {"name", "cube"}, {"extras", extras}});
+  GltfBuilder builder(box(Vec3(0), Vec3(1)));
+  builder.doc["nodes"][0]["extras"] = extras;
   return builder;
 }
 Haptics haptics_of(const Json& extras) {
   Haptics haptics;
-  EXPECT_EQ(test::stderr_of([&] { haptics = load_extras(cube_with(extras)).meshes.at(0).haptics; }), "") << extras;
+  EXPECT_EQ(test::stderr_of([&] { haptics = load(cube_with(extras)).meshes.at(0).haptics; }), "") << extras;
   return haptics;
 }
 std::string extras_fault_of(const Json& extras) {
-  return test::error_of([&] { load_extras(cube_with(extras)); });
+  return fault_of(cube_with(extras));
 }
-std::string warnings_of(const Json& extras) {
-  return test::stderr_of([&] { load_extras(cube_with(extras)); });
+std::string extras_warnings_of(const Json& extras) {
+  return warnings_of(cube_with(extras));
 }
 
 const Json all{{"touchable", false}, {"delta_m", 0.002}, {"foci", 9},           {"stride", 4},
                {"dwell_s", 0.0025},  {"intensity", 0.5}, {"pressure_pa", 8000}, {"press_depth_m", 0.003}};
 const Haptics all_values{false, 0.002, 0.0025, 0.5, 8000, 0.003, 9, 4};
 
-TEST(Extras, EverythingInAGroup) {
+TEST(Extras, AreReadFromAGroupAndFlat) {
   EXPECT_EQ(haptics_of({{"palpa", all}}), all_values);
-}
-
-TEST(Extras, EverythingFlat) {
   Json flat = {{"someone_else", "'s"}, {"delta_m", "theirs"}};
   for (const auto& [key, value] : all.items())
     flat["palpa_" + key] = value;
@@ -125,26 +118,27 @@ TEST(Extras, FociAndStrideMustVisitAll) {
 }
 
 TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
-  EXPECT_CONTAINS(warnings_of({{"palpa", {{"delta", 0.001}}}}),
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"delta", 0.001}}}}),
                   "palpa does not know \"delta\"; did you mean \"delta_m\"?");
-  EXPECT_CONTAINS(warnings_of({{"palpa_touchabel", false}}), "palpa does not know \"palpa_touchabel\"; did you mean");
-  EXPECT_CONTAINS(warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
-  EXPECT_CONTAINS(warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa_touchabel", false}}),
+                  "palpa does not know \"palpa_touchabel\"; did you mean");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
   // A file full of them prints only a few lines.
   Json many;
   for (int i = 0; i < 1000; ++i)
     many["key" + std::to_string(i)] = i;
-  const std::string warnings = warnings_of({{"palpa", many}});
+  const std::string warnings = extras_warnings_of({{"palpa", many}});
   EXPECT_LE(std::count(warnings.begin(), warnings.end(), '\n'), 8);
 }
 
-TEST(Extras, OfTheMeshInPlaceOfTheNodeIsAWarning) {
+TEST(Extras, ExtrasOfAMeshAreAWarning) {
   GltfBuilder builder = cube_with(Json::object());
   builder.doc["meshes"][0]["extras"] = {{"palpa_delta_m", 0.001}};
-  EXPECT_CONTAINS(test::stderr_of([&] { EXPECT_EQ(load_extras(builder).meshes.at(0).haptics, Haptics{}); }),
-                  "mesh 0: palpa reads the extras of nodes");
+  EXPECT_CONTAINS(warnings_of(builder), "mesh 0: palpa reads the extras of nodes");
+  EXPECT_EQ(load(builder).meshes.at(0).haptics, Haptics{});
   builder.doc["meshes"][0]["extras"] = {{"targetNames", {"a"}}};
-  EXPECT_EQ(test::stderr_of([&] { load_extras(builder); }), "");
+  EXPECT_EQ(warnings_of(builder), "");
 }
 
 TEST(Extras, ChildrenInheritValueByValue) {
@@ -156,7 +150,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   builder.add_node(
       {{"children", {middle}}, {"extras", {{"palpa", {{"touchable", false}, {"delta_m", 0.01}, {"foci", 4}}}}}});
   builder.add_node({{"mesh", 0}});
-  const Scene scene = load_extras(builder);
+  const Scene scene = load(builder);
   Haptics expected;
   expected.touchable = false;
   expected.delta_m = 0.002;
@@ -168,7 +162,7 @@ TEST(Extras, ChildrenInheritValueByValue) {
   EXPECT_EQ(scene.meshes.at(2).haptics, Haptics{});
   // Inherited values must also fit.
   builder.doc["nodes"][0]["extras"] = {{"palpa_stride", 2}};
-  EXPECT_CONTAINS(test::error_of([&] { load_extras(builder); }), "node 0: extras: stride 2 and 4 foci");
+  EXPECT_CONTAINS(fault_of(builder), "node 0: extras: stride 2 and 4 foci");
 }
 
 }  // namespace

@@ -15,20 +15,15 @@
 namespace palpa::geometry {
 namespace {
 
+using test::BadByte;
 using test::box;
 using test::GltfBuilder;
 using test::same_triangles;
 using Json = GltfBuilder::Json;
 
-Scene load_packed(const GltfBuilder& builder) {
-  return load_gltf(builder.in_memory());
-}
-std::string packed_fault_of(const GltfBuilder& builder) {
-  return test::error_of([&] { load_packed(builder); });
-}
 Mesh mesh_of(const GltfBuilder& builder) {
   Mesh mesh;
-  EXPECT_EQ(test::stderr_of([&] { mesh = load_packed(builder).meshes.at(0).mesh; }), "");
+  EXPECT_EQ(test::stderr_of([&] { mesh = load(builder).meshes.at(0).mesh; }), "");
   return mesh;
 }
 // Not symmetric, so that exchanged axes or signs are noticed.
@@ -67,18 +62,18 @@ TEST(Quantized, TheLowestIntegerIsMinusOneToo) {
   EXPECT_EQ(mesh.positions.at(2), Vec3(0, 1, 0));
 }
 
-TEST(Quantized, OnlyWhereTheFileSaysSo) {
+TEST(Quantized, IntegersNeedTheExtension) {
   GltfBuilder builder = test::quantized_file(pebble(), 5123, false).file;
   builder.doc.erase("extensionsRequired");
   builder.doc.erase("extensionsUsed");
-  EXPECT_CONTAINS(packed_fault_of(builder), "\"extensionsUsed\" has KHR_mesh_quantization");
+  EXPECT_CONTAINS(fault_of(builder), "\"extensionsUsed\" has KHR_mesh_quantization");
   builder.doc["extensionsUsed"] = {"KHR_mesh_quantization"};
-  EXPECT_EQ(packed_fault_of(builder), "");
+  EXPECT_EQ(fault_of(builder), "");
   builder.doc["accessors"][0]["componentType"] = 5125;
-  EXPECT_CONTAINS(packed_fault_of(builder), "accessor 0");
+  EXPECT_CONTAINS(fault_of(builder), "accessor 0");
 }
 
-TEST(Quantized, MorphTargetsToo) {
+TEST(Quantized, MorphTargetsMayBeIntegers) {
   GltfBuilder builder = test::quantized_file(box(Vec3(0), Vec3(2)), 5121, false).file;
   std::vector<std::int16_t> up;
   for (int v = 0; v < 8; ++v)
@@ -90,14 +85,32 @@ TEST(Quantized, MorphTargetsToo) {
   EXPECT_NEAR(bounds(mesh_of(builder)).low.y, -2, 1e-9);
 }
 
-TEST(Draco, BothMethodsGiveTheTrianglesBack) {
+class Draco : public ::testing::Test {
+ protected:
+  /// The stream in a file that promises so many vertices and triangles more.
+  GltfBuilder file(int more_vertices = 0, int more_triangles = 0) const {
+    return test::draco_file(stream, v + static_cast<std::size_t>(more_vertices),
+                            t + static_cast<std::size_t>(more_triangles));
+  }
+  /// Whether the decoder accepts a stream where the file promises these counts.
+  bool decodes(const std::vector<unsigned char>& data, std::size_t vertices, std::size_t triangles) {
+    return gltf::decode_draco(data, {}, vertices, triangles, spare, fault).has_value();
+  }
+
   const Mesh plain = pebble();
+  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
+  const std::vector<unsigned char> stream = test::draco_stream(plain, 10, false);
+  std::uint64_t spare = gltf::most_draco_bytes;
+  std::string fault;
+};
+
+TEST_F(Draco, BothMethodsGiveTheTrianglesBack) {
   const Box size = bounds(plain);
   for (const bool sequential : {false, true}) {
     for (const int bits : {0, 8, 14}) {
-      const auto stream = test::draco_stream(plain, bits, sequential);
-      ASSERT_FALSE(stream.empty());
-      const Mesh mesh = mesh_of(test::draco_file(stream, plain.positions.size(), plain.triangles.size()));
+      const auto packed = test::draco_stream(plain, bits, sequential);
+      ASSERT_FALSE(packed.empty());
+      const Mesh mesh = mesh_of(test::draco_file(packed, v, t));
       const double step =
           bits == 0 ? 0
                     : std::max({size.high.x - size.low.x, size.high.y - size.low.y, size.high.z - size.low.z}) /
@@ -108,18 +121,17 @@ TEST(Draco, BothMethodsGiveTheTrianglesBack) {
   }
 }
 
-TEST(Draco, OnBones) {
-  const Mesh plain = test::rounded(box(Vec3(0), Vec3(1)));
-  GltfBuilder builder = test::draco_file(test::draco_stream(plain, 0, false, true), 8, 12);
-  const auto add = [&](const Json& accessor) {
-    builder.doc["accessors"].push_back(accessor);
-    return builder.doc["accessors"].size() - 1;
-  };
+TEST_F(Draco, SkinnedMeshesAreRead) {
+  const Mesh cube = test::rounded(box(Vec3(0), Vec3(1)));
+  GltfBuilder builder = test::draco_file(test::draco_stream(cube, 0, false, true), 8, 12);
   auto& primitive = builder.doc["meshes"][0]["primitives"][0];
-  primitive["attributes"]["JOINTS_0"] = add({{"componentType", 5123}, {"count", 8}, {"type", "VEC4"}});
-  primitive["attributes"]["WEIGHTS_0"] = add({{"componentType", 5126}, {"count", 8}, {"type", "VEC4"}});
-  primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["JOINTS_0"] = 8;
-  primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["WEIGHTS_0"] = 9;
+  const auto add = [&](const char* name, int component, int attribute) {
+    primitive["attributes"][name] = builder.doc["accessors"].size();
+    builder.doc["accessors"].push_back({{"componentType", component}, {"count", 8}, {"type", "VEC4"}});
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"][name] = attribute;
+  };
+  add("JOINTS_0", 5123, 8);
+  add("WEIGHTS_0", 5126, 9);
   builder.doc["nodes"][0]["skin"] = 0;
   builder.add_node({{"translation", {100, 0, 0}}});
   builder.add_node({{"translation", {0, 5, 0}}});
@@ -129,131 +141,100 @@ TEST(Draco, OnBones) {
   EXPECT_EQ(found.high, Vec3(1, 6, 1));
 }
 
-TEST(Draco, APlainCopyIsPreferred) {
-  const Mesh plain = pebble();
-  GltfBuilder builder =
-      test::draco_file(test::draco_stream(plain, 8, false), plain.positions.size(), plain.triangles.size());
-  const int positions = builder.add_positions(plain.positions);
-  builder.doc["accessors"][0] = builder.doc["accessors"][static_cast<std::size_t>(positions)];
-  const int indices = builder.add_indices(test::corners_of(plain));
-  builder.doc["accessors"][1] = builder.doc["accessors"][static_cast<std::size_t>(indices)];
+TEST_F(Draco, APlainCopyIsPreferred) {
+  GltfBuilder builder = file();
+  const int positions = builder.add_positions(plain.positions), indices = builder.add_indices(test::corners_of(plain));
+  Json& accessors = builder.doc["accessors"];
+  accessors[0] = Json(accessors[static_cast<std::size_t>(positions)]);
+  accessors[1] = Json(accessors[static_cast<std::size_t>(indices)]);
   EXPECT_TRUE(mesh_of(builder).positions == plain.positions);
 }
 
-TEST(Draco, OtherNumbersOfVerticesThanPromisedAreAWarningMoreTrianglesAnError) {
-  const Mesh plain = pebble();
-  const auto stream = test::draco_stream(plain, 10, false);
-  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
-  const std::string warning =
-      test::stderr_of([&] { EXPECT_EQ(load_packed(test::draco_file(stream, v + 1, t + 1)).meshes.size(), 1U); });
-  EXPECT_CONTAINS(warning, "where the file promises");
-  const std::string more = test::stderr_of([&] {
-    const Scene scene = load_packed(test::draco_file(stream, v - 1, t));
-    EXPECT_EQ(scene.meshes.at(0).mesh.positions.size(), v);
-  });
+TEST_F(Draco, OtherCountsThanPromisedAreAWarningMoreTrianglesAnError) {
+  EXPECT_CONTAINS(warnings_of(file(1, 1)), "where the file promises");
+  const std::string more = warnings_of(file(-1));
   EXPECT_CONTAINS(more, "mesh 0: the draco data in buffer view 0 hold");
   EXPECT_CONTAINS(more, "where the file promises");
-  EXPECT_CONTAINS(packed_fault_of(test::draco_file(stream, v, t - 1)), "triangles where the file promises");
+  EXPECT_EQ(load(file(-1)).meshes.at(0).mesh.positions.size(), v);
+  EXPECT_CONTAINS(fault_of(file(0, -1)), "triangles where the file promises");
 }
 
 // One stream for two primitives: it is reported once, so it was decoded once.
-TEST(Draco, AStreamIsDecodedOnce) {
-  const Mesh plain = pebble();
-  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
-  GltfBuilder builder = test::draco_file(test::draco_stream(plain, 10, false), v + 1, t);
+TEST_F(Draco, AStreamIsDecodedOnce) {
+  GltfBuilder builder = file(1);
   Json& primitives = builder.doc["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
-  const std::string warning =
-      test::stderr_of([&] { EXPECT_EQ(load_packed(builder).meshes.at(0).mesh.triangles.size(), 2 * t); });
+  EXPECT_EQ(load(builder).meshes.at(0).mesh.triangles.size(), 2 * t);
+  const std::string warning = warnings_of(builder);
   EXPECT_EQ(warning.find("where the file promises"), warning.rfind("where the file promises"));
   EXPECT_CONTAINS(warning, "where the file promises");
 }
 
 // A stream of 224 bytes whose texture coordinates claim two billion orientations.
-TEST(Draco, ClaimsOfPredictionsAreBounded) {
+TEST_F(Draco, ClaimsOfPredictionsAreBounded) {
   PALPA_SHARED_OR_SKIP(folder, "hostile");
   EXPECT_CONTAINS(test::error_of([&] { load_gltf(folder / "draco_bomb_100prims.glb"); }), "cannot be decoded");
 }
 
-TEST(Draco, AttributesOfAllStreamsTogetherAreBounded) {
-  const Mesh plain = pebble();
-  const auto stream = test::draco_stream(plain, 10, false);
-  std::string fault;
-  std::uint64_t spare = gltf::most_draco_bytes;
-  ASSERT_TRUE(gltf::decode_draco(stream, {}, plain.positions.size(), plain.triangles.size(), spare, fault));
+TEST_F(Draco, AttributesOfAllStreamsTogetherAreBounded) {
+  ASSERT_TRUE(decodes(stream, v, t));
   const std::uint64_t taken = gltf::most_draco_bytes - spare;
-  EXPECT_GE(taken, plain.positions.size() * 12);
+  EXPECT_GE(taken, v * 12);
   spare = taken - 1;
-  EXPECT_FALSE(gltf::decode_draco(stream, {}, plain.positions.size(), plain.triangles.size(), spare, fault));
+  EXPECT_FALSE(decodes(stream, v, t));
   EXPECT_CONTAINS(fault, "in all of a file");
 }
 
-TEST(Draco, FaultsAreNamed) {
-  const Mesh plain = pebble();
-  const auto stream = test::draco_stream(plain, 10, false);
-  const std::size_t v = plain.positions.size(), t = plain.triangles.size();
-  const GltfBuilder good = test::draco_file(stream, v, t);
-  test::expect_faults(good,
-                      {{"/attributes/POSITION", "3", "have no attribute 3"},
-                       {"/attributes/POSITION", "", "\"POSITION\" is missing"},
-                       {"/attributes", "", "\"attributes\" is missing"},
-                       {"/bufferView", "9", "names buffer view 9"},
-                       {"", "\"packed\"", "is not a JSON object"}},
-                      packed_fault_of, "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression");
-  struct BadByte {
-    std::size_t place;
-    unsigned char value;
-    const char* fault;
-  };
-  for (const auto& [place, value, fault] :
+TEST_F(Draco, FaultsAreNamed) {
+  const GltfBuilder good = file();
+  expect_faults(good,
+                {{"/attributes/POSITION", "3", "have no attribute 3"},
+                 {"/attributes/POSITION", "", "\"POSITION\" is missing"},
+                 {"/attributes", "", "\"attributes\" is missing"},
+                 {"/bufferView", "9", "names buffer view 9"},
+                 {"", "\"packed\"", "is not a JSON object"}},
+                "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression");
+  for (const auto& [place, value, message] :
        {BadByte{0, 'd', "do not begin with draco's header"}, BadByte{5, 1, "bitstream version 1.2"},
         BadByte{7, 0, "are not a triangle mesh"}, BadByte{8, 9, "unknown method 9"}}) {
     GltfBuilder bad = good;
     bad.bin[place] = value;
-    EXPECT_CONTAINS(packed_fault_of(bad), fault);
+    EXPECT_CONTAINS(fault_of(bad), message);
   }
   for (std::size_t length = 12; length < stream.size(); length += 11) {
     const std::vector<unsigned char> part(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(packed_fault_of(test::draco_file(part, v, t)), "") << length;
+    EXPECT_NE(fault_of(test::draco_file(part, v, t)), "") << length;
   }
 }
 
 // The places of the counts: after 11 bytes of header, depending on the method. Numbers are seven bits a byte, the
 // lowest first.
-TEST(Draco, AbsurdCountsCostNothing) {
-  const Mesh plain = pebble();
-  std::string fault;
-  std::uint64_t spare = gltf::most_draco_bytes;
-  const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 billion
-  const auto with = [&](std::vector<unsigned char> stream, std::size_t at) {
-    std::size_t end = at;
-    while (stream[end] & 0x80)
-      ++end;
-    stream.erase(stream.begin() + static_cast<std::ptrdiff_t>(at),
-                 stream.begin() + static_cast<std::ptrdiff_t>(end) + 1);
-    stream.insert(stream.begin() + static_cast<std::ptrdiff_t>(at), giant.begin(), giant.end());
-    return stream;
+TEST_F(Draco, AbsurdCountsCostNothing) {
+  // The place behind the number that begins there.
+  const auto behind = [](const std::vector<unsigned char>& bytes, std::size_t at) {
+    while (bytes[at++] & 0x80) {
+    }
+    return at;
   };
-  const auto edgebreaker = test::draco_stream(plain, 10, false), sequential = test::draco_stream(plain, 10, true);
+  const auto with_giant = [&](std::vector<unsigned char> bytes, std::size_t at) {
+    const std::vector<unsigned char> giant{0xff, 0xff, 0xff, 0xff, 0x04};  // 1.3 billion
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    bytes.erase(place, bytes.begin() + static_cast<std::ptrdiff_t>(behind(bytes, at)));
+    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), giant.begin(), giant.end());
+    return bytes;
+  };
   // Traversal (one byte), vertices, faces, groups of attributes (one byte).
-  std::size_t faces = 12;
-  while (edgebreaker[faces++] & 0x80) {
-  }
-  EXPECT_FALSE(gltf::decode_draco(with(edgebreaker, faces), {}, 1000, 1000, spare, fault));
+  const std::size_t faces = behind(stream, 12);
+  EXPECT_FALSE(decodes(with_giant(stream, faces), 1000, 1000));
   EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
-  auto crowded = edgebreaker;
-  std::size_t groups = faces;
-  while (crowded[groups++] & 0x80) {
-  }
-  crowded[groups] = 255;
-  EXPECT_FALSE(gltf::decode_draco(crowded, {}, 1'000'000, 1'000'000, spare, fault));
+  auto crowded = stream;
+  crowded[behind(stream, faces)] = 255;
+  EXPECT_FALSE(decodes(crowded, 1'000'000, 1'000'000));
   // Faces, points.
-  EXPECT_FALSE(gltf::decode_draco(with(sequential, 11), {}, 1000, 1000, spare, fault));
+  const auto sequential = test::draco_stream(plain, 10, true);
+  EXPECT_FALSE(decodes(with_giant(sequential, 11), 1000, 1000));
   EXPECT_CONTAINS(fault, "triangles where the file promises 1000");
-  std::size_t points = 11;
-  while (sequential[points++] & 0x80) {
-  }
-  EXPECT_FALSE(gltf::decode_draco(with(sequential, points), {}, 1000, 1000, spare, fault));
+  EXPECT_FALSE(decodes(with_giant(sequential, behind(sequential, 11)), 1000, 1000));
   EXPECT_CONTAINS(fault, "vertices where the file promises 1000");
 }
 
@@ -293,8 +274,7 @@ TEST(Meshopt, FaultsAreNamed) {
   const auto extension = [](int view, const std::string& key) {
     return "/bufferViews/" + std::to_string(view) + "/extensions/EXT_meshopt_compression/" + key;
   };
-  test::expect_faults(good,
-                      {{extension(0, "buffer"), "2", "names buffer 2"},
+  expect_faults(good, {{extension(0, "buffer"), "2", "names buffer 2"},
                        {extension(0, "byteLength"), "1000000", "does not fit its buffer"},
                        {extension(0, "byteOffset"), "1000000", "does not fit its buffer"},
                        {extension(0, "mode"), "\"POINTS\"", "palpa knows ATTRIBUTES, TRIANGLES, INDICES"},
@@ -309,19 +289,18 @@ TEST(Meshopt, FaultsAreNamed) {
                        {extension(0, "byteLength"), "5", "unpacks to"},
                        {"/bufferViews/0/byteStride", "16", "has a byteStride of 12, but the buffer view has one of 16"},
                        // Indices to missing vertices are found after unpacking, as in a plain file.
-                       {"/accessors/0/count", "100", "but there are only 100"}},
-                      packed_fault_of);
+                       {"/accessors/0/count", "100", "but there are only 100"}});
   GltfBuilder bad = good;
   const Json& first = bad.doc["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
   bad.bin.at(first.value("byteOffset", std::size_t{0})) = 0xa7;
-  EXPECT_CONTAINS(packed_fault_of(bad), "packed with version 7 of meshoptimizer's vertex codec");
+  EXPECT_CONTAINS(fault_of(bad), "packed with version 7 of meshoptimizer's vertex codec");
   // What unpacks to too much.
   Json& view = (bad = good).doc["bufferViews"][0];
   Json& packed = view["extensions"]["EXT_meshopt_compression"];
   view["byteStride"] = packed["byteStride"] = 252;
   packed["count"] = 2'000'000;
   view["byteLength"] = std::uint64_t{252} * 2'000'000;
-  EXPECT_CONTAINS(packed_fault_of(bad), "packed and unpacked; palpa reads no more");
+  EXPECT_CONTAINS(fault_of(bad), "packed and unpacked; palpa reads no more");
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST(MeshFit, BringsPointsOntoTheirFacesInSpiteOfOutliers) {
   EXPECT_LT(fitted.points, 1560U);
 }
 
-TEST(MeshFit, KnowsWhatSlides) {
+TEST(MeshFit, ReportsDirectionsThatThePointsDoNotHold) {
   const MeshFit fit(box(-half, half));
   EXPECT_LT(fit.fit(points_on({2}, 0), Transform(1.0), {}).hold, 1e-6);
   EXPECT_LT(fit.fit(points_on({0, 2}, 0), Transform(1.0), {}).hold, 1e-6);
@@ -74,7 +74,7 @@ TEST(MeshFit, KnowsWhatSlides) {
   EXPECT_EQ(fit.fit(behind, Transform(1.0), {}).points, 0U);
 }
 
-TEST(Symmetric, EigenvaluesAreThoseThatItWasMadeFrom) {
+TEST(Symmetric, EigenvaluesAndVectorsAreFound) {
   // Q diag(values) Q^T with a rotation Q.
   const std::array<double, 3> values{4, -1, 1e-9};
   const Transform q = glm::rotate(Transform(1.0), 1.1, glm::normalize(Vec3(1, 2, 3)));

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 #include <random>
 
@@ -48,7 +48,7 @@ TEST(ConvexHull, OfACubeIsTheCube) {
   EXPECT_TRUE(find_defects(hull->mesh).closed_and_oriented());
 }
 
-TEST(ConvexHull, HoldsEveryPointWithNoneToSpare) {
+TEST(ConvexHull, ContainsEveryPointTightly) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Vec3 centre = seed % 2 ? Vec3(0) : Vec3(3, -2, 0.7);
     const auto points = cloud(10 + 40 * seed, centre, Vec3(0.05, 0.02, 0.001 + 0.01 * seed), seed);
@@ -71,7 +71,7 @@ TEST(ConvexHull, HoldsEveryPointWithNoneToSpare) {
   }
 }
 
-TEST(ConvexHull, OfAFlatCloudIsNone) {
+TEST(ConvexHull, FlatCloudsHaveNoHull) {
   EXPECT_FALSE(convex_hull({}));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.2, 0}}));
@@ -88,24 +88,32 @@ struct Block {
 };
 constexpr int side = 9;
 
+/// Unit cubes, by the corner of each that is nearest to the origin.
 struct Voxels {
   std::array<bool, side * side * side> full{};
-  bool at(int x, int y, int z) const {
-    if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= side) return false;
-    return full[static_cast<std::size_t>((z * side + y) * side + x)];
+  bool at(const Corner& c) const {
+    return glm::all(glm::greaterThanEqual(c, Corner(0))) && glm::all(glm::lessThan(c, Corner(side))) &&
+           full[static_cast<std::size_t>((c.z * side + c.y) * side + c.x)];
   }
 };
 
-Voxels fill(const std::vector<Block>& blocks) {
-  Voxels voxels;
-  for (const Block& b : blocks) {
-    for (int z = b.low.z; z < b.high.z; ++z) {
-      for (int y = b.low.y; y < b.high.y; ++y) {
-        for (int x = b.low.x; x < b.high.x; ++x)
-          voxels.full[static_cast<std::size_t>((z * side + y) * side + x)] = true;
-      }
+/// Calls `use` for every whole corner from `low`, and below `high` along each axis.
+template <typename Use>
+void each_corner(const Corner& low, const Corner& high, const Use& use) {
+  for (int z = low.z; z < high.z; ++z) {
+    for (int y = low.y; y < high.y; ++y) {
+      for (int x = low.x; x < high.x; ++x)
+        use(Corner(x, y, z));
     }
   }
+}
+
+Voxels fill(const std::vector<Block>& blocks) {
+  Voxels voxels;
+  for (const Block& b : blocks)
+    each_corner(b.low, b.high, [&](const Corner& c) {
+      voxels.full[static_cast<std::size_t>((c.z * side + c.y) * side + c.x)] = true;
+    });
   return voxels;
 }
 
@@ -114,25 +122,20 @@ struct Square {
 };
 std::vector<Square> surface_of(const Voxels& voxels) {
   std::vector<Square> squares;
-  for (int z = -1; z < side; ++z) {
-    for (int y = -1; y < side; ++y) {
-      for (int x = -1; x < side; ++x) {
-        for (int axis = 0; axis < 3; ++axis) {
-          Corner next(x, y, z);
-          ++next[axis];
-          if (voxels.at(x, y, z) == voxels.at(next.x, next.y, next.z)) continue;
-          squares.push_back({Vec3(next), Vec3(x + 1, y + 1, z + 1)});
-        }
-      }
+  each_corner(Corner(-1), Corner(side), [&](const Corner& c) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Corner next = c;
+      ++next[axis];
+      if (voxels.at(c) != voxels.at(next)) squares.push_back({Vec3(next), Vec3(c + 1)});
     }
-  }
+  });
   return squares;
 }
 
-Parts parts_of(const std::vector<Block>& blocks, double unit = 1) {
+Parts parts_of(const std::vector<Block>& blocks) {
   Parts parts;
   for (const Block& b : blocks)
-    parts.parts.push_back(make_part(test::box(Vec3(b.low) * unit, Vec3(b.high) * unit).positions).value());
+    parts.parts.push_back(make_part(test::box(Vec3(b.low), Vec3(b.high)).positions).value());
   parts.seam_m = smallest_seam(parts.parts);
   return parts;
 }
@@ -172,7 +175,7 @@ TEST(UnionSurface, IsWhereTheDepthIsMeasuredTo) {
       const Vec3 p(place(random), place(random), place(random));
       const Corner cell(glm::floor(p));
       double expected = 0;
-      if (voxels.at(cell.x, cell.y, cell.z)) {
+      if (voxels.at(cell)) {
         expected = std::numeric_limits<double>::infinity();
         for (const Square& s : squares)
           expected = std::min(expected, glm::distance(glm::clamp(p, s.low, s.high), p));
@@ -180,21 +183,6 @@ TEST(UnionSurface, IsWhereTheDepthIsMeasuredTo) {
       ASSERT_NEAR(depth(parts, surface, p), expected, 2e-5) << seed;
     }
   }
-}
-
-TEST(UnionSurface, ForgetsCutsButNotWhatStandsOut) {
-  // Two cubes overlapping by half: the cut faces are covered, and the rest is one long box.
-  const Parts parts = parts_of({{{0, 0, 0}, {4, 4, 4}}, {{2, 0, 0}, {6, 4, 4}}}, 0.01);
-  const UnionSurface surface = union_surface(parts);
-  EXPECT_NEAR(area(surface), 2 * 0.04 * 0.04 + 4 * 0.06 * 0.04, 1e-9);
-  // A millimetre behind the second cube's left face, in the middle of the first: deep inside.
-  EXPECT_NEAR(depth(parts, surface, {0.021, 0.02, 0.02}), 0.02, 1e-9);
-  EXPECT_NEAR(depth(parts.parts[1], {0.021, 0.02, 0.02}), 0.001, 1e-9);
-  // The bare part of a partly covered face counts.
-  const Parts step = parts_of({{{0, 0, 0}, {4, 4, 4}}, {{4, 0, 0}, {6, 2, 4}}}, 0.01);
-  const UnionSurface bare = union_surface(step);
-  EXPECT_NEAR(depth(step, bare, {0.039, 0.03, 0.02}), 0.001, 1e-9);
-  EXPECT_NEAR(depth(step, bare, {0.039, 0.018, 0.02}), std::hypot(0.002, 0.001), 1e-9);
 }
 
 TEST(UnionSurface, ClosesSeamsUpToTheirWidth) {
@@ -208,7 +196,7 @@ TEST(UnionSurface, ClosesSeamsUpToTheirWidth) {
   EXPECT_NEAR(area(union_surface(parts)), open - 2e-4, 1e-7);
 }
 
-TEST(UnionSurface, OfRoundPartsEnclosesWhatRandomPointsSay) {
+TEST(UnionSurface, OfRoundPartsHasTheVolumeThatRandomPointsCount) {
   // Three overlapping ellipsoids: volume by counting random points.
   Parts parts;
   parts.parts.push_back(make_part(cloud(120, {0, 0, 0}, {0.03, 0.02, 0.02}, 1)).value());
@@ -228,7 +216,7 @@ TEST(UnionSurface, OfRoundPartsEnclosesWhatRandomPointsSay) {
   EXPECT_NEAR(volume(union_surface(parts)) / expected, 1, 0.015);
 }
 
-TEST(Parts, OfTheSamePointsAreTheSameAfterSinglePrecision) {
+TEST(Parts, APartOfItsOwnPointsIsTheSamePart) {
   const auto points = cloud(80, {1, 2, 3}, Vec3(0.04), 11);
   const Part part = make_part(points).value();
   for (const Vec3& p : part.mesh.positions)
@@ -243,7 +231,7 @@ TEST(Parts, OfTheSamePointsAreTheSameAfterSinglePrecision) {
   }
 }
 
-TEST(UnionSurface, OfPartsThatAllOverlapIsRefused) {
+TEST(UnionSurface, TooManyOverlappingPartsAreRefused) {
   Parts parts;
   for (int i = 0; i < 250; ++i) {
     const Vec3 shift = Vec3(1e-4, 1.3e-4, 0.7e-4) * static_cast<double>(i);

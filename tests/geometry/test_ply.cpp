@@ -1,7 +1,6 @@
 #include "geometry/files/ply.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <bit>
@@ -15,6 +14,7 @@
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/captured.hpp"
+#include "support/no_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -53,6 +53,12 @@ std::string fault_of(const std::string& bytes) {
 
 std::string header(const std::string& format, const std::string& elements) {
   return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
+}
+
+/// What the messages about files must say.
+void expect_faults_of(const std::vector<std::pair<std::string, std::string>>& files) {
+  for (const auto& [bytes, message] : files)
+    EXPECT_CONTAINS(fault_of(bytes), message) << bytes.substr(0, 300);
 }
 
 const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
@@ -171,23 +177,21 @@ TEST(Ply, LinesMayEndWithACarriageReturn) {
   EXPECT_EQ(rhino.positions.size(), 24U);
 }
 
+template <typename T>
+void check_types(const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    check_type<T>(name);
+}
+
 TEST(Ply, ReadsEveryTypeInEitherByteOrder) {
-  check_type<std::int8_t>("char");
-  check_type<std::int8_t>("int8");
-  check_type<std::uint8_t>("uchar");
-  check_type<std::uint8_t>("uint8");
-  check_type<std::int16_t>("short");
-  check_type<std::int16_t>("int16");
-  check_type<std::uint16_t>("ushort");
-  check_type<std::uint16_t>("uint16");
-  check_type<std::int32_t>("int");
-  check_type<std::int32_t>("int32");
-  check_type<std::uint32_t>("uint");
-  check_type<std::uint32_t>("uint32");
-  check_type<float>("float");
-  check_type<float>("float32");
-  check_type<double>("double");
-  check_type<double>("float64");
+  check_types<std::int8_t>({"char", "int8"});
+  check_types<std::uint8_t>({"uchar", "uint8"});
+  check_types<std::int16_t>({"short", "int16"});
+  check_types<std::uint16_t>({"ushort", "uint16"});
+  check_types<std::int32_t>({"int", "int32"});
+  check_types<std::uint32_t>({"uint", "uint32"});
+  check_types<float>({"float", "float32"});
+  check_types<double>({"double", "float64"});
 }
 
 TEST(Ply, ElementsInAnyOrder) {
@@ -213,14 +217,8 @@ TEST(Ply, ElementsInAnyOrder) {
   EXPECT_EQ(ply.triangles.at(0), glm::uvec3(2, 1, 0));
 }
 
-TEST(PlyFaults, NotAFileAtAll) {
-  EXPECT_CONTAINS(fault_of_file(folder() / "absent.ply"), "no such file");
-  EXPECT_CONTAINS(fault_of_file(folder()), "is a folder");
-  EXPECT_CONTAINS(fault_of_file("/dev/zero"), "not a regular file");
-  const auto pipe = folder() / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_CONTAINS(fault_of_file(pipe), "not a regular file");
-  EXPECT_CONTAINS(fault_of(""), "empty");
+TEST(PlyFaults, RefusesWhatIsNoFile) {
+  test::expect_refuses_what_is_no_file(fault_of_file, ".ply");
 }
 
 TEST(PlyFaults, TenGigabytes) {
@@ -240,36 +238,36 @@ TEST(PlyFaults, TenGigabytes) {
 }
 
 TEST(PlyFaults, Headers) {
-  EXPECT_CONTAINS(fault_of("plyformat"), "first line");
-  EXPECT_CONTAINS(fault_of("solid x"), "first line");
-  EXPECT_CONTAINS(fault_of("ply\nformat ascii 1.0\n"), "end_header");
-  EXPECT_CONTAINS(fault_of("ply\n" + std::string(100'000, 'c') + "\n"), "header");
-  EXPECT_CONTAINS(fault_of("ply\nelement vertex 1\n" + xyz + "end_header\n0 0 0\n"), "\"format\"");
-  EXPECT_CONTAINS(fault_of(header("ascii2", "")), "line 2");
-  EXPECT_CONTAINS(fault_of("ply\nformat ascii 2.0\nend_header\n"), "line 2");
-  EXPECT_CONTAINS(fault_of(header("ascii", "")), "no element \"vertex\"");
-  EXPECT_CONTAINS(fault_of(header("ascii", "elephant\n")), "unknown keyword");
-  EXPECT_CONTAINS(fault_of(header("ascii", "property float x\n")), "line 3");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex -1\n")), "whole number");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 99999999999999999999\n")), "whole number");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty half x\n")), "unknown type");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty list float int x\n")), "integer");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\nproperty float x\nproperty float y\n") + "0 0\n"),
-                  "x, y, z");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\n" + xyz + "property int x\n") + "0 0 0 0\n"), "twice");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element vertex 1\n" + xyz + "element vertex 1\n" + xyz) + "0 0 0 0 0 0\n"),
-                  "twice");
+  const std::string one = "element vertex 1\n", vertex = one + xyz;
+  expect_faults_of({
+      {"plyformat", "first line"},
+      {"solid x", "first line"},
+      {"ply\nformat ascii 1.0\n", "end_header"},
+      {"ply\n" + std::string(100'000, 'c') + "\n", "header"},
+      {"ply\n" + vertex + "end_header\n0 0 0\n", "\"format\""},
+      {header("ascii2", ""), "line 2"},
+      {"ply\nformat ascii 2.0\nend_header\n", "line 2"},
+      {header("ascii", ""), "no element \"vertex\""},
+      {header("ascii", "elephant\n"), "unknown keyword"},
+      {header("ascii", "property float x\n"), "line 3"},
+      {header("ascii", "element vertex -1\n"), "whole number"},
+      {header("ascii", "element vertex 99999999999999999999\n"), "whole number"},
+      {header("ascii", one + "property half x\n"), "unknown type"},
+      {header("ascii", one + "property list float int x\n"), "integer"},
+      {header("ascii", one + "property float x\nproperty float y\n") + "0 0\n", "x, y, z"},
+      {header("ascii", vertex + "property int x\n") + "0 0 0 0\n", "twice"},
+      {header("ascii", vertex + vertex) + "0 0 0 0 0 0\n", "twice"},
+  });
 }
 
 TEST(PlyFaults, CountsThatTheFileCannotHold) {
+  const std::string faces = "element face 3000000000\nproperty list uchar int vertex_indices\n";
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
-    EXPECT_CONTAINS(fault_of(header(format, "element vertex 4000000000\n" + xyz) + "0 0 0\n"), "promises 4000000000");
-    EXPECT_CONTAINS(fault_of(header(format, "element vertex 18446744073709551615\n" + xyz) + "0 0 0\n"), "promises");
-    EXPECT_CONTAINS(fault_of(header(format, "element vertex 1\n" + xyz +
-                                                "element face 3000000000\n"
-                                                "property list uchar int vertex_indices\n") +
-                             "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"),
-                    "promises 3000000000");
+    expect_faults_of({
+        {header(format, "element vertex 4000000000\n" + xyz) + "0 0 0\n", "promises 4000000000"},
+        {header(format, "element vertex 18446744073709551615\n" + xyz) + "0 0 0\n", "promises"},
+        {header(format, "element vertex 1\n" + xyz + faces) + "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0", "promises 3000000000"},
+    });
   }
 }
 
@@ -287,59 +285,64 @@ TEST(PlyFaults, Truncation) {
 }
 
 TEST(PlyFaults, Values) {
-  const std::string start = header("ascii", triangle_header);
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 -inf\n3 0 1 2\n"), "vertex 2 is not finite");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 1e999\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"), "line 11: \"zero\" is not a number");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "vertex 3, but there are only 3");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -2\n"), "uses vertex -2");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), "does not fit its type");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n2 0 1 0\n"), "has 2 corners");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n"), "does not fit its type");
-  EXPECT_CONTAINS(fault_of(start + "0 0 0\n1 0 0\n0 1 0\n" + std::string(5000, ' ') + "3 0 1 2\n"),
-                  "a number is missing");
-  EXPECT_CONTAINS(fault_of(start + std::string(500, '1') + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "400 characters");
+  const std::string start = header("ascii", triangle_header), good = start + "0 0 0\n1 0 0\n0 1 0\n";
   std::string binary = header("binary_little_endian", "element vertex 2\n" + xyz);
   for (int i = 0; i < 5; ++i)
     put(binary, 1.0F, false);
   put(binary, std::numeric_limits<float>::quiet_NaN(), false);
-  EXPECT_CONTAINS(fault_of(binary), "vertex 1 is not finite");
+  expect_faults_of({
+      {start + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "vertex 1 is not finite"},
+      {start + "0 0 0\n1 0 0\n0 1 -inf\n3 0 1 2\n", "vertex 2 is not finite"},
+      {start + "0 0 0\n1 0 1e999\n0 1 0\n3 0 1 2\n", "vertex 1 is not finite"},
+      {start + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", "line 11: \"zero\" is not a number"},
+      {good + "3 0 1 3\n", "vertex 3, but there are only 3"},
+      {good + "3 0 1 -2\n", "uses vertex -2"},
+      {good + "3 0 1 1.5\n", "does not fit its type"},
+      {good + "2 0 1 0\n", "has 2 corners"},
+      {good + "300 0 1 2\n", "does not fit its type"},
+      {good + std::string(5000, ' ') + "3 0 1 2\n", "a number is missing"},
+      {start + std::string(500, '1') + " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "400 characters"},
+      {binary, "vertex 1 is not finite"},
+  });
 }
 
 TEST(PlyFaults, ARowIsALineWithTheNumbersOfItsElement) {
   const std::string points = header("ascii", "element vertex 2\n" + xyz);
-  EXPECT_CONTAINS(fault_of(points + "0 0 0 1\n1 2 3 1\n"), "line 8: 4 numbers, the header promises 3");
-  EXPECT_CONTAINS(fault_of(points + "0 0 0\n1 2 3 x y\n"), "line 9: 5 numbers, the header promises 3");
-  EXPECT_CONTAINS(fault_of(points + "0 0\n1 2 3\n4 5 6\n"), "line 8: 2 numbers, the header promises 3");
-  EXPECT_CONTAINS(fault_of(points + "0 0 0 1 2 3\n"), "line 8: 6 numbers, the header promises 3");
   const std::string faces = header("ascii", triangle_header) + "0 0 0\r\n1 0 0\t \r\n\r\n0 1 0\r\n";
-  EXPECT_CONTAINS(fault_of(faces + "3 0 1 2 9\n"),
-                  "line 14: 5 numbers, the header and the lists in this line promise 4");
-  EXPECT_CONTAINS(fault_of(faces + "3 0 1\r\n2\r\n"), "line 14: 3 numbers, the header and the lists in this line pro");
-  EXPECT_CONTAINS(fault_of(header("ascii", "element tag 1\nproperty int a\nelement vertex 1\n" + xyz) + "1 2\n3 4 5\n"),
-                  "line 10: 2 numbers, the header promises 1");
-  EXPECT_CONTAINS(fault_of(points + "0 0 0" + std::string(5000, ' ') + "\n1 2 3\n"), "do not end its line");
+  expect_faults_of({
+      {points + "0 0 0 1\n1 2 3 1\n", "line 8: 4 numbers, the header promises 3"},
+      {points + "0 0 0\n1 2 3 x y\n", "line 9: 5 numbers, the header promises 3"},
+      {points + "0 0\n1 2 3\n4 5 6\n", "line 8: 2 numbers, the header promises 3"},
+      {points + "0 0 0 1 2 3\n", "line 8: 6 numbers, the header promises 3"},
+      {faces + "3 0 1 2 9\n", "line 14: 5 numbers, the header and the lists in this line promise 4"},
+      {faces + "3 0 1\r\n2\r\n", "line 14: 3 numbers, the header and the lists in this line promise 4"},
+      {header("ascii", "element tag 1\nproperty int a\nelement vertex 1\n" + xyz) + "1 2\n3 4 5\n",
+       "line 10: 2 numbers, the header promises 1"},
+      {points + "0 0 0" + std::string(5000, ' ') + "\n1 2 3\n", "do not end its line"},
+  });
   EXPECT_EQ(read(faces + "3 0 1 2").triangles.size(), 1U);
 }
 
 TEST(PlyFaults, DataBehindTheElementsIsLeftOutWithAWarning) {
-  const std::string points = header("ascii", "element vertex 1\n" + xyz),
-                    binary = header("binary_little_endian", "element vertex 1\n" + xyz);
+  const std::string vertex = "element vertex 1\n" + xyz, points = header("ascii", vertex),
+                    binary = header("binary_little_endian", vertex),
+                    more = vertex + "element tag 2\nproperty uchar a\nproperty int b\n";
   const auto warning_of = [](const std::string& file) {
     return test::stderr_of([&] { EXPECT_EQ(read(file).positions.size(), 1U); });
   };
-  EXPECT_CONTAINS(warning_of(points + "0 0 0\n\n1 2 3\n4 5 6"),
-                  "line 10: 2 lines more than its header promises are left out");
-  EXPECT_CONTAINS(warning_of(binary + std::string(24, '\0')), "12 bytes more than its header promises");
+  const std::vector<std::pair<std::string, std::string>> longer{
+      {points + "0 0 0\n\n1 2 3\n4 5 6", "line 10: 2 lines more than its header promises are left out"},
+      {binary + std::string(24, '\0'), "12 bytes more than its header promises"},
+      {header("ascii", more) + "0 0 0\n1 2\n3 4\n5 6\n", "line 14: 1 line more"},
+      {header("binary_big_endian", more) + std::string(12 + 2 * 5 + 3, '\0'), "3 bytes more"},
+  };
+  for (const auto& [file, message] : longer)
+    EXPECT_CONTAINS(warning_of(file), message);
   for (const std::string& whole :
-       {points + "0 0 0", points + "0 0 0\r\n \r\n\x1a", binary + std::string(12, '\0') + "\r\n"})
+       {points + "0 0 0", points + "0 0 0\r\n \r\n\x1a", binary + std::string(12, '\0') + "\r\n",
+        header("ascii", more) + "0 0 0\nthese are\nnot read\n",
+        header("binary_big_endian", more) + std::string(12 + 2 * 5, '\0')})
     EXPECT_EQ(warning_of(whole), "");
-  const std::string more = "element vertex 1\n" + xyz + "element tag 2\nproperty uchar a\nproperty int b\n";
-  EXPECT_EQ(warning_of(header("ascii", more) + "0 0 0\nthese are\nnot read\n"), "");
-  EXPECT_CONTAINS(warning_of(header("ascii", more) + "0 0 0\n1 2\n3 4\n5 6\n"), "line 14: 1 line more");
-  EXPECT_EQ(warning_of(header("binary_big_endian", more) + std::string(12 + 2 * 5, '\0')), "");
-  EXPECT_CONTAINS(warning_of(header("binary_big_endian", more) + std::string(12 + 2 * 5 + 3, '\0')), "3 bytes more");
 }
 
 TEST(PlyFaults, ADiskThatIsFull) {
@@ -347,12 +350,11 @@ TEST(PlyFaults, ADiskThatIsFull) {
   const Mesh ball = test::sphere(0.02, 100, 200);
   const std::vector<Vec3> one{{0, 0, 0}};
   for (const PlyFormat format : {PlyFormat::ascii, PlyFormat::binary}) {
-    EXPECT_CONTAINS(
-        test::error_of([&] { write_ply("/dev/full", ball.positions, ball.triangles, format); }, Exit::failed),
-        "/dev/full: cannot be written: No space left");
-    EXPECT_CONTAINS(test::error_of([&] { write_ply("/dev/full", one, {}, format); }, Exit::failed), "No space left");
+    EXPECT_ERROR(write_ply("/dev/full", ball.positions, ball.triangles, format), Exit::failed,
+                 "/dev/full: cannot be written: No space left");
+    EXPECT_ERROR(write_ply("/dev/full", one, {}, format), Exit::failed, "No space left");
   }
-  EXPECT_CONTAINS(test::error_of([&] { write_ply(folder() / "absent" / "a.ply", one); }, Exit::failed), "No such file");
+  EXPECT_ERROR(write_ply(folder() / "absent" / "a.ply", one), Exit::failed, "No such file");
 }
 
 TEST(Ply, AMillionPointsTakeASecondOrTwo) {

@@ -14,6 +14,13 @@
 namespace palpa::geometry {
 namespace {
 
+// Adds a copy of a scene's mesh `number`.
+void add_copy(Scene& scene, const std::string& name, const Mesh& mesh, std::uint32_t number, const Transform& T) {
+  SceneMesh out{name, test::transformed(mesh, [&](const Vec3& p) { return transform_point(T, p); })};
+  out.copy = CopyOf{number, T};
+  scene.meshes.push_back(std::move(out));
+}
+
 // This many copies, each turned and moved; every third is twice as large, every fifth mirrored.
 Scene copies_of(const Mesh& mesh, std::uint32_t count) {
   Scene scene{"test.glb", {}};
@@ -21,12 +28,8 @@ Scene copies_of(const Mesh& mesh, std::uint32_t count) {
     Transform T = glm::translate(Transform(1), Vec3(0.3 * i, 0.1, -0.2));
     T = glm::rotate(T, 0.1 * i, glm::normalize(Vec3(1, 2, 3)));
     T = glm::scale(T, Vec3(i % 3 == 2 ? 2 : 1) * Vec3(1, 1, i % 5 == 4 ? -1 : 1));
-    SceneMesh out{"copy " + std::to_string(i), mesh};
-    for (Vec3& p : out.mesh.positions)
-      p = transform_point(T, p);
-    if (i % 5 == 4) flip(out.mesh);
-    out.copy = CopyOf{0, T};
-    scene.meshes.push_back(std::move(out));
+    add_copy(scene, "copy " + std::to_string(i), mesh, 0, T);
+    if (i % 5 == 4) flip(scene.meshes.back().mesh);
   }
   return scene;
 }
@@ -84,26 +87,21 @@ TEST(RigidCopies, OfAConvexMeshHaveItsPlanes) {
   }
 }
 
-TEST(RigidCopies, FewOfThemAreEachPreparedForThemselves) {
+TEST(RigidCopies, FewCopiesAreEachChecked) {
   const Scene scene = copies_of(test::ell(), 12);
   EXPECT_EQ(count_of(debug_lines_of([&] { make_solids(scene); }), "is checked"), 12U);
 }
 
-TEST(RigidCopies, ThatAreOpenCloseTogetherAllTheSame) {
+TEST(RigidCopies, OpenCopiesCloseTogether) {
   // Halves of boxes, two nodes each.
   Mesh half = test::box(Vec3(0), Vec3(0.01)), other = half;
   half.triangles.resize(6);
   other.triangles.erase(other.triangles.begin(), other.triangles.begin() + 6);
   Scene scene{"test.glb", {}};
   for (std::uint32_t i = 0; i < 60; ++i) {
-    for (const auto& [number, mesh] : {std::pair(0U, half), std::pair(1U, other)}) {
-      const Transform T = glm::translate(Transform(1), Vec3(0.02 * i, 0, 0));
-      SceneMesh out{"piece", mesh};
-      for (Vec3& p : out.mesh.positions)
-        p = transform_point(T, p);
-      out.copy = CopyOf{number, T};
-      scene.meshes.push_back(std::move(out));
-    }
+    const Transform T = glm::translate(Transform(1), Vec3(0.02 * i, 0, 0));
+    add_copy(scene, "piece", half, 0, T);
+    add_copy(scene, "piece", other, 1, T);
   }
   const std::vector<Solid> solids = make_solids(scene);
   EXPECT_EQ(solids.size(), 60U);
@@ -111,7 +109,7 @@ TEST(RigidCopies, ThatAreOpenCloseTogetherAllTheSame) {
     EXPECT_EQ(solid.planes.size(), 6U);
 }
 
-TEST(RigidCopies, SceneryAndPartsAreNone) {
+TEST(RigidCopies, SceneryAndPartsAreNoCopies) {
   Scene scene = copies_of(test::ell(), 120);
   scene.meshes[0].haptics.touchable = false;
   scene.meshes[1].part = PartOf{"solid"};

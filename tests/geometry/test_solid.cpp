@@ -8,7 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <random>
-#include <tuple>
+#include <utility>
 
 #include "geometry/mesh/topology.hpp"
 #include "support/captured.hpp"
@@ -77,48 +77,13 @@ TEST(Solid, DepthIsTheDistanceToTheSurfaceInside) {
   }
 }
 
-TEST(Solid, RigidMotionMovesThePlanesAlong) {
-  std::mt19937 random(5);
-  const Mesh shape = test::sphere(0.02, 8, 11);
-  const Solid still = solids_of({shape})[0];
-  for (int round = 0; round < 20; ++round) {
-    const glm::dmat3 R = random_rotation(random);
-    const Vec3 t(0.1 * round, -0.2, 0.3);
-    const Solid moved = solids_of({test::transformed(shape, [&](const Vec3& p) { return R * p + t; })})[0];
-    ASSERT_EQ(moved.planes.size(), still.planes.size());
-    for (int i = 0; i < 20; ++i) {
-      const Vec3 p(0.001 * i, 0.002 * (i % 7), -0.0015 * (i % 5));
-      EXPECT_NEAR(depth(moved, R * p + t), depth(still, p), 1e-9);
-    }
-  }
-}
-
 TEST(Solid, MergesCoplanarTrianglesOfFinelyDividedFaces) {
   // Each face of a turned cube as 20 x 20 squares, in single precision.
   std::mt19937 random(9);
   for (int round = 0; round < 10; ++round) {
     const glm::dmat3 R = random_rotation(random);
-    Mesh mesh;
-    constexpr int n = 20;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        const auto corner = [&](int i, int k) {
-          Vec3 p;
-          p[axis] = side;
-          p[(axis + 1) % 3] = side * (2.0 * i / n - 1);
-          p[(axis + 2) % 3] = 2.0 * k / n - 1;
-          return R * p * 0.02 + Vec3(0.05, 0, 0);
-        };
-        for (int i = 0; i < n; ++i) {
-          for (int k = 0; k < n; ++k) {
-            const auto v = static_cast<std::uint32_t>(mesh.positions.size());
-            mesh.positions.insert(mesh.positions.end(),
-                                  {corner(i, k), corner(i + 1, k), corner(i + 1, k + 1), corner(i, k + 1)});
-            mesh.triangles.insert(mesh.triangles.end(), {{v, v + 1, v + 2}, {v, v + 2, v + 3}});
-          }
-        }
-      }
-    }
+    const Mesh mesh = test::transformed(test::unshared(test::squared_cube(0.04, 20)),
+                                        [&](const Vec3& p) { return R * p + Vec3(0.05, 0, 0); });
     const Solid cube = solids_of({test::rounded(mesh)})[0];
     EXPECT_EQ(cube.planes.size(), 6U);
     EXPECT_NEAR(depth(cube, Vec3(0.05, 0, 0)), 0.02, 2e-8);
@@ -165,29 +130,30 @@ TEST(Solid, SeamsThatWereRoundedDifferentlyClose) {
   EXPECT_EQ(solids_of({mesh})[0].mesh.positions.size(), 9U * 16 + 2);
 }
 
-TEST(Solid, RefusesNothing) {
+TEST(Solid, MeshesThatAreNoSolidAreRefusedWithTheirFault) {
+  const Mesh cube = box(Vec3(0), Vec3(0.04)), sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
+  Mesh open = cube, turned = cube, touching = box(Vec3(0), Vec3(1));
+  open.triangles.pop_back();
+  std::swap(turned.triangles[0][1], turned.triangles[0][2]);
+  append(touching, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   EXPECT_CONTAINS(solid_fault_of({}), "no triangle mesh");
-}
-
-TEST(Solid, RefusesAnOpenMeshAndSaysWhere) {
-  Mesh mesh = box(Vec3(0), Vec3(0.04));
-  mesh.triangles.pop_back();
-  const std::string line = solid_fault_of({mesh});
-  EXPECT_CONTAINS(line, "mesh \"mesh 0\"");
-  EXPECT_CONTAINS(line, "3 open edges");
-  EXPECT_CONTAINS(line, "(0.04, 0.04, 0)");
-}
-
-TEST(Solid, RefusesFlippedFaces) {
-  Mesh mesh = box(Vec3(0), Vec3(1));
-  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
-  EXPECT_CONTAINS(solid_fault_of({mesh}), "3 edges lie between faces of opposite orientation");
-}
-
-TEST(Solid, RefusesNonManifoldEdges) {
-  Mesh mesh = box(Vec3(0), Vec3(1));
-  append(mesh, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
-  EXPECT_CONTAINS(solid_fault_of({mesh}), "1 edge has more than two faces");
+  const std::vector<std::pair<Mesh, const char*>> meshes{
+      {open, "mesh \"mesh 0\""},
+      {open, "3 open edges"},
+      {open, "(0.04, 0.04, 0)"},
+      {turned, "3 edges lie between faces of opposite orientation"},
+      {touching, "1 edge has more than two faces"},
+      {sheet, "flat"},
+      {box(Vec3(0), Vec3(1, 1, 1e-9)), "flat"},
+      {Mesh{{{1, 2, 3}}, {{0, 0, 0}}}, "flat"},
+      {box(Vec3(0), Vec3(1e30)), "kilometre"},
+      {box(Vec3(1e9), Vec3(1e9 + 1)), "kilometre"},
+      {box(Vec3(0), Vec3(1e-9)), "micrometre"},
+  };
+  for (const auto& [mesh, message] : meshes)
+    EXPECT_CONTAINS(solid_fault_of({mesh}), message);
+  // A sheet of paper is accepted as a solid.
+  EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
 }
 
 TEST(Solid, MayHaveSeveralShells) {
@@ -208,41 +174,10 @@ TEST(Solid, MayHaveSeveralShells) {
   EXPECT_TRUE(shell.planes.empty());
 }
 
-TEST(Solid, RefusesFlatMeshes) {
-  const Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
-  EXPECT_CONTAINS(solid_fault_of({sheet}), "flat");
-  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1, 1, 1e-9))}), "flat");
-  EXPECT_CONTAINS(solid_fault_of({Mesh{{{1, 2, 3}}, {{0, 0, 0}}}}), "flat");
-  // A sheet of paper is accepted as a solid.
-  EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
-}
-
-TEST(Solid, RefusesAbsurdSizes) {
-  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1e30))}), "kilometre");
-  EXPECT_CONTAINS(solid_fault_of({box(Vec3(1e9), Vec3(1e9 + 1))}), "kilometre");
-  EXPECT_CONTAINS(solid_fault_of({box(Vec3(0), Vec3(1e-9))}), "micrometre");
-}
-
 TEST(Convexity, NamesTheReflexEdgeAndItsAngle) {
   // A house with its roof pushed in by 45 degrees: the valley runs along z at x = 0.5, y = 1.
-  Mesh house{{{0, 0, 0},
-              {1, 0, 0},
-              {1, 1.5, 0},
-              {0.5, 1, 0},
-              {0, 1.5, 0},
-              {0, 0, 2},
-              {1, 0, 2},
-              {1, 1.5, 2},
-              {0.5, 1, 2},
-              {0, 1.5, 2}},
-             {}};
-  for (std::uint32_t i = 0; i < 5; ++i) {
-    const std::uint32_t k = (i + 1) % 5;
-    house.triangles.insert(house.triangles.end(), {{i, k, k + 5}, {i, k + 5, i + 5}});
-  }
-  for (const auto& [a, b, c] : {std::tuple(0U, 3U, 1U), std::tuple(1U, 3U, 2U), std::tuple(0U, 4U, 3U)}) {
-    house.triangles.insert(house.triangles.end(), {{a, b, c}, {a + 5, c + 5, b + 5}});
-  }
+  const Mesh house =
+      test::prism({{0, 0}, {1, 0}, {1, 1.5}, {0.5, 1}, {0, 1.5}}, {{0, 1, 3}, {1, 2, 3}, {0, 3, 4}}, 0, 2);
   ASSERT_TRUE(find_defects(house).closed_and_oriented());
   const std::vector<std::uint32_t> twin = twins(house);
   const double tolerance = flatness_tolerance(house);
@@ -254,9 +189,6 @@ TEST(Convexity, NamesTheReflexEdgeAndItsAngle) {
     EXPECT_EQ(house.positions[v].y, 1);
   }
   EXPECT_TRUE(is_concave(house));
-}
-
-TEST(Convexity, KnowsATorus) {
   EXPECT_TRUE(is_concave(test::torus(0.03, 0.01, 24)));
 }
 
@@ -296,20 +228,8 @@ TEST(Convexity, AcceptsSliversButNotWhatTheyHide) {
   EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-6);
   // An L-shape whose inner corner is bevelled by a strip too narrow to have a normal.
   const double w = 2e-7;
-  const std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1 + w, 1}, {1, 1 + w}, {1, 2}, {0, 2}};
-  Mesh bevelled;
-  for (const double z : {0.0, 1.0}) {
-    for (const Vec2& p : outline)
-      bevelled.positions.emplace_back(p.x, p.y, z);
-  }
-  for (std::uint32_t i = 0; i < 7; ++i) {
-    const std::uint32_t k = (i + 1) % 7;
-    bevelled.triangles.insert(bevelled.triangles.end(), {{i, k, k + 7}, {i, k + 7, i + 7}});
-  }
-  for (const auto& [a, b, c] : {std::tuple(0U, 1U, 3U), std::tuple(1U, 2U, 3U), std::tuple(0U, 3U, 4U),
-                                std::tuple(0U, 4U, 6U), std::tuple(4U, 5U, 6U)}) {
-    bevelled.triangles.insert(bevelled.triangles.end(), {{a, c, b}, {a + 7, b + 7, c + 7}});
-  }
+  const Mesh bevelled = test::prism({{0, 0}, {2, 0}, {2, 1}, {1 + w, 1}, {1, 1 + w}, {1, 2}, {0, 2}},
+                                    {{0, 1, 3}, {1, 2, 3}, {0, 3, 4}, {0, 4, 6}, {4, 5, 6}}, 0, 1);
   ASSERT_TRUE(find_defects(bevelled).closed_and_oriented());
   EXPECT_TRUE(is_concave(bevelled));
 }

@@ -38,7 +38,7 @@ std::string surface_fault_of(const Mesh& mesh) {
   return test::error_of([&] { checked_solids_of(mesh); });
 }
 
-TEST(Predicates, AreExactWhereRoundingIsNot) {
+TEST(Predicates, AreExactNearPlanes) {
   const Vec3 a(0.1, 0.2, 0.3), b(0.7, 0.1, 0.9), c(0.4, 0.8, 0.2);
   // A point of the plane up to rounding: one step of the last digit along an axis moves it to one side or the other.
   std::mt19937 random(1);

@@ -22,16 +22,6 @@
 namespace palpa::gpu {
 namespace {
 
-Exit exit_of(const DeviceOptions& options, std::string* line = nullptr) {
-  try {
-    const Device device(options);
-  } catch (const Error& error) {
-    if (line) *line = error.what();
-    return error.code();
-  }
-  return Exit::ok;
-}
-
 TEST(Device, ListsWhatIsThere) {
   const auto devices = list_devices();
   ASSERT_FALSE(devices.empty());
@@ -52,11 +42,8 @@ TEST(Device, IsChosenByIndexAndByPartOfItsNameInAnyCase) {
 }
 
 TEST(Device, RefusesWithAReasonWhenNothingFits) {
-  std::string line;
-  EXPECT_EQ(exit_of({.select = "no such GPU"}, &line), Exit::no_device);
-  EXPECT_NE(line.find("is not 'no such GPU'"), std::string::npos) << line;
-  EXPECT_EQ(line.find('\n'), std::string::npos);
-  EXPECT_EQ(exit_of({.select = "999"}, &line), Exit::no_device);
+  EXPECT_ERROR(Device({.select = "no such GPU"}), Exit::no_device, "is not 'no such GPU'");
+  EXPECT_ERROR(Device({.select = "999"}), Exit::no_device, "999");
 }
 
 TEST(Device, StagedAndUnifiedBuffersCarryTheSameBytes) {
@@ -126,20 +113,29 @@ TEST(Device, NamesItsObjectsWhileOtherThreadsMakeInstances) {
   names.join();
 }
 
+/// An event that is not signalled.
+VkEvent event_of(const Device& device) {
+  VkEvent event = VK_NULL_HANDLE;
+  const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+  PALPA_VK(vkCreateEvent(device.get(), &info, nullptr, &event));
+  return event;
+}
+void wait_for(VkCommandBuffer commands, VkEvent event) {
+  vkCmdWaitEvents(commands, 1, &event, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
+                  nullptr, 0, nullptr);
+}
+
 TEST(Timeline, ASubmitOfNothingIsDoneWhenAllBeforeItIs) {
   const char* const validation = std::getenv("PALPA_VALIDATION");
   if (validation && std::string_view(validation) == "gpu-assisted")
     GTEST_SKIP() << "this validation waits for a queue before its host may signal an event";
   const Device& device = palpa::test::test_device();
-  VkEvent later = VK_NULL_HANDLE;
-  const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-  PALPA_VK(vkCreateEvent(device.get(), &info, nullptr, &later));
+  const VkEvent later = event_of(device);
   const Handle<VkEvent> owner(device.get(), later, vkDestroyEvent);
   const Recorder recorder(device, "waits");
   Timeline work(device), drained(device);
   const VkCommandBuffer commands = recorder.begin();
-  vkCmdWaitEvents(commands, 1, &later, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
-                  nullptr, 0, nullptr);
+  wait_for(commands, later);
   const std::uint64_t busy = work.submit(recorder.end()), end = drained.submit();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_FALSE(drained.done(end));
@@ -155,13 +151,7 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
   recorder.begin();
   const VkCommandBuffer commands = recorder.end();
   device.lose();
-  try {
-    timeline.submit(commands);
-    FAIL() << "submitted to a lost device";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Exit::failed);
-    EXPECT_NE(std::string(error.what()).find("VK_ERROR_DEVICE_LOST"), std::string::npos) << error.what();
-  }
+  EXPECT_ERROR(timeline.submit(commands), Exit::failed, "VK_ERROR_DEVICE_LOST");
 }
 
 /// Waits for a device whose work never ends, and abandons it.
@@ -172,12 +162,8 @@ TEST(Device, ALostDeviceIsAnErrorNotACrash) {
     const Buffer buffer(device, 1 << 16, "in use");
     const Recorder recorder(device, "for ever");
     Timeline timeline(device);
-    VkEvent never = VK_NULL_HANDLE;
-    const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-    vkCreateEvent(device.get(), &info, nullptr, &never);
     const VkCommandBuffer commands = recorder.begin();
-    vkCmdWaitEvents(commands, 1, &never, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0,
-                    nullptr, 0, nullptr);
+    wait_for(commands, event_of(device));
     vkCmdFillBuffer(commands, buffer.ref().buffer, 0, VK_WHOLE_SIZE, 7);
     const std::uint64_t value = timeline.submit(recorder.end());
     const auto is_copied = [&](double patience_s, const std::string& part) {
@@ -196,14 +182,9 @@ TEST(Timeline, ADeviceThatDoesNotAnswerIsLeftAlone) {
 }
 
 TEST(Device, ChecksNameCallFileAndResult) {
-  try {
-    PALPA_VK(VK_ERROR_OUT_OF_DEVICE_MEMORY);
-    FAIL();
-  } catch (const Error& error) {
-    const std::string line = error.what();
-    EXPECT_NE(line.find("VK_ERROR_OUT_OF_DEVICE_MEMORY"), std::string::npos);
-    EXPECT_NE(line.find("test_device.cpp:"), std::string::npos);
-  }
+  const std::string line = test::thrown_by([] { PALPA_VK(VK_ERROR_OUT_OF_DEVICE_MEMORY); }).what();
+  EXPECT_CONTAINS(line, "VK_ERROR_OUT_OF_DEVICE_MEMORY");
+  EXPECT_CONTAINS(line, "test_device.cpp:");
   EXPECT_NO_THROW(PALPA_VK(VK_SUBOPTIMAL_KHR));
 }
 

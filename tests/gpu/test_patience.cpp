@@ -33,7 +33,7 @@ double waits(Patience& patience, double slice_s, double longest_s, const Functio
   return now_s;
 }
 
-TEST(Patience, OfAGpuIsAMinuteOfTheClock) {
+TEST(Patience, AGpuHasAMinute) {
   Patience patience(60, false);
   EXPECT_EQ(patience.slice_s(), 1);
   EXPECT_EQ(waits(patience, 1, 1000, [](double) { return Work{}; }), 60);
@@ -53,7 +53,7 @@ TEST(Patience, TimeInWhichTheProgramStoodStillDoesNotCount) {
 
 // Ten cold starts at once: each driver's threads get a sixteenth of a processor, and compile shaders for 20 s of
 // processor time.
-TEST(Patience, OfASoftwareDeviceHasNoClock) {
+TEST(Patience, ASoftwareDeviceThatComputesIsWaitedFor) {
   Patience patience(60, true);
   EXPECT_EQ(waits(patience, 1, 320, [](double now_s) { return Work{{now_s / 16, true}, {0.1, false}}; }), 320);
 }

@@ -19,23 +19,28 @@ Mesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-Mesh ell() {
+Mesh prism(const std::vector<Vec2>& outline, const std::vector<glm::uvec3>& triangles, double low, double high) {
+  const auto n = static_cast<std::uint32_t>(outline.size());
   Mesh mesh;
-  const Vec2 outline[6] = {{-0.03, -0.04}, {0.03, -0.04}, {0.03, -0.02}, {0, -0.02}, {0, 0}, {-0.03, 0}};
-  for (const double z : {-0.02, 0.02}) {
+  for (const double z : {low, high}) {
     for (const Vec2& p : outline)
       mesh.positions.emplace_back(p.x, p.y, z);
   }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t next = (i + 1) % 6;
-    mesh.triangles.emplace_back(i, next, next + 6);
-    mesh.triangles.emplace_back(i, next + 6, i + 6);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t next = (i + 1) % n;
+    mesh.triangles.emplace_back(i, next, next + n);
+    mesh.triangles.emplace_back(i, next + n, i + n);
   }
-  for (const glm::uvec3& t : {glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3), glm::uvec3(0, 3, 5), glm::uvec3(3, 4, 5)}) {
+  for (const glm::uvec3& t : triangles) {
     mesh.triangles.emplace_back(t[0], t[2], t[1]);
-    mesh.triangles.emplace_back(t[0] + 6, t[1] + 6, t[2] + 6);
+    mesh.triangles.emplace_back(t[0] + n, t[1] + n, t[2] + n);
   }
   return mesh;
+}
+
+Mesh ell() {
+  return prism({{-0.03, -0.04}, {0.03, -0.04}, {0.03, -0.02}, {0, -0.02}, {0, 0}, {-0.03, 0}},
+               {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}}, -0.02, 0.02);
 }
 
 Mesh sphere(double radius, int rings, int segments) {
@@ -105,6 +110,37 @@ Mesh divided(const Mesh& mesh, int times) {
       finer.triangles.push_back(small + first);
   }
   return divided(geometry::weld(finer, 1e-9), times - 1);
+}
+
+Mesh divided_box(const Vec3& half, int times) {
+  return divided(box(-half, half), times);
+}
+
+Mesh squared_cube(double side, int squares) {
+  Mesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const bool high = face % 2 == 1;
+    const auto at = [&](int i, int j) {
+      Vec3 p;
+      p[axis] = high ? side / 2 : -side / 2;
+      p[(axis + 1) % 3] = side * i / squares - side / 2;
+      p[(axis + 2) % 3] = side * j / squares - side / 2;
+      return p;
+    };
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      const auto first = static_cast<unsigned>(mesh.positions.size());
+      mesh.positions.insert(mesh.positions.end(), {a, high ? b : c, high ? c : b});
+      mesh.triangles.emplace_back(first, first + 1, first + 2);
+    };
+    for (int i = 0; i < squares; ++i) {
+      for (int j = 0; j < squares; ++j) {
+        add(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+        add(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+    }
+  }
+  return geometry::weld(mesh, side * 1e-6);
 }
 
 Mesh transformed(Mesh mesh, const std::function<Vec3(const Vec3&)>& map) {

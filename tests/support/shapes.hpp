@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "geometry/mesh/mesh.hpp"
 
@@ -9,6 +10,10 @@ namespace palpa::test {
 
 /// 12 triangles facing outwards, 8 shared vertices.
 geometry::Mesh box(const Vec3& low, const Vec3& high);
+
+/// An outline in x and y, from `low` to `high` in z. The triangles divide it. Both run counterclockwise.
+geometry::Mesh prism(const std::vector<Vec2>& outline, const std::vector<glm::uvec3>& triangles, double low,
+                     double high);
 
 /// An L along x, 60 mm long, 40 mm high and deep, without the upper half of its right half. Its top is at y = 0.
 geometry::Mesh ell();
@@ -24,6 +29,12 @@ geometry::Mesh unshared(const geometry::Mesh& mesh);
 
 /// The mesh with each triangle divided into four, `times` times, with shared vertices.
 geometry::Mesh divided(const geometry::Mesh& mesh, int times);
+
+/// A box of these half sides, with its triangles divided.
+geometry::Mesh divided_box(const Vec3& half, int times);
+
+/// A cube about the origin; each side is divided into squares of two triangles.
+geometry::Mesh squared_cube(double side, int squares);
 
 geometry::Mesh transformed(geometry::Mesh mesh, const std::function<Vec3(const Vec3&)>& map);
 

@@ -1,5 +1,5 @@
 // Prints how loud the weakest focus of a set can be if all transducers are in full: the numbers of
-// tests/array/loud_optima.hpp. It is not a test; run it by hand, for minutes. It shares the forward model with the
+// tests/array/loud_optima.txt. It is not a test; run it by hand, for minutes. It shares the forward model with the
 // solvers, but none of their methods: random starts, weighted Gerchberg-Saxton over all transducers, and from the best
 // of these ends L-BFGS in all phases, for a soft minimum that becomes harder and harder.
 //
@@ -280,7 +280,7 @@ int run(const std::vector<std::string>& words) {
     }
   }
   for (std::uint32_t set = 0; set < sets; ++set)
-    std::printf("%.0f,%s", optima[set], set % 20 == 19 || set + 1 == sets ? "\n" : " ");
+    std::printf("%.0f%s", optima[set], set % 20 == 19 || set + 1 == sets ? "\n" : " ");
   return 0;
 }
 

@@ -1,4 +1,4 @@
-// Prints how loud a solver makes the weakest focus, relative to its optimum (tests/array/loud_optima.hpp), and how even
+// Prints how loud a solver makes the weakest focus, relative to its optimum (tests/array/loud_optima.txt), and how even
 // the foci are. It is not a test; run it by hand. Arguments: layout, solver, constraint, and optionally the number of
 // sets of each kind, and "gpu" for the device instead of the twin.
 #include <algorithm>
@@ -80,8 +80,8 @@ void run(const LoudOptima& optima, const DriveOptions& options, std::size_t most
            static_cast<double>(parts.size());
   };
   std::printf("%-8s %2zu-%2zu foci, %3zu sets: median %.3f, 0.98 in %.1f, 0.95 in %.1f, 0.93 in %.1f, 0.90 in %.1f %%;",
-              optima.layout, optima.fewest, optima.most, sets.size(), parts[parts.size() / 2].first, reaches(0.98),
-              reaches(0.95), reaches(0.93), reaches(0.90));
+              optima.layout.c_str(), optima.fewest, optima.most, sets.size(), parts[parts.size() / 2].first,
+              reaches(0.98), reaches(0.95), reaches(0.93), reaches(0.90));
   std::printf(" worst");
   for (std::size_t i = 0; i < std::min<std::size_t>(4, parts.size()); ++i)
     std::printf(" %.3f (%zu)", parts[i].first, parts[i].second);
@@ -100,7 +100,7 @@ int main_of(const std::vector<std::string>& words) {
   if (!solver || !constraint) return 2;
   options.solver = *solver;
   options.constraint = *constraint;
-  for (const LoudOptima& optima : loud_optima) {
+  for (const LoudOptima& optima : loud_optima()) {
     if (words[0] == "all" || words[0] == optima.layout)
       run(optima, options, words.size() > 3 ? std::stoul(words[3]) : 500, words.size() > 4 && words[4] == "gpu");
   }

@@ -1,0 +1,54 @@
+// The free field's columns for foci, and what the drives that solvers work on give.
+#pragma once
+
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/free_field.hpp"
+#include "array/solvers/hearing.hpp"
+
+namespace palpa::array {
+
+inline Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& foci, Weighting weighting,
+                          Directivity directivity = Directivity::t4010a1) {
+  FreeField field;
+  field.set(layout, {}, directivity);
+  std::vector<FocusSource> sources;
+  for (const SlotFocus& focus : foci) {
+    double reach = 0;
+    for (const Transducer& transducer : layout.transducers)
+      reach = std::max(reach, glm::distance(transducer.position, focus.position));
+    sources.push_back({focus.position, reach, 1});
+  }
+  Columns columns;
+  field.fill(sources, weighting, columns);
+  return columns;
+}
+
+/// The transducers' drives if every focus only asks.
+inline std::vector<std::complex<double>> sums_of(const Columns& columns, Constraint constraint, double divided_by = 1) {
+  std::vector<std::complex<double>> sums(columns.transducers);
+  for (std::size_t n = 0; n < sums.size(); ++n) {
+    for (std::size_t j = 0; j < columns.foci; ++j)
+      sums[n] += columns.ask(n * columns.foci + j) / divided_by;
+    sums[n] = bounded(sums[n], constraint);
+  }
+  return sums;
+}
+
+/// The pressure at each focus.
+inline std::vector<double> heard_of(const Columns& columns, const std::vector<std::complex<double>>& does) {
+  std::vector<double> heard;
+  for (std::size_t j = 0; j < columns.foci; ++j) {
+    std::complex<double> sum = 0;
+    for (std::size_t n = 0; n < does.size(); ++n)
+      sum += columns.transfer(n * columns.foci + j) * does[n];
+    heard.push_back(std::abs(sum));
+  }
+  return heard;
+}
+
+}  // namespace palpa::array
