@@ -24,8 +24,8 @@ std::string shown(const std::string& word) {
   return printable(word, 60);
 }
 
-/// The first unused word of the line. The parser keeps unused words in a different order. The value of a used option may
-/// equal an unused word, so the search begins at the end.
+/// The first unused word of the line. The parser keeps unused words in a different order. The search begins at the end,
+/// because the value of a used option may equal an unused word.
 std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
   std::vector<std::string> left = app.remaining(true);
   std::string first = left.empty() ? std::string() : left.front();
