@@ -17,8 +17,8 @@ gpu-assisted ./dev test matrix gpu-assisted
 corpus       ./dev test matrix corpus
 asan         ./dev test matrix asan
 tsan         ./dev test matrix tsan
-fuzz         ./dev test matrix fuzz
-kill         ./dev test matrix kill
+fuzz         ./dev test fuzz 60 1
+kill         ./dev test kill 60 1
 package      ./dev test package
 cluster      ./dev test cluster
 bare-12      ./dev test bare 12

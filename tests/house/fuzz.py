@@ -9,9 +9,7 @@ A case must end by itself with an exit code from 0 to 4 and at most one line of 
 time, must leave all files alone that it was given to read, and must not show the contents of files that do not concern
 it. JSON that it writes must be JSON. A journal of a study keeps its lines. --part takes only commands that begin with a word.
 """
-import argparse
 import atexit
-import concurrent.futures
 import hashlib
 import json
 import os
@@ -20,18 +18,14 @@ import random
 import re
 import resource
 import shlex
-import shutil
 import subprocess
 import sys
-import tempfile
 import time
 
 import fuzz_study
-from judged import faults_of_messages, name_of_end
-from kill_study import Display
-from mutate import boxes_glb, boxes_ply, mutated, small_bag, sphere_ply
+from hostile import ROOT, Cases, Display, faults_of_messages, name_of_end, small_rig
+from mutate import boxes_glb, boxes_ply, mutated, octahedron_ply, small_bag
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as in docs/limits.md
 NOISE = 2.0                       # on a busy machine, caches and hyperthreads make the same work cost more
 MOST_CPU_S = 60                   # for cases without such a limit: they must still end
@@ -66,9 +60,7 @@ class Pool:
 
     def __init__(self, palpa, folder):
         assets = ROOT / "assets"
-        rig = (assets / "rigs/paper.toml").read_text()
-        for number, small in {"848": "106", "480": "60", "640.0": "80.0", "423.5": "52.5", "239.5": "29.5"}.items():
-            rig = re.sub(rf"= {re.escape(number)}$", f"= {small}", rig, flags=re.M)
+        rig = small_rig(8)[1]
         (folder / "rig.toml").write_text(rig)
         cube, finger = assets / "cube.glb", assets / "finger.ply"
         small = ["--scene", cube, "--backend", "cpu", "--quiet"]
@@ -90,12 +82,12 @@ class Pool:
         camera = rig[:rig.index("[[camera]]", rig.index("[[camera]]") + 1)]
         units = "\n".join("[[transducer]]\nposition_m = [%g, %g, 0.0]\naxis = [0.0, 0.0, 1.0]" % (0.01 * x, 0.01 * y)
                           for x in range(4) for y in range(4))
-        binary, text = finger.read_bytes(), sphere_ply(0.004)
+        binary, text = finger.read_bytes(), octahedron_ply(0.004)
         self.files = {
             "scene": [("s.glb", (assets / name).read_bytes()) for name in
                       ("cube.glb", "prism.glb", "pyramid.glb", "button-and-knob.glb", "semi-sphere.glb", "hand.glb")],
             "points": [("p.ply", binary), ("p.ply", text)],
-            "mesh": [("m.ply", text), ("m.ply", sphere_ply(0.0012))],
+            "mesh": [("m.ply", text), ("m.ply", octahedron_ply(0.0012))],
             "rig": [("r.toml", rig.encode())],
             "camera": [("c.toml", camera.encode())],
             "layout": [("l.toml", (assets / "layouts/example.toml").read_bytes()), ("l.toml", units.encode())],
@@ -426,67 +418,33 @@ def faults_of(case, program):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--part", default="", help="only commands that begin with this, such as study")
-    parser.add_argument("--only", type=int, help="one case, whose files are kept")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    chosen = parser.parse_args()
-    programs = {command: chosen.bin.resolve() / "palpa" for command in COMMANDS if command != "viewer"}
-    viewer = chosen.bin.resolve() / "palpa-viewer"
-    os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
+    cases = Cases("tests/house/fuzz.py", __doc__, os.cpu_count(), part={"default": "", "help": "only commands that begin with this, such as study"})
+    programs = {command: cases.bin / "palpa" for command in COMMANDS if command != "viewer"}
+    viewer = cases.bin / "palpa-viewer"
     options = {command: options_of(program, *command.split()) for command, program in programs.items()}
     if viewer.exists():
         options["viewer"], programs["viewer"] = options_of(viewer), viewer
-    options = {command: known for command, known in options.items() if command.startswith(chosen.part)}
-    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="palpa-fuzz-"))
-    pool = Pool(programs["touch"], work)
+    options = {command: known for command, known in options.items() if command.startswith(cases.chosen.part)}
+    pool = Pool(programs["touch"], cases.work)
     display = Display()
     atexit.register(display.close)
     pool.display = display.name
 
-    def run(number):
-        folder = work / str(number)
-        case = Case(number, chosen.seed, pool, options, folder)
+    def run(number, folder):
+        case = Case(number, cases.chosen.seed, pool, options, folder)
         program = str(programs[case.command])
         try:
             faults, cost, code = faults_of(case, program)
         except ValueError as error:  # an argument that no program can receive
             if "null byte" not in str(error):
                 raise
+            (folder / "stderr").touch()
             faults, cost, code = [], 0, 0
-        if faults or chosen.only is not None:
-            lines = [f"case {number}: {shlex.join([program, *case.arguments])}", *(f"  {fault}" for fault in faults),
-                     f"  {name_of_end(code)}, {cost:.2f} s", "  stderr: " + repr((folder / "stderr").read_bytes()[:700])[2:-1],
-                     f"  again: tests/house/fuzz.py --seed {chosen.seed} --only {number} --bin {chosen.bin}" + f" --part '{chosen.part}'" * bool(chosen.part)]
-            print("\n".join(lines), flush=True)
-        else:
-            shutil.rmtree(folder)
-        return bool(faults), code
+        return faults, name_of_end(code), [shlex.join([program, *case.arguments]), f"{name_of_end(code)}, {cost:.2f} s"]
 
-    if chosen.only is not None:
-        found, _ = run(chosen.only)
-        print(f"its files are in {work}")
-        return int(found)
-    ends, found, number = {}, 0, 0
-    with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as executor:
-        running = set()
-        while running or time.monotonic() - begin < chosen.seconds:
-            while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
-                running.add(executor.submit(run, number))
-                number += 1
-            done, running = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
-            for future in done:
-                bad, code = future.result()
-                found += bad
-                ends[code] = ends.get(code, 0) + 1
-    counts = ", ".join(f"{count} with {name_of_end(code)}" for code, count in sorted(ends.items()))
-    print(f"fuzz: seed {chosen.seed}, {number} cases, {counts}; {found} found something" + (f", files in {work}" if found else ""))
-    if not found:
-        shutil.rmtree(work)
-    return int(found > 0)
+    count, found, ends = cases.run(run)
+    counts = ", ".join(f"{times} with {end}" for end, times in sorted(ends.items()))
+    return cases.end(f"fuzz: seed {cases.chosen.seed}, {count} cases, {counts}", found)
 
 
 if __name__ == "__main__":

@@ -1,34 +1,25 @@
-#!/usr/bin/env python3
-"""kill_study.py [--kills N] [--seed S] [--bin FOLDER]: a study that is killed at random moments, and continued.
+"""kill_study.py: a study that is killed at random moments, and continued; for kill.py.
 
 A scripted participant goes through a study with `palpa study run --rehearse`: two windows under Xvfb, touches of 50 ms,
 an emulated OpenMPD board. At a random moment the program or the guard of its board gets SIGKILL, and the same command
 is started again, until the participant has finished. Each time, the board must fall silent, none of the processes may
 be left, the journal must be as docs/study.md promises, and what there is must be analysed. At the end, each step of the
 plan must be complete exactly once, and the analysis must be that of a study that nobody interrupts.
-
-kill.py does the same beside its other cases, with short studies.
 """
-import argparse
 import json
 import os
 import pathlib
 import random
 import re
-import shutil
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
 import time
 
 import journals
-from judged import faults_of_messages, name_of_end
-from watched import Clock, processes
-from wires import Trace
+from hostile import ROOT, Display, Marked, faults_of_messages, name_of_end
+from wires import Board
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SILENT_S = 0.15     # as in kill.py, after a death
 ENDED_S = 3.0       # a program whose guard was killed starts another one, pauses, and is stopped by the scripted people
 WHOLE_S = 600       # a program that nobody kills; a busy machine is no fault
@@ -85,53 +76,19 @@ def lowered_finger(by_m):
     return bytes(data)
 
 
-class Display:
-    """An Xvfb of its own; `name` is None if there is none."""
+class KilledStudies(Marked):
+    """One participant after the other, in the study's folder; trials: per shape and method. Call close() at the end."""
 
-    def __init__(self):
-        self.name = self.process = None
-        read, write = os.pipe()
-        try:
-            self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x720x24", "-nolisten", "tcp"], pass_fds=[write],
-                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-            os.close(write)
-            write = None
-            number = b""
-            while not number.endswith(b"\n") and (more := os.read(read, 16)):  # it ends if nobody reads all of it
-                number += more
-            self.name = f":{number.decode().strip()}" if number else None
-        except FileNotFoundError:
-            pass
-        finally:
-            for end in (read, write):
-                if end is not None:
-                    os.close(end)
-
-    def close(self):
-        if self.process:
-            self.process.terminate()
-            self.process.wait()
-
-
-class KilledStudies:
-    """One participant after the other, in the study's folder. Call close() at the end."""
-
-    def __init__(self, seed, folder, palpa, trials):
-        self.random, self.folder, self.palpa = random.Random(f"{seed}:study"), folder, str(palpa)
-        self.clock, self.faults, self.participant, self.emulator, self.trace = Clock(), [], 0, None, None
+    def __init__(self, seed, folder, palpa, rig, trials):
+        self.display = Display()
+        super().__init__(folder, DISPLAY=self.display.name or "", WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
+        self.random, self.folder, self.palpa, self.rig = random.Random(f"{seed}:study"), folder, str(palpa), str(rig)
+        self.faults, self.participant, self.board = [], 0, None
         self.kills, self.startup_s, self.line = {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
         folder.mkdir()
         self.plan, self.study = folder / "plan.toml", folder / "study"
         self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials))
-        small, paper = (ROOT / "tests/cli/support/small_rig.toml").read_text(), (ROOT / "assets/rigs/paper.toml").read_text()
-        screen = paper[paper.index("[screen]"):].partition("\n\n")[0]
-        (folder / "rig.toml").write_text(small[:small.index("[array]")] + screen + "\n")
         (folder / "pressed.ply").write_bytes(lowered_finger(6e-3))
-        self.display = Display()
-        mark = f"{os.getpid()}-{folder}"
-        self.mark = f"PALPA_KILL_STUDY={mark}".encode()
-        self.environment = dict(os.environ, PALPA_KILL_STUDY=mark, XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off", DISPLAY=self.display.name or "",
-                                WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
 
     def available(self):
         return self.display.name is not None
@@ -146,32 +103,19 @@ class KilledStudies:
     def next_participant(self):
         self.participant += 1
         self.line = [self.palpa, "study", "run", str(self.plan), "--participant", str(self.participant), "--out", str(self.study), "--rig",
-                     str(self.folder / "rig.toml"), "--backend", "cpu", "--rehearse", "0.5", "--size", "400x300", "--hold", "2s", "--link",
+                     self.rig, "--backend", "cpu", "--rehearse", "0.5", "--size", "400x300", "--hold", "2s", "--link",
                      "openmpd:EMU1", "--source", f"synthetic:{self.folder / 'pressed.ply'}", "--quiet"]
         self.before, self.counted = b"", (0, 0)
-        wire = self.folder / "wire.jsonl"
-        wire.unlink(missing_ok=True)
-        self.emulator = subprocess.Popen([self.palpa, "emulate", "openmpd", "--serial", "EMU1", "--trace", wire, "--json", self.folder / "board.json"],
-                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                         env=dict(self.environment, PALPA_KILL_STUDY="emulator"), start_new_session=True)
-        self.emulator.stdout.readline()
-        self.trace = Trace("openmpd", wire)
-        self.sounded = False
-
-    def sounds(self):
-        now = self.trace.look()
-        self.sounded = self.sounded or now
-        return now
+        self.board = Board(self.palpa, "openmpd", self.folder, dict(self.environment, PALPA_MARK="emulator"), "--serial", "EMU1")
 
     def end_participant(self):
         """What must be true when a participant has finished."""
         self.check_silence("the end")
-        if not self.sounded:
+        if not self.board.sounded:
             self.fault("the board never sounded")
-        self.emulator.send_signal(signal.SIGTERM)
-        self.emulator.wait(20)
-        self.emulator.stdout.close()
-        self.emulator = None
+        self.board.end()
+        self.board.close()
+        self.board = None
         process = self.start()  # writes the logs if it was killed between the journal's last line and the logs
         process.wait(WHOLE_S)
         if process.returncode != 2 or b"has finished" not in (self.folder / "stderr").read_bytes():
@@ -260,7 +204,7 @@ class KilledStudies:
                                     start_new_session=True)
 
     def check_silence(self, why):
-        if self.clock.until(lambda: not self.sounds(), SILENT_S) is None:
+        if self.clock.until(lambda: not self.board.sounds(), SILENT_S) is None:
             self.fault(f"the board still sounds {SILENT_S} s and a margin after {why}")
 
     def wait_for_moment(self, process):
@@ -281,7 +225,7 @@ class KilledStudies:
                 self.fault(f"nothing happens for {WHOLE_S} s")
                 break
             self.clock.sleep(0.002)
-            self.sounds()
+            self.board.sounds()
         if until is None:
             self.clock.sleep(more)
 
@@ -289,7 +233,7 @@ class KilledStudies:
         """Starts the program and kills it. Whether the participant has finished."""
         process = self.start()
         self.wait_for_moment(process)
-        guards = [pid for pid, name in processes(self.mark).items() if name == "palpa-guard"] if self.random.random() < 0.25 else []
+        guards = self.guards() if self.random.random() < 0.25 else []
         victim = "viewer"
         if process.poll() is None:
             try:
@@ -310,11 +254,8 @@ class KilledStudies:
         return self.ended(process)
 
     def ended(self, process):
-        if self.clock.until(lambda: not processes(self.mark), ENDED_S) is None:
-            left = processes(self.mark)
-            self.fault(f"processes are left: {left}")
-            for pid in left:
-                os.kill(pid, signal.SIGKILL)
+        for fault in self.faults_of_end(ENDED_S):
+            self.fault(fault)
         code = process.returncode
         if code not in (0, 1, -signal.SIGKILL):
             self.fault(f"the program ends with {name_of_end(code)}: {(self.folder / 'stderr').read_text()[-300:]}")
@@ -351,41 +292,10 @@ class KilledStudies:
                 self.end_participant()
 
     def close(self):
-        if self.emulator:
-            self.emulator.kill()
-            self.emulator.wait()
-            self.emulator.stdout.close()
+        if self.board:
+            self.board.close()
         self.display.close()
 
     def summary(self):
         each = ", ".join(f"{count} of the {victim}" for victim, count in self.kills.items())
         return f"{sum(self.kills.values())} kills of a study ({each}), {self.participant} participants; {len(self.faults)} faults"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--trials", type=int, default=100, help="per shape and method: enough for all kills")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    chosen = parser.parse_args()
-    work = pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107 bytes
-    studies = KilledStudies(chosen.seed, work / "study", chosen.bin.resolve() / "palpa", chosen.trials)
-    try:
-        if not studies.available():
-            print("kill: there is no Xvfb: studies are left out")
-            return 0
-        begin = time.monotonic()
-        studies.run(lambda kills: kills < chosen.kills)
-    finally:
-        studies.close()
-    for fault in studies.faults:
-        print(fault)
-    print(f"kill: seed {chosen.seed}, {studies.summary()}, {time.monotonic() - begin:.0f} s" + (f"; files in {work}" if studies.faults else ""))
-    if not studies.faults:
-        shutil.rmtree(work)
-    return int(bool(studies.faults))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes, and
 # with meshes of every size. Without arguments, it runs all legs; `matrix.sh list` names them. It stops at the first leg
-# that fails. At the end, it prints the duration of each.
+# that fails.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 export PALPA_BACKEND=gpu  # also where the only device is lavapipe
@@ -16,11 +16,6 @@ export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 #   corpus        meshes of every size, and more samples of other legs' tests (tests/support/exhaustive.hpp)
 #   asan          errors in the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
-#   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options
-#                 (fuzz.py)
-#   kill          loops that are killed at random moments, with full disks and blocked readers: a board's last bytes
-#                 (kill.py); studies that are killed and continued: lost or doubled trials (kill_study.py)
-# The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
 # tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
 # Other drivers ignore lavapipe's variables.
 legs() {
@@ -31,8 +26,6 @@ gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
 corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
-fuzz         release program
-kill         release program
 END
 }
 
@@ -54,7 +47,6 @@ tree=$(tests/house/tree.sh)
 [[ -n $tree && -f $digests/tree && $(<"$digests/tree") == "$tree" ]] || rm -rf "$digests"
 mkdir -p "$digests" build/logs
 echo "$tree" >"$digests/tree"
-summary=()
 
 # The targets of the tests of a label. They have the tests' names. A sanitizer thus builds only what it runs.
 targets_of() { # PRESET LABEL
@@ -98,7 +90,7 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   # The final lines of ctest: passed and failed, labels, time.
   sed -n '/tests passed/,$p' "$log"
-  summary+=("$(printf '%-13s passed, %4d s of which build %d s' "$name" $((SECONDS - begin)) "$built")")
+  printf '== %s: passed, %d s of which build %d s\n' "$name" $((SECONDS - begin)) "$built"
 }
 
 # The same input gives the same bytes: one file per leg and result (tests/support/digest.hpp).
@@ -117,45 +109,13 @@ compare_digests() {
     fi
   done
   for name in "${!legs[@]}"; do
-    [[ ${legs[$name]} != *' '*' '* ]] || summary+=("the same $name, byte for byte, in${legs[$name]}")
+    [[ ${legs[$name]} != *' '*' '* ]] || echo "== the same $name, byte for byte, in${legs[$name]}"
   done
 }
 
-# Each program waits most of the time, so together they take hardly longer than one. The viewer's shaders are cached as
-# in suite.sh.
-run_programs() { # NAME...
-  local name pids=() begin=$SECONDS failed=0 cache=$PWD/build/cache/256
-  echo "== $*: tests/house, preset release"
-  cmake --preset release --log-level=WARNING >/dev/null
-  if ! cmake --build --preset release --target palpa palpa-guard palpa-viewer >build/logs/matrix-programs.log 2>&1; then
-    cat build/logs/matrix-programs.log
-    echo "matrix: $* does not build"
-    return 1
-  fi
-  for name; do
-    MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NATIVE_VECTOR_WIDTH=256 \
-      "tests/house/$name.py" --seconds "${PALPA_HOSTILE_S:-60}" --seed 1 >"build/logs/matrix-$name.log" 2>&1 &
-    pids+=($!)
-  done
-  for name; do
-    wait "${pids[0]}" || failed=1
-    pids=("${pids[@]:1}")
-    cat "build/logs/matrix-$name.log"
-  done
-  ((!failed)) || return 1
-  for name; do summary+=("$(printf '%-13s passed, %4d s' "$name" $((SECONDS - begin)))"); done
-}
-
-programs=()
 while read -r name preset label environment; do
   ((!$#)) || [[ " $* " == *" $name "* ]] || continue
-  if [[ $label == program ]]; then
-    programs+=("$name")
-    continue
-  fi
   read -ra variables <<<"$environment"
   run_leg "$name" "$preset" "$label" "${variables[@]}" </dev/null
 done < <(legs)
 compare_digests
-((!${#programs[@]})) || run_programs "${programs[@]}"
-printf '%s\n' "== summary" "${summary[@]}"
