@@ -63,7 +63,7 @@ TEST(Programs, AreThere) {
 }
 
 // The system's loader knows where libraries are. An empty entry, which CMake leaves behind, means the current folder.
-TEST(Programs, NameNoFolderOfLibraries) {
+TEST(Programs, HaveNoSearchPathOfLibraries) {
   for (const auto& [file, elf] : files())
     EXPECT_FALSE(says(elf, "\\((RPATH|RUNPATH)\\)")) << file;
 }

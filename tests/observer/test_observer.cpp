@@ -50,7 +50,7 @@ Normals normals_of(const Templates& templates) {
   return {templates.placements, templates.size()};
 }
 
-TEST(IdealObserver, EqualDistancesAreChoiceOfMany) {
+TEST(IdealObserver, EqualDistancesGiveTheAccuracyOfAChoiceOfFour) {
   // Orthogonal templates of length d: the answer is the largest of four normal values, one of them with a mean of d.
   for (const Placement placement : {Placement::known, Placement::unknown}) {
     const Templates templates = equal_distances(1, placement);

@@ -143,7 +143,7 @@ TEST(EarLevel, ThePapersArrayIsFarTooLoudAtFullAmplitude) {
   refuse_loud(as_it_is, level, "");
 }
 
-TEST(EarLevel, AboveTheLimitSomebodySigns) {
+TEST(EarLevel, AboveTheLimitNeedsAnApproval) {
   StudyPlan plan = plan_on("openmpd");
   plan.level.limit_db = 80;
   const EarLevel level = predict_ear_level(plan);

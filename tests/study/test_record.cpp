@@ -259,7 +259,7 @@ TEST_F(RecordTest, ContinuesWithTheLogsThatAKillOrAPowerCutLeaves) {
   EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
 }
 
-TEST_F(RecordTest, TakesTheFolderThatHasTheNumber) {
+TEST_F(RecordTest, FindsTheFolderByItsNumber) {
   sit(1);
   fs::rename(folder_ / "sub-01", folder_ / "sub-1");
   EXPECT_CONTAINS(fault_of(1), "sub-1_journal.jsonl: is missing, but there are 5 files of participant 1 in");
@@ -277,7 +277,7 @@ TEST_F(RecordTest, RemovesALineThatWasCut) {
   EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
 }
 
-TEST_F(RecordTest, TriesWhatASittingNeedsBeforeItWritesAndNotForWhoHasFinished) {
+TEST_F(RecordTest, TriesTheLinkBeforeItWritesAndNotAfterTheEnd) {
   const auto refuse = [] { throw failure("no link"); };
   EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse), Exit::failed, "no link");
   EXPECT_FALSE(fs::exists(folder_ / "sub-01")) << "the number is not used up";
