@@ -52,34 +52,6 @@ shell() {
   shellcheck "${scripts[@]}"
 }
 
-# The build validates each module as it compiles it; this checks the files that exist.
-spirv() {
-  local module count=0
-  while read -r module; do
-    spirv-val --target-env vulkan1.3 --scalar-block-layout "$module" || return
-    count=$((count + 1))
-  done < <(find build/release -name '*.spv')
-  echo "   $count modules"
-  ((count > 0))
-}
-
-# No line of a help page is longer than 100 columns. The pages are those of the built programs.
-help_pages() {
-  local program words found=0 pages=0 bin=build/release/bin
-  while read -r program words; do
-    # shellcheck disable=SC2086  # each word is an argument
-    "$bin/$program" $words | awk -v name="$program $words" '
-      length > 100 { printf "   %s: a line of %d columns: %s\n", name, length, $0; bad = 1 } END { exit bad }' || found=1
-    pages=$((pages + 1))
-  done < <(
-    for program in palpa palpa-viewer; do [[ ! -x $bin/$program ]] || printf "$program %s\n" --help "--help all"; done
-    "$bin/palpa" help | awk '/^Subcommands:/ { inside = 1; next } /^$/ { inside = 0 }
-                             inside && /^  [a-z]/ { sub(/^  /, ""); sub(/  .*/, ""); print "palpa help " $0; print "palpa help " $0 " all" }'
-  )
-  echo "   $pages pages"
-  ((pages > 20)) && return "$found"
-}
-
 # Which room may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
@@ -213,9 +185,5 @@ step "scratch folders" scratch
 step "refusals in tests" refusals
 step "shaders in use" shaders
 step "shellcheck" shell
-if [[ ${1-} != quick ]]; then
-  step "help pages" help_pages
-  step "spirv-val" spirv
-  step "clang-tidy" tidy
-fi
+[[ ${1-} == quick ]] || step "clang-tidy" tidy
 exit $bad

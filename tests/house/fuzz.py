@@ -34,7 +34,26 @@ MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
 STILL_S = 20                      # without using processor time: counts as a hang
 SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
-            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
+            "calibrate": 3, "link test": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
+# The rest of a command's line: one of each of these alternatives. A word is one of its parts between |. <KIND is a file to read, >.ENDING
+# a place to write to, @NAME what Case.given() gives, ~ a space.
+LINES = {
+    "touch": [["--scene <scene"], ["--depth <depth --camera <camera", *["--points <points --penetration 3mm|1mm|0"] * 2]],
+    "drive": [["--layout @layout --csv >.csv"], ["--touch <touch", "--focus @focus", "--pattern <pattern"]],
+    "field": [["--layout openmpd --csv >.csv"], ["--drive <drive", "--focus @focus"],
+              ["--plane xz --size 60mm,60mm --pixels @count,@count", "--line 0,0,0 @point --samples @count", "--points <points"]],
+    "run": [["--scene <scene --source @source --frames 1|2|3|3 --rig <rig|<rig|@paper"]],
+    "export": [["--scene <scene --source @source --frames 1|2|3|3 --rig <rig|<rig|@paper"], ["--foci >.csv|>.json", "--drives >.bin"]],
+    "scatter": [["--mesh <mesh --csv >.csv"], ["--plane-wave @point", "--point-source @point", "--layout openmpd --drive <drive"]],
+    "simulate": [["--scene <scene --finger <mesh --penetration 1mm"]],
+    "decompose": [["--scene <scene --out >.glb --resolution 1000"]],
+    "calibrate": [["--nudge --keys right*2~enter|q|up*99999999|x| --scene <scene --source @source --frames 1|2|3 --rig <rig --out >.toml",
+                   "--source @source --frames 1|2|3 --rig <rig --out >.toml", *["--target >.stl|>.glb --layout @layout"] * 2]],
+    "link test": [["--link record:>.bin --layout @layout --first 0|0|1|-1 --last 1|1|2|-1 --each 1ms|1ms|2ms|0|nan --rest 1ms|1ms|2ms|0|nan"]],
+    "doctor": [["--json >.json"]],
+    "viewer": [["--headless --size 64x64 --screenshot >.png --scene <scene --points <points --penetration 1mm"]],
+    "afferents": [["--scene <scene --duration 20ms|60ms|0|nan"]],
+    **fuzz_study.LINES}
 # Options that rightly make a run endless or long, that look for devices, or that a case sets itself.
 LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
               "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
@@ -43,7 +62,7 @@ LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--run
 # The kind of the pool that each file option reads; all others are outputs.
 READS = {"--scene": "scene", "--points": "points", "--depth": "depth", "--camera": "camera", "--rig": "rig",
          "--layout": "layout", "--touch": "touch", "--mesh": "mesh", "--finger": "mesh", "--drive": "drive",
-         "--skin": "points", "--board-files": "boards", "--screen": "rig"}
+         "--skin": "points", "--board-files": "boards", "--screen": "rig", "--pattern": "pattern"}
 NUMBERS = ["0", "-0", "1", "-1", "0.5", "2", "3", "10", "64", "nan", "-nan", "inf", "-inf", "1e300", "-1e300", "1e-300", "1e39", "1e-40",
            "1e999", "", " ", "x", "0x10", "1e", "--", "9" * 400, "18446744073709551616", "4294967296", "2147483648", "-2147483649",
            "1,5", "½", "1 ", "\u202e1", "\xff", "%s%n", "1\n2", "1;2"]
@@ -98,6 +117,7 @@ class Pool:
                         ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
             "bag": [("b.bag", small_bag())],
             "plan": [("plan.toml", plan) for plan in plans],
+            "pattern": [("pattern.toml", path.read_bytes()) for path in sorted((assets / "patterns").glob("*.toml"))],
             "counts": [("counts.csv", counts) for counts in fuzz_study.COUNTS],
             "wav": fuzz_study.sounds(),
         }
@@ -255,70 +275,30 @@ class Case:
                            lambda: f"synthetic:{self.file('mesh')}", lambda: f"bag:{self.file('bag', 0.9)}", "bag:/dev/zero", f"bag:{self.folder}",
                            "v4l2:/dev/null", "realsense:any", "recording:", f"recording:{self.folder}", "nothing:x", "")
 
+    def given(self, name):
+        """What @NAME of a line stands for."""
+        return {"layout": lambda: self.value("--layout", "NAME|FILE"), "focus": lambda: self.value("--focus", "X,Y,Z[,A]"),
+                "point": lambda: self.value("", "X,Y,Z"), "source": self.source, "paper": lambda: str(ROOT / "assets/rigs/paper.toml"),
+                "count": lambda: self.random.choice(["2", "3", "16", "100"] if self.random.random() < 0.9 else NUMBERS),
+                "number": lambda: self.random.choice(["1", "1", "1", *NUMBERS])}.get(name, lambda: fuzz_study.given(self, name))()
+
+    def word(self, text):
+        made = {"<": self.file, ">": self.out, "@": self.given}
+        return re.sub(r"([<>@])([.\w]+)", lambda found: made[found[1]](found[2]), self.random.choice(text.split("|")).replace("~", " "))
+
     def make(self):
         draw, command = self.random, self.command
-        frames = ["--frames", draw.choice(["1", "2", "3", "3"])]
-        count = draw.choice(["2", "3", "16", "100"] if draw.random() < 0.9 else NUMBERS)
-        focus = ["--focus", self.value("--focus", "X,Y,Z[,A]")]
-        if command == "touch":
-            if draw.random() < 0.3:
-                skin = ["--depth", self.file("depth"), "--camera", self.file("camera")]
-            else:
-                skin = ["--points", self.file("points"), "--penetration", draw.choice(["3mm", "1mm", "0"])]
-            base = ["touch", "--scene", self.file("scene"), *skin]
-        elif command == "drive":
-            base = ["drive", "--layout", self.value("--layout", "NAME|FILE"),
-                    *(["--touch", self.file("touch")] if draw.random() < 0.5 else focus), "--csv", self.out(".csv")]
-        elif command == "field":
-            where = self.one_of(["--plane", "xz", "--size", "60mm,60mm", "--pixels", f"{count},{count}"],
-                                ["--line", "0,0,0", self.value("--centre", "X,Y,Z"), "--samples", count],
-                                lambda: ["--points", self.file("points")])
-            sound = ["--drive", self.file("drive")] if draw.random() < 0.4 else focus
-            base = ["field", "--layout", "openmpd", *sound, *where, "--csv", self.out(".csv")]
-        elif command in ("run", "export"):
-            base = [command, "--scene", self.file("scene"), "--source", self.source(), *frames,
-                    "--rig", self.file("rig", 0.2) if draw.random() < 0.7 else str(ROOT / "assets/rigs/paper.toml")]
-            if command == "export":
-                base += self.one_of(["--foci", self.out(draw.choice([".csv", ".json"]))], ["--drives", self.out(".bin")])
-        elif command == "scatter":
-            sound = self.one_of(["--plane-wave", self.value("", "X,Y,Z")], ["--point-source", self.value("", "X,Y,Z")],
-                                lambda: ["--layout", "openmpd", "--drive", self.file("drive")])
-            base = ["scatter", "--mesh", self.file("mesh"), *sound, "--csv", self.out(".csv")]
-        elif command == "simulate":
-            base = ["simulate", "--scene", self.file("scene"), "--finger", self.file("mesh"), "--penetration", "1mm"]
-        elif command == "decompose":
-            base = ["decompose", "--scene", self.file("scene"), "--out", self.out(".glb"), "--resolution", "1000"]
-        elif command == "calibrate":
-            how = draw.random()
-            if how < 0.2:
-                base = ["calibrate", "--nudge", "--keys", draw.choice(["right*2 enter", "q", "up*99999999", "x", ""]), "--scene", self.file("scene"),
-                        "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
-            elif how < 0.5:
-                base = ["calibrate", "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
-            else:
-                base = ["calibrate", "--target", self.out(draw.choice([".stl", ".glb"])), "--layout", self.value("--layout", "NAME|FILE")]
-        elif command == "link":
-            base = ["link", "test", "--link", f"record:{self.out('.bin')}", "--layout", self.value("--layout", "NAME|FILE"),
-                    "--first", draw.choice(["0", "0", "1", "-1"]), "--last", draw.choice(["1", "1", "2", "-1"])]
-            for name in ("--each", "--rest"):  # so that the run ends soon
-                base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
-        elif command == "afferents":
-            base = ["afferents", "--scene", self.file("scene"), "--duration", draw.choice(["20ms", "60ms", "0", "nan"])]
-        elif command.startswith("study"):
-            base = fuzz_study.arguments_of(self, command, NUMBERS)
-        elif command == "doctor":
-            base = ["doctor", "--json", self.out(".json")]
-        else:
-            base = ["--headless", "--size", "64x64", "--screenshot", self.out(".png"), "--scene", self.file("scene"), "--points",
-                    self.file("points"), "--penetration", "1mm"]
+        base = command.split() if command != "viewer" else []
+        for alternatives in LINES[command]:
+            base += [self.word(text) for text in draw.choice(alternatives).split()]
         # The same option twice is an error, which need not be tested each time.
         more = self.some_options({argument for argument in base if argument.startswith("--") and draw.random() < 0.98})
         if command not in ("doctor", "viewer") and not command.startswith("study"):
             more += ["--backend", "cpu"]
         together = " ".join(base + more)
         # These have other costs (docs/limits.md), or a driver's.
-        self.judge_cost = command in ("touch", "drive", "run", "export", "link") and not re.search(
-            r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|autd3|bag:", together)
+        self.judge_cost = command in ("touch", "drive", "run", "export", "link test") and not re.search(
+            r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|--pattern|autd3|bag:", together)
         return base + more
 
 
