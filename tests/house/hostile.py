@@ -75,13 +75,13 @@ class Clock:
         self.overslept = max(self.overslept, time.monotonic() - begin - seconds)
 
     def until(self, condition, seconds):
-        """Waits for something, for that long and a margin; how long it took, or None."""
+        """Waits for something, for that long and a margin. Whether it has come."""
         begin = time.monotonic()
         while not condition():
             if time.monotonic() - begin > seconds + MARGIN_S + 10 * self.overslept:
-                return None
+                return False
             self.sleep(0.005)
-        return time.monotonic() - begin
+        return True
 
 
 class Marked:
@@ -107,7 +107,7 @@ class Marked:
 
     def faults_of_end(self, seconds):
         """A fault if some are left after these seconds; they are then ended."""
-        if self.clock.until(lambda: not self.processes(), seconds) is not None:
+        if self.clock.until(lambda: not self.processes(), seconds):
             return []
         left = self.processes()
         for pid in left:

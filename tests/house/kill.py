@@ -36,7 +36,6 @@ GUARD_LOST_S = 1.2   # a guard that is stopped is ended by its loop after a seco
 OPENED_S = 10.0      # a guard that opens its board may take this long
 # Signals that end no program, that no program can catch, or that the C library reserves.
 NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
-DEATHS = {signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGTRAP, signal.SIGSYS}
 STOPS = {signal.SIGSTOP}
 TROUBLES = ["none"] * 6 + ["stderr", "events", "json", "full record", "full events", "small files"]
 BOARDS = {"openmpd": 3, "autd3": 3, "sonicsurface": 3, "file": 1, "pipe": 1}
@@ -70,8 +69,7 @@ class Case(Marked):
             self.signals = [draw.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])]
         else:
             usual = [signal.SIGKILL] * 4 + [signal.SIGSTOP] * 3 + [signal.SIGTERM, signal.SIGINT] * 2 + [signal.SIGXFSZ, signal.SIGPIPE, signal.SIGTSTP]
-            others = [number for number in range(1, signal.NSIG)]
-            self.signals = [draw.choice(usual + [draw.choice(others)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
+            self.signals = [draw.choice(usual + [draw.randrange(1, signal.NSIG)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
         if self.early:  # the system stops no process whose terminal is gone
             self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
         self.gap = draw.choice([0, 0.01, 0.3])
@@ -156,9 +154,6 @@ class Case(Marked):
             return self.board.sounds()
         return False if self.kind == "pipe" else self.drives().strip(b"\0") != b""
 
-    def silent(self):
-        return not self.sounds()
-
     def has_begun(self):
         """Whether something has sounded, or, through a pipe that is not read, something has come."""
         if self.reader is not None:
@@ -168,29 +163,22 @@ class Case(Marked):
     def moment(self):
         return "its start" if self.early else "the first sound"
 
-    def send(self, pids, number):
-        """Whether there was anybody to get it."""
-        sent = False
-        for pid in pids:
-            try:
-                os.kill(pid, number)
-                sent = True
-            except ProcessLookupError:
-                pass
+    def send(self, pid, number):
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            pass
         self.events.append(f"{name_of_signal(number)} to {self.victim}")
-        return sent
 
     def expect_silence(self, seconds, why):
-        if self.board and self.clock.until(self.silent, seconds) is None:
+        if self.board and not self.clock.until(lambda: not self.sounds(), seconds):
             self.faults.append(f"the board still sounds {seconds} s and a margin after {why}")
 
     def expect_end(self, seconds, why):
-        took = self.clock.until(self.ended, seconds)
-        if took is None:
+        if not self.clock.until(self.ended, seconds):
             self.faults.append(f"the loop does not end within {seconds} s and a margin after {why}")
             self.loop.kill()
             self.loop.wait()
-        return took
 
     def run(self):
         self.start_loop(self.start_board())
@@ -206,7 +194,7 @@ class Case(Marked):
                 break
             guards = self.guards() if self.victim == "guard" else []
             if self.victim == "guard" and guards:
-                self.send(guards[:1], number)
+                self.send(guards[0], number)
                 killed_guard = True
                 why = f"{name_of_signal(number)} to its guard"
                 self.expect_silence(GUARD_LOST_S + SILENT_S, why)
@@ -214,22 +202,22 @@ class Case(Marked):
                 self.expect_end((OPENED_S if opening else GUARD_LOST_S) + ENDED_S, why)
                 break
             self.victim = "loop"
-            self.send([self.loop.pid], number)
+            self.send(self.loop.pid, number)
             self.clock.sleep(self.gap)
             if number in STOPS:
                 self.expect_silence(SILENT_S, "SIGSTOP")
-                self.send([self.loop.pid], signal.SIGCONT)
+                self.send(self.loop.pid, signal.SIGCONT)
         last = self.signals[-1]
         if not self.ended() and self.victim == "loop":
             if all(number in NOTHING or number in STOPS for number in self.signals):
                 self.clock.sleep(0.02)
-                self.send([self.loop.pid], signal.SIGTERM)
+                self.send(self.loop.pid, signal.SIGTERM)
                 last = signal.SIGTERM
             why = name_of_signal(last)
             self.expect_silence(SILENT_S + self.ramp, why)
             self.expect_end(ENDED_S, why)
         elif not self.ended():
-            self.send([self.loop.pid], signal.SIGTERM)
+            self.send(self.loop.pid, signal.SIGTERM)
         self.expect_silence(SILENT_S, "the loop's end")
         self.after(killed_guard)
 

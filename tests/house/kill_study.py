@@ -204,7 +204,7 @@ class KilledStudies(Marked):
                                     start_new_session=True)
 
     def check_silence(self, why):
-        if self.clock.until(lambda: not self.board.sounds(), SILENT_S) is None:
+        if not self.clock.until(lambda: not self.board.sounds(), SILENT_S):
             self.fault(f"the board still sounds {SILENT_S} s and a margin after {why}")
 
     def wait_for_moment(self, process):
@@ -246,7 +246,7 @@ class KilledStudies(Marked):
         if not guards:
             process.wait()
         self.check_silence(f"SIGKILL of the {victim}")
-        if guards and self.clock.until(lambda: process.poll() is not None, ENDED_S) is None:
+        if guards and not self.clock.until(lambda: process.poll() is not None, ENDED_S):
             # A guard that was ending anyway is not missed.
             process.kill()
             process.wait()

@@ -23,6 +23,7 @@ namespace {
 using test_skin::DeviceResult;
 using test_skin::random_scene;
 using test_skin::run_pass;
+using test_skin::run_twin;
 using test_skin::same_bytes;
 using test_skin::Scene;
 
@@ -124,12 +125,7 @@ TEST(Skin, AStrideTakesEveryNthPixelOfEveryNthRow) {
         const std::uint32_t width = tables.cameras[camera].width;
         if (place % width % stride == 0 && place / width % stride == 0) expected.push_back(point);
       }
-      std::vector<Crop> crops;
-      plan_crops(scene.cameras, tables, box, crops);
-      for (Crop& crop : crops)
-        crop.stride = stride;
-      std::vector<SkinPoint> twin;
-      find_skin(tables, scene.frames, box, crops, twin);
+      const std::vector<SkinPoint> twin = run_twin(scene, box, {.stride = stride}).points;
       EXPECT_TRUE(same_bytes(expected, twin)) << "round " << round << ", stride " << stride;
       EXPECT_TRUE(same_bytes(twin, run_pass(scene, box, {.stride = stride}).points)) << round << ", stride " << stride;
       if (stride == 3) kept_points += twin.size();
