@@ -16,6 +16,8 @@ MADE = {"drive.csv", "touch.json", "sphere.ply", "parts.glb", "played.json"}
 def lines(*commands):
     found = []
     for words in documented(*commands):
+        if "--pattern" in words:
+            continue  # in Python, a pattern's points are the targets of Layout.solve
         line = without_outputs(words[1:])
         text = shlex.join(line)
         marks = [pytest.mark.exhaustive] if any(word in text for word in LONG) else []

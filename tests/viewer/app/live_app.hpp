@@ -42,9 +42,14 @@ class LiveApp : public testing::Test {
     app_.reset();
     heard_ = std::make_shared<test::Heard>();
     options.input.scene = scene_;
-    options.given.merge(
-        setup::Given{{"--scene", {scene_}}, {"--gltf-scene", {"0"}}, {"--source", {source}}, {"--layout", {"autd3"}},
-                     {"--backend", {"cpu"}}, {"--noise-free", {}}, {"--hold", {"5s"}}, {"--link", {"heard"}}});
+    options.given.merge(setup::Given{{"--scene", {scene_}},
+                                     {"--gltf-scene", {"0"}},
+                                     {"--source", {source}},
+                                     {"--layout", {"autd3"}},
+                                     {"--backend", {"cpu"}},
+                                     {"--noise-free", {}},
+                                     {"--hold", {"5s"}},
+                                     {"--link", {"heard"}}});
     make(options);
   }
   void make(const ViewerOptions& options) {

@@ -94,8 +94,7 @@ TEST_F(LiveApp, SavesNoSceneOverAFileThatIsRead) {
   ASSERT_TRUE(comes_to(LiveState::running));
   const std::string before = test::read_text(scene_);
   fs::create_symlink(scene_, folder_ / "soft.glb");
-  for (const fs::path& file :
-       {scene_, folder_ / "soft.glb", folder_ / ".." / folder_.filename() / scene_.filename()}) {
+  for (const fs::path& file : {scene_, folder_ / "soft.glb", folder_ / ".." / folder_.filename() / scene_.filename()}) {
     app_->save_scene(file);
     EXPECT_EQ(test::read_text(scene_), before) << file;
   }
@@ -229,8 +228,8 @@ TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
   const auto has_handles = [&] { return app_->data().state.slice_handles; };
   ASSERT_TRUE(goes_round_until(has_handles));
   const ViewState& seen = app_->data().state;
-  const Projected at = project(projection(seen.viewpoint, size_.width, size_.height),
-                               place_of(SliceHandle::middle, seen.slice));
+  const Projected at =
+      project(projection(seen.viewpoint, size_.width, size_.height), place_of(SliceHandle::middle, seen.slice));
   button(Kind::press, at.x, at.y);
   write_again(scene_);
   ASSERT_TRUE(goes_round_until(std::not_fn(has_handles)));

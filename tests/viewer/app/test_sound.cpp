@@ -205,8 +205,7 @@ TEST(SlicePreview, AtRestIsTheNewest) {
   Picture picture;
   double now_s = 0;
   expect_newest_at_rest(
-      played, 8, [&] { return slices.look(played.now, {}, picture, now_s += 1).marks; },
-      [&] { return slices.busy(); });
+      played, 8, [&] { return slices.look(played.now, {}, picture, now_s += 1).marks; }, [&] { return slices.busy(); });
 }
 
 TEST(Sounding, ATipIsTheLowestSkinAroundTheMiddle) {

@@ -45,11 +45,8 @@ TEST(Controls, MiddleAndShiftDragPanSoThatTheTargetFollowsTheMouse) {
     Hands hands;
     const Vec3 before = hands.viewpoint.target;
     const double azimuth = hands.viewpoint.azimuth;
-    hands.send({.kind = Kind::press,
-                .x = 400,
-                .y = 300,
-                .button = shift ? Button::left : Button::middle,
-                .shift = shift});
+    hands.send(
+        {.kind = Kind::press, .x = 400, .y = 300, .button = shift ? Button::left : Button::middle, .shift = shift});
     EXPECT_EQ(hands.send(Kind::move, 437, 281), Reply::redraw);
     EXPECT_EQ(hands.viewpoint.azimuth, azimuth);
     const Projected old = project(projection(hands.viewpoint, 800, 600), before);

@@ -70,8 +70,8 @@ class RunControls : public testing::Test {
       }
       EXPECT_EQ(run_->state(), step.then);
       EXPECT_EQ(run_->restarts(), step.then == restarting || step.then == ready);
-      EXPECT_EQ(run_->under_way(), step.then == loading || step.then == running || step.then == restarting ||
-                                       step.then == switching_off);
+      EXPECT_EQ(run_->under_way(),
+                step.then == loading || step.then == running || step.then == restarting || step.then == switching_off);
     }
   }
 

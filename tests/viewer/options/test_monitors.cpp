@@ -18,11 +18,23 @@ TEST(SideBySide, WindowsThatOverlapArePutBesideEachOther) {
   const WindowPlace wide{0, 30, 1920, 1050}, narrow{0, 0, 1280, 1024};
   for (const Case& one : {
            Case{"apart", wide, {10, 40, 900, 620}, {920, 40, 960, 600}, false, std::nullopt},
-           Case{"both fit", wide, {0, 30, 900, 620}, {0, 30, 960, 600}, false,
+           Case{"both fit",
+                wide,
+                {0, 30, 900, 620},
+                {0, 30, 960, 600},
+                false,
                 TwoPlaces{{0, 30, 900, 620}, {900, 30, 960, 600}}},
-           Case{"the picture keeps its shape", narrow, {0, 0, 900, 620}, {0, 0, 1280, 800}, false,
+           Case{"the picture keeps its shape",
+                narrow,
+                {0, 0, 900, 620},
+                {0, 0, 1280, 800},
+                false,
                 TwoPlaces{{0, 0, 640, 620}, {640, 0, 640, 400}}},
-           Case{"a size is kept", narrow, {0, 0, 900, 620}, {0, 0, 800, 600}, true,
+           Case{"a size is kept",
+                narrow,
+                {0, 0, 900, 620},
+                {0, 0, 800, 600},
+                true,
                 TwoPlaces{{0, 0, 480, 620}, {480, 0, 800, 600}}},
        }) {
     EXPECT_EQ(side_by_side(one.area, one.first, one.second, one.sized), one.places) << one.what;

@@ -134,8 +134,9 @@ TEST(Stereo, TwoPicturesBecomeOne) {
         const bool as_it_should = mode.value == Stereo::side_by_side ? left(x, y) == (x < 32)
                                   : mode.value == Stereo::top_bottom ? left(x, y) == (y < 24)
                                   : mode.value == Stereo::columns    ? left(x, y) == left(x, 0) && right_of_another
-                                  : mode.value == Stereo::rows       ? left(x, y) == left(0, y) && below_another
-                                  : at[0] == 119 && at[1] == 50 && at[2] == 150;  // red as bright as the left one
+                                  : mode.value == Stereo::rows
+                                      ? left(x, y) == left(0, y) && below_another
+                                      : at[0] == 119 && at[1] == 50 && at[2] == 150;  // red as bright as the left one
         ASSERT_TRUE(as_it_should) << mode.word << " " << x << " " << y;
       }
     }

@@ -33,8 +33,7 @@ inline viewer::Pixels shoot(const viewer::Picture& picture, const Shot& shot = {
 /// The pixel where a point of the world is drawn.
 inline const std::uint8_t* pixel_at(const viewer::Pixels& pixels, const Vec3& world,
                                     const viewer::Viewpoint& viewpoint = front_viewpoint()) {
-  const viewer::Projected p =
-      viewer::project(projection(viewpoint, pixels.width, pixels.height), world);
+  const viewer::Projected p = viewer::project(projection(viewpoint, pixels.width, pixels.height), world);
   EXPECT_TRUE(p.visible && p.x >= 0 && p.y >= 0 && p.x < pixels.width && p.y < pixels.height);
   return pixels.at(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y));
 }

@@ -41,10 +41,10 @@ TEST_F(References, EveryPictureIsAsEver) {
            {"afferents", "cube.glb", ball, {"--layout", "autd3", "--heat", "PC", "--eye", "-0.02,-0.05,0.05"}},
        }) {
     SCOPED_TRACE(one.name);
-    const std::vector<std::string> line = test::with(
-        {"--scene", source_file("assets/" + one.asset).string(), "--points", one.skin, "--skin", one.skin,
-         "--penetration", "3mm", "--headless", "--size", "480x300"},
-        one.more);
+    const std::vector<std::string> line =
+        test::with({"--scene", source_file("assets/" + one.asset).string(), "--points", one.skin, "--skin", one.skin,
+                    "--penetration", "3mm", "--headless", "--size", "480x300"},
+                   one.more);
     const std::string file = (source_file("tests/viewer/references") / (one.name + ".png")).string();
     if (std::getenv("PALPA_DRAW_REFERENCES") != nullptr) {
       EXPECT_EQ(test::viewer_here(test::with(line, {"--screenshot", file})).exit_code, 0);

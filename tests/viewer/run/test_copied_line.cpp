@@ -37,9 +37,8 @@ std::vector<std::string> words_of(const std::string& line) {
 }
 
 TEST_F(CopiedLine, DrawsThePictureAgain) {
-  const std::vector<std::string> line =
-      test::cube_touch({"--backend", "cpu", "--layout", "autd3", "--show", "sections", "--hide", "grid", "--opacity",
-                        "solids=0.5", "--dark"});
+  const std::vector<std::string> line = test::cube_touch({"--backend", "cpu", "--layout", "autd3", "--show", "sections",
+                                                          "--hide", "grid", "--opacity", "solids=0.5", "--dark"});
   const auto folder = test::scratch_folder("viewer-copied");
   const std::string shown = (folder / "shown.png").string(), copied = (folder / "copied.png").string();
   test::write_text(folder / "script", "key space\ndrag 100 80 140 90\nscroll 2\nkey 5\nkey .\ndraw\n");

@@ -145,9 +145,9 @@ TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
   write_text(folder_ / "boards/sonicsurface.txt", "0\n");
   for (const char* output : {"--screenshot", "--json", "--events"}) {
     first_ = true;
-    expect_refused(with(live_, {"--link", "openmpd", "--board-files", path("boards"), output,
-                                path("boards/sonicsurface.txt")}),
-                   read_);
+    expect_refused(
+        with(live_, {"--link", "openmpd", "--board-files", path("boards"), output, path("boards/sonicsurface.txt")}),
+        read_);
   }
 }
 

@@ -263,9 +263,8 @@ TEST_F(Viewer, AScriptThatEndsWhileADroppedFileLoadsSaysWhichPictureIsMissing) {
 TEST_F(Viewer, ARecordingThatIsDroppedOnATouchIsALiveRun) {
   ASSERT_EQ(viewer_here(with(live_, {"--record", path("take"), "--quiet", "--frames", "40"})).exit_code, 0);
   script("draw\nshot " + path("touch.png") + "\ndrop " + path("take") + "\ndraw\n");
-  const Result dropped =
-      viewer(host_touch({"--layout", "autd3", "--hide", "legend", "--frame", "objects", "--screenshot",
-                         path("live.png"), "--interact", path("script")}));
+  const Result dropped = viewer(host_touch({"--layout", "autd3", "--hide", "legend", "--frame", "objects",
+                                            "--screenshot", path("live.png"), "--interact", path("script")}));
   EXPECT_EQ(dropped.exit_code, 0) << dropped.err;
   EXPECT_EQ(dropped.err, "");
   EXPECT_GT(drawing::mean_difference(drawing::read_png(path("touch.png")), drawing::read_png(path("live.png"))), 1e-4)

@@ -129,8 +129,9 @@ TEST_F(ViewerRefusals, NumbersThatAreNone) {
 }
 
 TEST_F(ViewerRefusals, FilesThatCannotBeReadOrWritten) {
-  write_text(folder_ / "cloud.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-                                    "property float z\nend_header\n0 0 0\n");
+  write_text(folder_ / "cloud.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+             "property float z\nend_header\n0 0 0\n");
   write_text(folder_ / "text.glb", "no model");
   write_text(folder_ / "bare.toml", sensing::to_toml(sensing::Rig{}));
   write_text(folder_ / "script", "draw\njump\n");

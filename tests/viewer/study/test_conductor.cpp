@@ -337,8 +337,7 @@ TEST_F(ConductorTest, WithoutItsSoundOrSourceNoFileIsBegun) {
 }
 
 TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
-  test::SittingBench& bench =
-      prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n");
+  test::SittingBench& bench = prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.05, "ask_depth_frames = true\n");
   bench.options().rehearse.reset();
   bench.begin();
   ASSERT_TRUE(bench.reaches(Screen::consent));
@@ -377,6 +376,8 @@ TEST_F(ConductorTest, KeysChangeTheShapeOfTheFreeExploration) {
   bench.press(key_of('1'));
   bench.press(Key::right);
   EXPECT_EQ(bench.sitting().presented().shape, 1u);
+  bench.conductor().advance();
+  EXPECT_FALSE(bench.conductor().presentation().ready()) << "this shape has not been placed yet";
   ASSERT_TRUE(is_ready());
   ASSERT_TRUE(comes_to_sound());
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
@@ -431,8 +432,10 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
                   "in a study, --layout is `layout` of the [[method]] 'single-focus' in"),
         {"too fast: use --dwell 12ms, or --method single-focus",
          "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in"}}) {
-    kinds.links[0].open = [text = std::string(fault)](const std::string&, const session::LinkSetting&)
-        -> std::unique_ptr<session::Link> { throw bad_usage(text); };
+    kinds.links[0].open = [text = std::string(fault)](const std::string&,
+                                                      const session::LinkSetting&) -> std::unique_ptr<session::Link> {
+      throw bad_usage(text);
+    };
     EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, told);
   }
   run.rig = test::source_file("assets/rigs/paper.toml");

@@ -99,8 +99,9 @@ class Window : public ScreenTest {
   }
   bool sounds() const { return last_.find("\"fingers\":[]") == std::string::npos; }
   /// Ends it with Ctrl-C while it waits for nothing but a person.
-  void expect_a_clean_end(const Line& more, const std::string& script, const std::string& says,
-                          const std::function<bool()>& went_on = [] { return true; }) {
+  void expect_a_clean_end(
+      const Line& more, const std::string& script, const std::string& says,
+      const std::function<bool()>& went_on = [] { return true; }) {
     const std::string said = (folder_ / "stderr").string();
     const Unread err = Unread::file(said);
     write_text(folder_ / "script", script);
@@ -244,8 +245,7 @@ TEST_F(Window, LosingTheServerWhileTheArraySoundsLeavesSilence) {
 
 TEST_F(Window, CtrlCEndsItCleanlyWhileTheArrayIsOff) {
   // A run that is switched off before it sounds sends only its end.
-  expect_a_clean_end({"--link", "foci:" + receiver_.address()}, "key o\n", "",
-                     [&] { return receiver_.next() != ""; });
+  expect_a_clean_end({"--link", "foci:" + receiver_.address()}, "key o\n", "", [&] { return receiver_.next() != ""; });
 }
 
 TEST_F(Window, CtrlCEndsItCleanlyWhileItLoads) {

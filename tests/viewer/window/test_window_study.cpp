@@ -91,8 +91,7 @@ class WindowStudy : public ScreenTest {
     geometry::write_ply(pressed, finger.positions, finger.triangles);
     begin(plan_in(folder_, "[[block]]\nkind = \"trial\"\ntouch_s = 60\n"), {"--source", "synthetic:" + pressed});
     // The trace grows by some megabytes per second, so it is not read more often than necessary.
-    return begins([&] { return entries_in(journal_, "\"begin\"") > 0; }) &&
-           begins([&] {
+    return begins([&] { return entries_in(journal_, "\"begin\"") > 0; }) && begins([&] {
              run_->wait(0.5);
              return heard_in(trace_).last_sounding > 0;
            });

@@ -155,8 +155,7 @@ void XHand::press(const char* key) {
   std::memset(&event, 0, sizeof event);
   event.key.window = window_;
   event.key.root = call<unsigned long>("XDefaultRootWindow", display_);
-  event.key.keycode =
-      call<unsigned char>("XKeysymToKeycode", display_, call<unsigned long>("XStringToKeysym", key));
+  event.key.keycode = call<unsigned char>("XKeysymToKeycode", display_, call<unsigned long>("XStringToKeysym", key));
   event.key.same_screen = 1;
   for (const int type : {key_press, key_release}) {
     event.key.type = type;
@@ -177,8 +176,8 @@ XHand::Picture XHand::picture() const {
   int x = 0, y = 0;
   unsigned width = 0, height = 0, border = 0, depth = 0;
   if (!call("XGetGeometry", display_, window_, &root, &x, &y, &width, &height, &border, &depth)) return out;
-  auto* const image = static_cast<Image*>(
-      call<void*>("XGetImage", display_, window_, 0, 0, width, height, ~0ul, pixmaps));
+  auto* const image =
+      static_cast<Image*>(call<void*>("XGetImage", display_, window_, 0, 0, width, height, ~0ul, pixmaps));
   if (!image || image->bits_per_pixel != 32) return out;
   out.width = width;
   out.pixels.resize(std::size_t{width} * height);
