@@ -46,8 +46,7 @@ bool is_seen_empty(const Sight& sight, const Float3& place) {
     const Appearance at = appearance(camera, place);
     if (!(at.depth > 0)) continue;
     const std::uint32_t raw = raw_at(sight, c, at.u, at.v);
-    if (raw >= camera.first_depth && static_cast<float>(raw) * camera.depth_unit > at.depth + 4e-3F)
-      return true;
+    if (raw >= camera.first_depth && static_cast<float>(raw) * camera.depth_unit > at.depth + 4e-3F) return true;
   }
   return false;
 }

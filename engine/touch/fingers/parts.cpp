@@ -204,8 +204,7 @@ bool surer(const Evidence& e, const Evidence& other) {
 /// with half of the evidence.
 bool are_fingers(const Evidence& valleys, float square, float finger_width, bool apart) {
   if (square < square_of((apart ? 0.3F : 0.45F) * finger_width)) return false;
-  return apart ? 4 * valleys.two >= valleys.known
-               : valleys.two > 0 && 2 * valleys.two >= valleys.known;
+  return apart ? 4 * valleys.two >= valleys.known : valleys.two > 0 && 2 * valleys.two >= valleys.known;
 }
 
 constexpr int vote_rounds = 2;
