@@ -21,7 +21,6 @@ def lines(*commands):
         line = without_outputs(words[1:])
         text = shlex.join(line)
         marks = [pytest.mark.exhaustive] if any(word in text for word in LONG) else []
-        marks += [pytest.mark.skip(reason="Python is given foci, not patterns")] if "--pattern" in line else []
         found.append(pytest.param(line, id=text, marks=marks))
     return found
 
