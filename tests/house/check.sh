@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # check.sh [quick]: all checks of the sources that do not run them. quick: those that need no build; this takes seconds.
-# Without quick, build/release must be built.
+# Without quick, build/release must be built. The sources must be a git repository.
 # shellcheck disable=SC2317  # the steps are called by name
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.." || exit
+git rev-parse --is-inside-work-tree >/dev/null || exit
 
 bad=0
 step() { # NAME COMMAND...: runs all steps, so that one run shows all faults

@@ -132,7 +132,7 @@ struct Side {
   double elevation, azimuth, far;
 };
 
-/// A target that is printed too large by a factor, and whether that is told.
+/// A target that is printed too large by a factor, and whether that is reported.
 struct ScaleCase {
   Side side;
   double scale;
