@@ -35,7 +35,7 @@ struct StageSetting {
   Smoothing smoothing = Smoothing::one_euro;
   /// Needs `follow` and cameras. Unless it is off, the rules below are on.
   Hysteresis hysteresis = Hysteresis::off;
-  /// The rules that are on, for tests that compare them; bits.
+  /// The rules that are on, for tools that compare them; bits.
   std::uint32_t hysteresis_rules = ~0U;
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
