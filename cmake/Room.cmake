@@ -1,6 +1,6 @@
 # Third-party headers that many sources include are parsed once for all sources built with the same flags. None of
 # palpa's own headers are among them. The compiler does not report a source that forgets to include them;
-# clang-tidy does (tests/house/tidy.py).
+# tests/house/includes.py does (./dev check).
 set(PALPA_COMMON_HEADERS <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional>
   <limits> <map> <memory> <numbers> <numeric> <optional> <random> <span> <string> <string_view> <thread> <utility> <vector>
   <glm/glm.hpp>)

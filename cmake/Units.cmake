@@ -1,6 +1,6 @@
 # palpa_units(FOLDER): compiles several sources of a target in that folder or below as one unit, if tests/house/units.py
 # says that they can be combined. Much of the compile time goes into headers and templates that they share. Missing
-# includes in a source are found by tests/house/tidy.py, and by a build without units.
+# includes in a source are found by tests/house/includes.py, and by a build without units.
 #
 # CMake's own unity builds are not used because they include sources by their absolute paths: a second clone could then
 # not use what ccache has kept of the first.

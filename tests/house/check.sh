@@ -66,6 +66,9 @@ words() {
   return 1
 }
 
+# Each source includes what it uses: tests/house/includes.py.
+includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' 'python/*.?pp' 'tests/*.?pp' | xargs -r python3 tests/house/includes.py; }
+
 # Files are opened only where the register of files sees it: tests/house/files.py.
 registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'python/*.?pp' | xargs -r python3 tests/house/files.py; }
 
@@ -179,6 +182,7 @@ step "walks" walks
 step "docs" docs
 step "words" words
 step "arrows between rooms" arrows
+step "includes" includes
 step "register of files" registered
 step "file sizes" sizes
 step "machine paths" paths

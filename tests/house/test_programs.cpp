@@ -90,7 +90,7 @@ TEST(Programs, CheckTheirStackTheirBuffersAndTheirIndices) {
 #ifdef __x86_64__
     // sub $4096,%rsp, then GCC's orq $0,(%rsp) or clang's movq $0,(%rsp): a function's large frame is touched page by
     // page.
-    const std::string code = read_text(file), frame("\x48\x81\xec\x00\x10\x00\x00", 7);
+    const std::string code = read_text(file), frame{"\x48\x81\xec\x00\x10\x00\x00", 7};
     EXPECT_TRUE(code.find(frame + std::string("\x48\x83\x0c\x24\x00", 5)) != std::string::npos ||
                 code.find(frame + std::string("\x48\xc7\x04\x24\x00", 5)) != std::string::npos)
         << file << " does not probe its stack";
