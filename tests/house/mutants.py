@@ -2,9 +2,8 @@
 """mutants.py [NAME..]: do the tests catch small faults? tests/house/mutants/NAME.patch has one fault each.
 
 Each patch is applied to a copy of the project's files (build/mutants/palpa, which is kept), built, and taken back. The topics
-whose test program has changed run, quick ones first, until one fails twice; then the others, if another program has changed. If
-that topic fails without the fault, too, it proves nothing, and the others go on. A patch with a line "leg: NAME" is built and run
-as that leg of tests/house/matrix.sh.
+whose programs have changed run, quick ones first, until one fails twice. If that topic fails without the fault, too, it
+proves nothing, and the others go on. A patch with a line "leg: NAME" is built and run as that leg of tests/house/matrix.sh.
 
 build/mutants/results has a line for each fault: NAME|caught|TOPIC: TEST|SECONDS, or "missed", "stale" (it does not apply any
 more) or "does not build". What is there for the same sources is not run again, so an interrupted run goes on where it was.
@@ -66,6 +65,7 @@ def git(*words):
 
 def make_copy(tree):
     """Makes the copy that tree of the project's repository."""
+    (OUT / "git/index.lock").unlink(missing_ok=True)  # of a run that was killed
     git("init", "--quiet")
     objects = subprocess.run(["git", "rev-parse", "--path-format=absolute", "--git-path", "objects"], cwd=ROOT, capture_output=True, text=True, check=True)
     (OUT / "git/objects/info/alternates").write_text(objects.stdout)
@@ -148,20 +148,23 @@ def costs(leg):
     return known
 
 
+def used_by(leg, program):
+    """The programs that a topic may run: its own, and those that are built before it. A script may run all that ship."""
+    if program not in leg.clean:
+        return {name for name in leg.clean if "/tests_" not in name}
+    return {program, *run(["ninja", "-C", str(leg.build), "-t", "inputs", program]).stdout.splitlines()}
+
+
 def batches(leg, changed):
-    """Lists of topics that run side by side: those whose own program has changed before those that may start a changed one, quick
-    ones first, live ones last, each of these alone."""
+    """Lists of topics that may run changed programs, to be run side by side: quick ones first, live ones last, each of these alone."""
     topics, known = topics_of(leg), costs(leg)
-    order = sorted(topics, key=lambda name: (known.get(name, 60), name))
-    own = [name for name in order if topics[name][0] in changed]
-    others = [name for name in order if name not in own]
-    shipped = any(not Path(name).name.startswith("tests_") for name in changed)
-    for group in (own, others if shipped else []):
-        least = 0
-        for most in BATCHES:
-            yield [name for name in group if "live" not in topics[name][1] and least <= known.get(name, 60) < most]
-            least = most
-        yield from ([name] for name in group if "live" in topics[name][1])
+    concerned = {program for program, _ in topics.values() if changed & used_by(leg, program)}
+    order = sorted((name for name in topics if topics[name][0] in concerned), key=lambda name: (known.get(name, 60), name))
+    least = 0
+    for most in BATCHES:
+        yield [name for name in order if "live" not in topics[name][1] and least <= known.get(name, 60) < most]
+        least = most
+    yield from ([name] for name in order if "live" in topics[name][1])
 
 
 def first_failure(leg, batch):
