@@ -11,7 +11,6 @@ A source whose text, headers, flags and rules have been found clean before is no
 user's cache folder keeps an empty file per clean state, named by its hash. A state that was not met for a month is forgotten.
 """
 import concurrent.futures
-import functools
 import hashlib
 import json
 import os
@@ -23,7 +22,8 @@ import sys
 import tempfile
 import time
 
-from units import INCLUDED, units_of
+from includes import reached, read
+from units import units_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MOST = 30  # sources of a unit: a check takes disproportionately longer the more text precedes it
@@ -48,27 +48,6 @@ def flags_of(entries):
             elif word.startswith(("-D", "-I", "-std=", "-W")) and word not in ("-Winvalid-pch", "-Wshadow=local"):
                 kept[word,] = None
     return [word for flag in kept for word in flag]
-
-
-@functools.cache
-def read(path):
-    """A file's hash, and the project's headers that it includes: those in these folders, or beside it."""
-    data = path.read_bytes()
-    named = re.findall(rb'^\s*#\s*include\s*"([^"]+)"', data, re.M)
-    places = (folder / os.fsdecode(name) for name in named for folder in (path.parent, ROOT, ROOT / "engine"))
-    return hashlib.sha256(data).hexdigest(), [place.resolve() for place in places if place.is_file()]
-
-
-def state_of(source, common):
-    """The hash of all that a source's findings depend on."""
-    seen, todo = set(), [source]
-    while todo:
-        path = todo.pop()
-        if path not in seen:
-            seen.add(path)
-            todo += read(path)[1]
-    parts = [common, *(f"{path.relative_to(ROOT)} {read(path)[0]}" for path in sorted(seen))]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
 def plugin_options(build, version):
@@ -108,10 +87,13 @@ def main():
     flags = flags_of(entries)
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
     common = "\n".join([version, (ROOT / ".clang-tidy").read_text(), *flags]).replace(str(build), "BUILD").replace(str(ROOT), "ROOT")
-    stamps = {source: clean / state_of(source, common) for source in sorted(sources)}
-    for stamp in stamps.values():
-        if stamp.exists():
-            stamp.touch()
+    headers = {source: reached(source)[1] for source in sorted(sources)}
+    stamps = {}
+    for source, own in headers.items():
+        state = [common, *(f"{path.relative_to(ROOT)} {read(path)}" for path in [source, *sorted(own)])]
+        stamps[source] = clean / hashlib.sha256("\n".join(state).encode()).hexdigest()
+        if stamps[source].exists():
+            stamps[source].touch()
     new = [source for source in stamps if not stamps[source].exists()]
     options = plugin_options(build, version) if new else []
 
@@ -133,7 +115,6 @@ def main():
         half = len(unit) // 2
         return faulty(unit[:half]) + faulty(unit[half:]) if half else unit
 
-    headers = {source: set(INCLUDED.findall(source.read_text())) for source in new}
     units = units_of(new, headers, min(MOST, -(-len(new) // os.cpu_count())), shadows=True)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         faults = sum(pool.map(faulty, sorted(units, key=len, reverse=True)), [])
