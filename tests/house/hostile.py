@@ -85,11 +85,27 @@ class Clock:
 
 
 class Marked:
-    """Programs that can be found by a mark in their environment."""
+    """Programs that can be found by a mark in their environment, and an emulated board that hears them (wires.py), or None."""
 
     def __init__(self, folder, **variables):
-        self.mark, self.clock = f"{os.getpid()}-{folder}", Clock()
+        self.folder, self.mark, self.clock, self.faults, self.board = folder, f"{os.getpid()}-{folder}", Clock(), [], None
         self.environment = dict(os.environ, PALPA_MARK=self.mark, XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off", **variables)
+
+    def fault(self, text):
+        self.faults.append(text)
+
+    def start(self, line, **more):
+        """Starts a program in the folder; what it says goes to the files stdout and stderr there, unless something else is given."""
+        with open(self.folder / "stderr", "wb") as err, open(self.folder / "stdout", "wb") as out:
+            usual = dict(stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=self.folder, env=self.environment, start_new_session=True)
+            return subprocess.Popen(line, **usual | more)
+
+    def said(self):
+        return (self.folder / "stderr").read_bytes()
+
+    def expect_silence(self, seconds, why):
+        if self.board and not self.clock.until(lambda: not self.board.sounds(), seconds):
+            self.fault(f"the board still sounds {seconds} s and a margin after {why}")
 
     def processes(self):
         """The living ones: pid -> name."""

@@ -57,7 +57,7 @@ class Case(Marked):
     def __init__(self, number, seed, folder, palpa, rig, namespace):
         super().__init__(folder)
         self.random = draw = random.Random(f"{seed}:{number}")
-        self.folder, self.palpa, self.rig, self.namespace = folder, palpa, rig, namespace
+        self.palpa, self.rig, self.namespace = palpa, rig, namespace
         self.kind = draw.choices(list(BOARDS), list(BOARDS.values()))[0]
         self.trouble = draw.choice(TROUBLES)
         self.command = "run" if draw.random() < 0.75 or self.trouble != "none" else "link"
@@ -73,8 +73,7 @@ class Case(Marked):
         if self.early:  # the system stops no process whose terminal is gone
             self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
         self.gap = draw.choice([0, 0.01, 0.3])
-        self.faults, self.open, self.events = [], [], []
-        self.loop = self.board = self.reader = None
+        self.open, self.events, self.loop, self.reader = [], [], None, None
         folder.mkdir()
 
     # ---- beginning ----
@@ -102,7 +101,7 @@ class Case(Marked):
     def start_loop(self, link):
         draw, folder = self.random, self.folder
         layout = ["--layout", self.kind if self.board else "openmpd", "--link", link]
-        out = err = None
+        pipes = {}
         if self.command == "link":
             arguments = ["link", "test", *layout, "--each", draw.choice(["30ms", "100s"])]
         else:
@@ -113,10 +112,10 @@ class Case(Marked):
             arguments += draw.choice([[], ["--every-frame"]]) + draw.choice([[], ["--noise-free"]])
         before = []
         if self.trouble == "stderr":
-            err = self.pipe(room=True)
+            pipes["stderr"] = self.pipe(room=True)
             arguments += ["--log-level", "debug"]
         elif self.trouble == "json":
-            out = self.pipe(room=False)
+            pipes["stdout"] = self.pipe(room=False)
             arguments += ["--json", "-"]
         elif self.trouble == "events":
             os.mkfifo(folder / "events")
@@ -141,9 +140,7 @@ class Case(Marked):
                 resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
         self.line = [*before, str(self.palpa), *arguments]
-        with open(folder / "stderr", "wb") as err_file, open(folder / "stdout", "wb") as out_file:
-            self.loop = subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=out or out_file, stderr=err or err_file, cwd=folder,
-                                         env=self.environment, preexec_fn=limits, start_new_session=True)
+        self.loop = self.start(self.line, preexec_fn=limits, **pipes)
 
     # ---- what happens ----
     def ended(self):
@@ -170,13 +167,9 @@ class Case(Marked):
             pass
         self.events.append(f"{name_of_signal(number)} to {self.victim}")
 
-    def expect_silence(self, seconds, why):
-        if self.board and not self.clock.until(lambda: not self.sounds(), seconds):
-            self.faults.append(f"the board still sounds {seconds} s and a margin after {why}")
-
     def expect_end(self, seconds, why):
         if not self.clock.until(self.ended, seconds):
-            self.faults.append(f"the loop does not end within {seconds} s and a margin after {why}")
+            self.fault(f"the loop does not end within {seconds} s and a margin after {why}")
             self.loop.kill()
             self.loop.wait()
 
@@ -238,30 +231,30 @@ class Case(Marked):
         code = self.loop.returncode
         sent = set(self.signals) | {signal.SIGTERM}
         if code < 0 and -code not in sent:
-            self.faults.append(f"the loop ends with {name_of_end(code)}, which nobody sent")
+            self.fault(f"the loop ends with {name_of_end(code)}, which nobody sent")
         if code > 4:
-            self.faults.append(f"the loop ends with {code}")
+            self.fault(f"the loop ends with {code}")
         if code >= 0 and self.trouble != "stderr":
-            faults = faults_of_messages((self.folder / "stderr").read_bytes(), code)
+            faults = faults_of_messages(self.said(), code)
             # A program that is held up after a signal has 50 ms for its line, which may be too short on a busy machine.
             self.faults += [fault for fault in faults if not (self.events and fault.endswith("without an error line"))]
         if code >= 0 and self.kind == "file" and self.drives().strip(b"\0"):
-            self.faults.append("the last drive of its file is not silence")
+            self.fault("the last drive of its file is not silence")
         if self.board:
             self.clock.sleep(0.05)
             self.sounds()
             try:
                 reports = self.board.end()
             except subprocess.TimeoutExpired:
-                self.faults.append("the emulator does not end")
+                self.fault("the emulator does not end")
                 return
             if self.sounds():
-                self.faults.append("by its wire the board sounds at the end")
+                self.fault("by its wire the board sounds at the end")
             if self.played() and any(report["sounds"] for report in reports):
-                self.faults.append("by its emulator the board sounds at the end")
+                self.fault("by its emulator the board sounds at the end")
             wrong = sum(report["violation_count"] for report in reports)
             if wrong and not killed_guard:
-                self.faults.append(f"{wrong} violations: {(self.folder / 'emulator.err').read_text()[:300]}")
+                self.fault(f"{wrong} violations: {(self.folder / 'emulator.err').read_text()[:300]}")
 
     def played(self):
         """Whether a board was played to."""

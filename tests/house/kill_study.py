@@ -82,9 +82,8 @@ class KilledStudies(Marked):
     def __init__(self, seed, folder, palpa, rig, trials):
         self.display = Display()
         super().__init__(folder, DISPLAY=self.display.name or "", WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
-        self.random, self.folder, self.palpa, self.rig = random.Random(f"{seed}:study"), folder, str(palpa), str(rig)
-        self.faults, self.participant, self.board = [], 0, None
-        self.kills, self.startup_s, self.line = {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
+        self.random, self.palpa, self.rig = random.Random(f"{seed}:study"), str(palpa), str(rig)
+        self.participant, self.kills, self.startup_s, self.line = 0, {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
         folder.mkdir()
         self.plan, self.study = folder / "plan.toml", folder / "study"
         self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials))
@@ -94,7 +93,7 @@ class KilledStudies(Marked):
         return self.display.name is not None
 
     def fault(self, text):
-        self.faults.append(f"participant {self.participant}, {sum(self.kills.values())} kills: {text}")
+        super().fault(f"participant {self.participant}, {sum(self.kills.values())} kills: {text}")
 
     # ---- one participant after the other ----
     def sub(self):
@@ -110,16 +109,16 @@ class KilledStudies(Marked):
 
     def end_participant(self):
         """What must be true when a participant has finished."""
-        self.check_silence("the end")
+        self.expect_silence(SILENT_S, "the end")
         if not self.board.sounded:
             self.fault("the board never sounded")
         self.board.end()
         self.board.close()
         self.board = None
-        process = self.start()  # writes the logs if it was killed between the journal's last line and the logs
+        process = self.start(self.line)  # writes the logs if it was killed between the journal's last line and the logs
         process.wait(WHOLE_S)
-        if process.returncode != 2 or b"has finished" not in (self.folder / "stderr").read_bytes():
-            self.fault(f"a participant who has finished: {name_of_end(process.returncode)}, {(self.folder / 'stderr').read_text()[-300:]}")
+        if process.returncode != 2 or b"has finished" not in self.said():
+            self.fault(f"a participant who has finished: {name_of_end(process.returncode)}, {self.said().decode()[-300:]}")
         walk = self.walk()
         if walk is None:
             return
@@ -198,15 +197,6 @@ class KilledStudies(Marked):
         self.analysis(self.study)
 
     # ---- kills ----
-    def start(self):
-        with open(self.folder / "stderr", "wb") as err:
-            return subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=err, cwd=self.folder, env=self.environment,
-                                    start_new_session=True)
-
-    def check_silence(self, why):
-        if not self.clock.until(lambda: not self.board.sounds(), SILENT_S):
-            self.fault(f"the board still sounds {SILENT_S} s and a margin after {why}")
-
     def wait_for_moment(self, process):
         """The next moment to kill: while palpa or its viewer begins, or some lines later in the journal."""
         draw, begin, lines = self.random, time.monotonic(), self.lines()
@@ -231,7 +221,7 @@ class KilledStudies(Marked):
 
     def attempt(self):
         """Starts the program and kills it. Whether the participant has finished."""
-        process = self.start()
+        process = self.start(self.line)
         self.wait_for_moment(process)
         guards = self.guards() if self.random.random() < 0.25 else []
         victim = "viewer"
@@ -245,12 +235,12 @@ class KilledStudies(Marked):
                 pass  # it has just ended
         if not guards:
             process.wait()
-        self.check_silence(f"SIGKILL of the {victim}")
+        self.expect_silence(SILENT_S, f"SIGKILL of the {victim}")
         if guards and not self.clock.until(lambda: process.poll() is not None, ENDED_S):
             # A guard that was ending anyway is not missed.
             process.kill()
             process.wait()
-            self.check_silence("SIGKILL of the viewer")
+            self.expect_silence(SILENT_S, "SIGKILL of the viewer")
         return self.ended(process)
 
     def ended(self, process):
@@ -258,11 +248,11 @@ class KilledStudies(Marked):
             self.fault(fault)
         code = process.returncode
         if code not in (0, 1, -signal.SIGKILL):
-            self.fault(f"the program ends with {name_of_end(code)}: {(self.folder / 'stderr').read_text()[-300:]}")
+            self.fault(f"the program ends with {name_of_end(code)}: {self.said().decode()[-300:]}")
         elif code >= 0:
-            for fault in faults_of_messages((self.folder / "stderr").read_bytes(), code):
+            for fault in faults_of_messages(self.said(), code):
                 self.fault(fault)
-        self.check_silence("its end")
+        self.expect_silence(SILENT_S, "its end")
         self.check_after_kill()
         walk = self.walk() if b"\n" in self.journal() else None
         return walk is not None and walk.finished
@@ -280,13 +270,13 @@ class KilledStudies(Marked):
                     since = time.monotonic()
                     continue
                 answered = self.answers()
-                process = self.start()
+                process = self.start(self.line)
                 process.wait(WHOLE_S)
                 finished = self.ended(process)
                 if self.answers() > answered:
                     since = time.monotonic()
                 if not finished and time.monotonic() - since > WHOLE_S:
-                    self.fault(f"no step becomes complete in {WHOLE_S} s: {(self.folder / 'stderr').read_text()[-300:]}")
+                    self.fault(f"no step becomes complete in {WHOLE_S} s: {self.said().decode()[-300:]}")
                     break
             if finished:
                 self.end_participant()
