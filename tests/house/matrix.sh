@@ -19,10 +19,15 @@ export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 # tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
 # Other drivers ignore lavapipe's variables.
 legs() {
-  cat <<'END'
-threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
-sync         release gpu     PALPA_VALIDATION=sync LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
-gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
+  # The legs of the label gpu test the driver: the cases of a pass's twin run in ./dev test and under asan.
+  local filter='GTEST_FILTER=-*/cpu'
+  # Instrumented kernels are compiled again for every pass that is created; a solver's takes most of a minute. So a
+  # single test of test_solver_pass, which runs each kernel once, is the only one that solves.
+  local solvers='Backends/SolverOn.*:Solvers.*:SolverPass.*AtEverySize:SolverPass.TheSameBytes*'
+  cat <<END
+threads-2    release gpu     $filter LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
+sync         release gpu     $filter PALPA_VALIDATION=sync LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
+gpu-assisted release gpu     $filter:$solvers PALPA_VALIDATION=gpu-assisted
 corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
@@ -65,12 +70,6 @@ build_leg() { # PRESET LABEL
 run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   local name=$1 preset=$2 label=$3 filter=() begin=$SECONDS built log=build/logs/matrix-$1.log
   shift 3
-  # The legs of the label gpu test the driver: the cases of a pass's twin run in ./dev test and under asan.
-  local left_out='*/cpu'
-  # Instrumented kernels are compiled again for every pass that is created; a solver's takes most of a minute. So a
-  # single test of test_solver_pass, which runs each kernel once, is the only one that solves.
-  [[ $name != gpu-assisted ]] || left_out+=':Backends/SolverOn.*:Solvers.*:SolverPass.*AtEverySize:SolverPass.TheSameBytes*'
-  [[ $label != gpu ]] || set -- "$@" "GTEST_FILTER=-$left_out"
   echo "== $name: ${*:+$* }tests $label, preset $preset"
   if ! build_leg "$preset" "$label" >"$log" 2>&1; then
     cat "$log"

@@ -35,8 +35,6 @@ class Leg:
     def __init__(self, name, preset="release", label=None, environment=None):
         self.name, self.preset, self.label = name, preset, label
         self.environment = {**ENVIRONMENT, **(environment or {})}
-        if label == "gpu":  # as in matrix.sh: the cases of a pass's twin run elsewhere
-            self.environment["GTEST_FILTER"] = "-*/cpu"
         self.build = COPY / "build" / preset
         self.clean = None  # the programs without a fault, by their hashes
         self.passes, self.fails = set(), set()  # topics without a fault
