@@ -183,18 +183,18 @@ class KilledStudies(Marked):
         return None
 
     def check_after_kill(self):
+        """Whether the participant has finished."""
         now = self.journal()
         if not now.startswith(self.before.rpartition(b"\n")[0]):
             self.fault("the journal has lost lines")
         self.before = now
-        walk = self.walk() if now.count(b"\n") > 1 else None
-        if walk is None:
-            return
-        for fault in walk.faults:
-            self.fault(fault)
-        for fault in journals.faults_of_files(self.sub() / "beh", walk, False):
+        walk = self.walk() if b"\n" in now else None
+        if walk is None or not walk.starts:
+            return False
+        for fault in walk.faults + journals.faults_of_files(self.sub() / "beh", walk, False):
             self.fault(fault)
         self.analysis(self.study)
+        return walk.finished
 
     # ---- kills ----
     def wait_for_moment(self, process):
@@ -253,9 +253,7 @@ class KilledStudies(Marked):
             for fault in faults_of_messages(self.said(), code):
                 self.fault(fault)
         self.expect_silence(SILENT_S, "its end")
-        self.check_after_kill()
-        walk = self.walk() if b"\n" in self.journal() else None
-        return walk is not None and walk.finished
+        return self.check_after_kill()
 
     def run(self, goes_on):
         """Kills while `goes_on(kills)`; then lets the participant finish."""
