@@ -24,13 +24,18 @@ std::string shown(const std::string& word) {
   return printable(word, 60);
 }
 
-/// The first unused word of the line. The parser keeps unused words in a different order.
+/// The first unused word of the line. The parser keeps unused words in a different order. The search begins at the end,
+/// because the value of a used option may equal an unused word.
 std::string first_left(const CLI::App& app, int argc, const char* const* argv) {
-  const std::vector<std::string> left = app.remaining(true);
-  for (int i = 1; i < argc; ++i) {
-    if (std::ranges::find(left, argv[i]) != left.end()) return argv[i];
+  std::vector<std::string> left = app.remaining(true);
+  std::string first = left.empty() ? std::string() : left.front();
+  for (int i = argc - 1; i > 0; --i) {
+    const auto found = std::ranges::find(left, argv[i]);
+    if (found == left.end()) continue;
+    first = argv[i];
+    left.erase(found);
   }
-  return left.empty() ? std::string() : left.front();
+  return first;
 }
 
 /// What a mistyped word stands for, as a question; empty if nothing is near.
