@@ -49,7 +49,7 @@ TEST(Bunny, StandsOnTheGround) {
   EXPECT_NEAR(glm::length(box.high - Vec3(0.05, 0.1, 0.05)), 0, 1e-12);
 }
 
-TEST(Bunny, FingersComeFromWhereTheyAreSent) {
+TEST(Bunny, FingersArePressedInTheirDirection) {
   const geometry::Mesh finger = make_finger(), cube = stand_up(make_cube(), 0.1);
   for (const Vec3& way : {Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, -2)}) {
     const geometry::Mesh pressed = press_finger(finger, cube, Vec3(0, 0.05, 0), way, 0.003);

@@ -5,7 +5,6 @@
 #include <limits>
 #include <string>
 
-#include "base/error.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
 #include "support/files.hpp"
@@ -89,8 +88,8 @@ TEST_F(WriteGlb, LaysChunksOutAsTheFormatSays) {
   EXPECT_EQ(word(bytes, 20 + json), 44U);
   EXPECT_EQ(bytes.substr(24 + json, 4), std::string("BIN\0", 4));
   EXPECT_EQ(bytes.size(), 28 + json + 44);
-  EXPECT_NE(bytes.find("\"generator\":\"palpa\""), std::string::npos);
-  EXPECT_NE(bytes.find("\"min\":[-0.25,0,0],\"max\":[0.75,1,0.125]"), std::string::npos);
+  EXPECT_CONTAINS(bytes, "\"generator\":\"palpa\"");
+  EXPECT_CONTAINS(bytes, "\"min\":[-0.25,0,0],\"max\":[0.75,1,0.125]");
 }
 
 TEST_F(WriteGlb, WritesTheSameBytesEachTime) {
@@ -110,14 +109,14 @@ TEST_F(WriteGlb, WritesNoNegativeZero) {
 }
 
 TEST_F(WriteGlb, RefusesWhatAFileCannotHold) {
-  EXPECT_NE(fault_of({{"empty", {}}}).find("\"empty\" has no triangles"), std::string::npos);
+  EXPECT_CONTAINS(fault_of({{"empty", {}}}), "\"empty\" has no triangles");
   Mesh broken = triangle(0);
   broken.triangles[0].z = 3;
-  EXPECT_NE(fault_of({{"broken", broken}}).find("index out of range"), std::string::npos);
+  EXPECT_CONTAINS(fault_of({{"broken", broken}}), "index out of range");
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e39}) {
     Mesh huge = triangle(0);
     huge.positions[1].y = bad;
-    EXPECT_NE(fault_of({{"huge", huge}}).find("coordinate"), std::string::npos);
+    EXPECT_CONTAINS(fault_of({{"huge", huge}}), "coordinate");
   }
 }
 
@@ -131,9 +130,7 @@ TEST_F(WriteGlb, NamesAreValidJsonWhateverTheyHold) {
 TEST_F(WriteGlb, SaysWhenTheFileCannotBeWritten) {
   for (const char* place : {"/dev/full", "/nowhere/at/all.glb"}) {
     file_ = place;
-    const std::string fault = fault_of({{"t", triangle(0)}});
-    EXPECT_EQ(fault.rfind(std::string(place) + ": cannot be written: ", 0), 0U) << fault;
-    EXPECT_EQ(fault.find('\n'), std::string::npos);
+    EXPECT_TRUE(fault_of({{"t", triangle(0)}}).starts_with(std::string(place) + ": cannot be written: ")) << place;
   }
 }
 

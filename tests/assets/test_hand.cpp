@@ -6,7 +6,6 @@
 
 #include "assets/generators/hand.hpp"
 #include "assets/generators/shape.hpp"
-#include "base/error.hpp"
 #include "crossings.hpp"
 #include "shape_checks.hpp"
 #include "support/instrumented.hpp"
@@ -149,16 +148,9 @@ class PoseFile : public ::testing::Test {
     return read_hand_pose(file_);
   }
   std::string fault_of(const std::string& text) {
-    try {
-      read(text);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Exit::bad_input);
-      const std::string line = error.what();
-      EXPECT_EQ(line.rfind(file_.string() + ": ", 0), 0U) << line;
-      EXPECT_EQ(line.find('\n'), std::string::npos);
-      return line.substr(file_.string().size() + 2);
-    }
-    return "";
+    const std::string line = test::error_of([&] { read(text); }), begin = file_.string() + ": ";
+    EXPECT_TRUE(line.empty() || line.starts_with(begin)) << line;
+    return line.empty() ? "" : line.substr(begin.size());
   }
 };
 

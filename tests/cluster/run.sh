@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh [parallel|slurm|mpirun|snakemake|dask|scaling]...: sweeps under real schedulers on this machine; all of them if none
+# run.sh [parallel|slurm|mpirun|snakemake|dask]...: sweeps under real schedulers on this machine; all of them if none
 # is named. A scheduler that is not installed is skipped with a reason; if all are, the exit code is still 0.
 #
 #   parallel   GNU parallel with three shards
@@ -8,7 +8,6 @@
 #   mpirun     OpenMPI with two processes
 #   snakemake  the Snakefile of docs/examples/sweep
 #   dask       the program of docs/sweeps.md
-#   scaling    the times of 1, 2 and 4 processes
 #
 # Each of them must give the same table, byte for byte, as one process alone. PALPA_CLUSTER_KEEP: if set, the scratch
 # folder stays. The Python module must be built.
@@ -226,24 +225,7 @@ END
   mv "$work/short.toml" "$work/plan.toml"
 }
 
-with_scaling() {
-  local n i begin pids TIMEFORMAT=%U
-  sed 's/64,64/120,120/' "$work/plan.toml" >"$work/large.toml"
-  for n in 1 2 4; do
-    begin=$(date +%s.%N) pids=()
-    for ((i = 0; i < n; i++)); do
-      { time taskset -c $((i % $(nproc))) "${sweeps[@]}" "$work/large.toml" --backend cpu --quiet --out "$work/scaling-$n" --shard $i/$n; } \
-        2>>"$work/scaling-$n.log" &
-      pids+=($!)
-    done
-    wait "${pids[@]}" || die "scaling: $(cat "$work/scaling-$n.log")"
-    awk -v n="$n" -v begin="$begin" -v end="$(date +%s.%N)" '
-      { all = all " " $1 }
-      END { printf "cluster: scaling: %d processes, each on one core: %.1f s; processor time of each:%s s\n", n, end - begin, all }' "$work/scaling-$n.log"
-  done
-}
-
-(($#)) || set -- parallel mpirun snakemake dask slurm scaling
+(($#)) || set -- parallel mpirun snakemake dask slurm
 for what; do
   declare -F "with_$what" >/dev/null || die "there is no $what here"
   "with_$what"

@@ -31,7 +31,7 @@ double apart(const Colour& one, const Colour& other) {
   return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
 }
 
-TEST(Colours, OklchIsWhatItSays) {
+TEST(Colours, OklchAgreesWithOklab) {
   const auto lab = oklab(from_oklch({0.6F, 0.1F, 1.0F}));
   EXPECT_NEAR(lab[0], 0.6, 1e-4);
   EXPECT_NEAR(lab[1], 0.1 * std::cos(1.0), 1e-4);
@@ -54,7 +54,7 @@ TEST(MapColour, StepsAreEvenAndLightnessRises) {
   EXPECT_GT(oklab(map_colour(1))[0], 0.9);
 }
 
-TEST(MapColour, TakesAnything) {
+TEST(MapColour, TakesValuesBeyondItsEndsAndNaN) {
   EXPECT_EQ(apart(map_colour(-3), map_colour(0)), 0);
   EXPECT_EQ(apart(map_colour(7), map_colour(1)), 0);
   const Colour none = map_colour(std::numeric_limits<double>::quiet_NaN());

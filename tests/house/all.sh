@@ -7,18 +7,13 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # Name, command
 stages() {
-  cat <<'END'
+  cat <<END
 check        ./dev check
 live         ./dev test live
 usb          ./dev test usb
-threads-2    ./dev test matrix threads-2
-sync         ./dev test matrix sync
-gpu-assisted ./dev test matrix gpu-assisted
-corpus       ./dev test matrix corpus
-asan         ./dev test matrix asan
-tsan         ./dev test matrix tsan
-fuzz         ./dev test matrix fuzz
-kill         ./dev test matrix kill
+$(tests/house/matrix.sh list | awk '{ printf "%-12s ./dev test matrix %s\n", $1, $1 }')
+fuzz         ./dev test fuzz 60 1
+kill         ./dev test kill 60 1
 package      ./dev test package
 cluster      ./dev test cluster
 bare-12      ./dev test bare 12

@@ -9,9 +9,7 @@ A case must end by itself with an exit code from 0 to 4 and at most one line of 
 time, must leave all files alone that it was given to read, and must not show the contents of files that do not concern
 it. JSON that it writes must be JSON. A journal of a study keeps its lines. --part takes only commands that begin with a word.
 """
-import argparse
 import atexit
-import concurrent.futures
 import hashlib
 import json
 import os
@@ -20,18 +18,14 @@ import random
 import re
 import resource
 import shlex
-import shutil
 import subprocess
 import sys
-import tempfile
 import time
 
 import fuzz_study
-from judged import faults_of_messages, name_of_end
-from kill_study import Display
-from mutate import boxes_glb, boxes_ply, mutated, small_bag, sphere_ply
+from hostile import ROOT, Cases, Display, faults_of_messages, name_of_end, small_rig
+from mutate import boxes_glb, boxes_ply, mutated, octahedron_ply, small_bag
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as in docs/limits.md
 NOISE = 2.0                       # on a busy machine, caches and hyperthreads make the same work cost more
 MOST_CPU_S = 60                   # for cases without such a limit: they must still end
@@ -40,7 +34,26 @@ MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
 STILL_S = 20                      # without using processor time: counts as a hang
 SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
-            "calibrate": 3, "link": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
+            "calibrate": 3, "link test": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
+# The rest of a command's line: one of each of these alternatives. A word is one of its parts between |. <KIND is a file to read, >.ENDING
+# a place to write to, @NAME what Case.given() gives, ~ a space.
+LINES = {
+    "touch": [["--scene <scene"], ["--depth <depth --camera <camera", *["--points <points --penetration 3mm|1mm|0"] * 2]],
+    "drive": [["--layout @layout --csv >.csv"], ["--touch <touch", "--focus @focus", "--pattern <pattern"]],
+    "field": [["--layout openmpd --csv >.csv"], ["--drive <drive", "--focus @focus"],
+              ["--plane xz --size 60mm,60mm --pixels @count,@count", "--line 0,0,0 @point --samples @count", "--points <points"]],
+    "run": [["--scene <scene --source @source --frames 1|2|3|3 --rig <rig|<rig|@paper"]],
+    "export": [["--scene <scene --source @source --frames 1|2|3|3 --rig <rig|<rig|@paper"], ["--foci >.csv|>.json", "--drives >.bin"]],
+    "scatter": [["--mesh <mesh --csv >.csv"], ["--plane-wave @point", "--point-source @point", "--layout openmpd --drive <drive"]],
+    "simulate": [["--scene <scene --finger <mesh --penetration 1mm"]],
+    "decompose": [["--scene <scene --out >.glb --resolution 1000"]],
+    "calibrate": [["--nudge --keys right*2~enter|q|up*99999999|x| --scene <scene --source @source --frames 1|2|3 --rig <rig --out >.toml",
+                   "--source @source --frames 1|2|3 --rig <rig --out >.toml", *["--target >.stl|>.glb --layout @layout"] * 2]],
+    "link test": [["--link record:>.bin --layout @layout --first 0|0|1|-1 --last 1|1|2|-1 --each 1ms|1ms|2ms|0|nan --rest 1ms|1ms|2ms|0|nan"]],
+    "doctor": [["--json >.json"]],
+    "viewer": [["--headless --size 64x64 --screenshot >.png --scene <scene --points <points --penetration 1mm"]],
+    "afferents": [["--scene <scene --duration 20ms|60ms|0|nan"]],
+    **fuzz_study.LINES}
 # Options that rightly make a run endless or long, that look for devices, or that a case sets itself.
 LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--runs", "--resolution", "--figure6", "--view",
               "--version", "--suite", "--source", "--last", "--first", "--nudge", "--keys", "--pixels", "--samples",
@@ -49,7 +62,7 @@ LEFT_ALONE = {"--help", "--gpu", "--backend", "--validation", "--frames", "--run
 # The kind of the pool that each file option reads; all others are outputs.
 READS = {"--scene": "scene", "--points": "points", "--depth": "depth", "--camera": "camera", "--rig": "rig",
          "--layout": "layout", "--touch": "touch", "--mesh": "mesh", "--finger": "mesh", "--drive": "drive",
-         "--skin": "points", "--board-files": "boards", "--screen": "rig"}
+         "--skin": "points", "--board-files": "boards", "--screen": "rig", "--pattern": "pattern"}
 NUMBERS = ["0", "-0", "1", "-1", "0.5", "2", "3", "10", "64", "nan", "-nan", "inf", "-inf", "1e300", "-1e300", "1e-300", "1e39", "1e-40",
            "1e999", "", " ", "x", "0x10", "1e", "--", "9" * 400, "18446744073709551616", "4294967296", "2147483648", "-2147483649",
            "1,5", "½", "1 ", "\u202e1", "\xff", "%s%n", "1\n2", "1;2"]
@@ -66,9 +79,7 @@ class Pool:
 
     def __init__(self, palpa, folder):
         assets = ROOT / "assets"
-        rig = (assets / "rigs/paper.toml").read_text()
-        for number, small in {"848": "106", "480": "60", "640.0": "80.0", "423.5": "52.5", "239.5": "29.5"}.items():
-            rig = re.sub(rf"= {re.escape(number)}$", f"= {small}", rig, flags=re.M)
+        rig = small_rig(8)[1]
         (folder / "rig.toml").write_text(rig)
         cube, finger = assets / "cube.glb", assets / "finger.ply"
         small = ["--scene", cube, "--backend", "cpu", "--quiet"]
@@ -90,12 +101,12 @@ class Pool:
         camera = rig[:rig.index("[[camera]]", rig.index("[[camera]]") + 1)]
         units = "\n".join("[[transducer]]\nposition_m = [%g, %g, 0.0]\naxis = [0.0, 0.0, 1.0]" % (0.01 * x, 0.01 * y)
                           for x in range(4) for y in range(4))
-        binary, text = finger.read_bytes(), sphere_ply(0.004)
+        binary, text = finger.read_bytes(), octahedron_ply(0.004)
         self.files = {
             "scene": [("s.glb", (assets / name).read_bytes()) for name in
                       ("cube.glb", "prism.glb", "pyramid.glb", "button-and-knob.glb", "semi-sphere.glb", "hand.glb")],
             "points": [("p.ply", binary), ("p.ply", text)],
-            "mesh": [("m.ply", text), ("m.ply", sphere_ply(0.0012))],
+            "mesh": [("m.ply", text), ("m.ply", octahedron_ply(0.0012))],
             "rig": [("r.toml", rig.encode())],
             "camera": [("c.toml", camera.encode())],
             "layout": [("l.toml", (assets / "layouts/example.toml").read_bytes()), ("l.toml", units.encode())],
@@ -106,6 +117,7 @@ class Pool:
                         ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
             "bag": [("b.bag", small_bag())],
             "plan": [("plan.toml", plan) for plan in plans],
+            "pattern": [("pattern.toml", path.read_bytes()) for path in sorted((assets / "patterns").glob("*.toml"))],
             "counts": [("counts.csv", counts) for counts in fuzz_study.COUNTS],
             "wav": fuzz_study.sounds(),
         }
@@ -263,70 +275,30 @@ class Case:
                            lambda: f"synthetic:{self.file('mesh')}", lambda: f"bag:{self.file('bag', 0.9)}", "bag:/dev/zero", f"bag:{self.folder}",
                            "v4l2:/dev/null", "realsense:any", "recording:", f"recording:{self.folder}", "nothing:x", "")
 
+    def given(self, name):
+        """What @NAME of a line stands for."""
+        return {"layout": lambda: self.value("--layout", "NAME|FILE"), "focus": lambda: self.value("--focus", "X,Y,Z[,A]"),
+                "point": lambda: self.value("", "X,Y,Z"), "source": self.source, "paper": lambda: str(ROOT / "assets/rigs/paper.toml"),
+                "count": lambda: self.random.choice(["2", "3", "16", "100"] if self.random.random() < 0.9 else NUMBERS),
+                "number": lambda: self.random.choice(["1", "1", "1", *NUMBERS])}.get(name, lambda: fuzz_study.given(self, name))()
+
+    def word(self, text):
+        made = {"<": self.file, ">": self.out, "@": self.given}
+        return re.sub(r"([<>@])([.\w]+)", lambda found: made[found[1]](found[2]), self.random.choice(text.split("|")).replace("~", " "))
+
     def make(self):
         draw, command = self.random, self.command
-        frames = ["--frames", draw.choice(["1", "2", "3", "3"])]
-        count = draw.choice(["2", "3", "16", "100"] if draw.random() < 0.9 else NUMBERS)
-        focus = ["--focus", self.value("--focus", "X,Y,Z[,A]")]
-        if command == "touch":
-            if draw.random() < 0.3:
-                skin = ["--depth", self.file("depth"), "--camera", self.file("camera")]
-            else:
-                skin = ["--points", self.file("points"), "--penetration", draw.choice(["3mm", "1mm", "0"])]
-            base = ["touch", "--scene", self.file("scene"), *skin]
-        elif command == "drive":
-            base = ["drive", "--layout", self.value("--layout", "NAME|FILE"),
-                    *(["--touch", self.file("touch")] if draw.random() < 0.5 else focus), "--csv", self.out(".csv")]
-        elif command == "field":
-            where = self.one_of(["--plane", "xz", "--size", "60mm,60mm", "--pixels", f"{count},{count}"],
-                                ["--line", "0,0,0", self.value("--centre", "X,Y,Z"), "--samples", count],
-                                lambda: ["--points", self.file("points")])
-            sound = ["--drive", self.file("drive")] if draw.random() < 0.4 else focus
-            base = ["field", "--layout", "openmpd", *sound, *where, "--csv", self.out(".csv")]
-        elif command in ("run", "export"):
-            base = [command, "--scene", self.file("scene"), "--source", self.source(), *frames,
-                    "--rig", self.file("rig", 0.2) if draw.random() < 0.7 else str(ROOT / "assets/rigs/paper.toml")]
-            if command == "export":
-                base += self.one_of(["--foci", self.out(draw.choice([".csv", ".json"]))], ["--drives", self.out(".bin")])
-        elif command == "scatter":
-            sound = self.one_of(["--plane-wave", self.value("", "X,Y,Z")], ["--point-source", self.value("", "X,Y,Z")],
-                                lambda: ["--layout", "openmpd", "--drive", self.file("drive")])
-            base = ["scatter", "--mesh", self.file("mesh"), *sound, "--csv", self.out(".csv")]
-        elif command == "simulate":
-            base = ["simulate", "--scene", self.file("scene"), "--finger", self.file("mesh"), "--penetration", "1mm"]
-        elif command == "decompose":
-            base = ["decompose", "--scene", self.file("scene"), "--out", self.out(".glb"), "--resolution", "1000"]
-        elif command == "calibrate":
-            how = draw.random()
-            if how < 0.2:
-                base = ["calibrate", "--nudge", "--keys", draw.choice(["right*2 enter", "q", "up*99999999", "x", ""]), "--scene", self.file("scene"),
-                        "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
-            elif how < 0.5:
-                base = ["calibrate", "--source", self.source(), *frames, "--rig", self.file("rig"), "--out", self.out(".toml")]
-            else:
-                base = ["calibrate", "--target", self.out(draw.choice([".stl", ".glb"])), "--layout", self.value("--layout", "NAME|FILE")]
-        elif command == "link":
-            base = ["link", "test", "--link", f"record:{self.out('.bin')}", "--layout", self.value("--layout", "NAME|FILE"),
-                    "--first", draw.choice(["0", "0", "1", "-1"]), "--last", draw.choice(["1", "1", "2", "-1"])]
-            for name in ("--each", "--rest"):  # so that the run ends soon
-                base += [name, draw.choice(["1ms", "1ms", "2ms", "0", "nan"])]
-        elif command == "afferents":
-            base = ["afferents", "--scene", self.file("scene"), "--duration", draw.choice(["20ms", "60ms", "0", "nan"])]
-        elif command.startswith("study"):
-            base = fuzz_study.arguments_of(self, command, NUMBERS)
-        elif command == "doctor":
-            base = ["doctor", "--json", self.out(".json")]
-        else:
-            base = ["--headless", "--size", "64x64", "--screenshot", self.out(".png"), "--scene", self.file("scene"), "--points",
-                    self.file("points"), "--penetration", "1mm"]
+        base = command.split() if command != "viewer" else []
+        for alternatives in LINES[command]:
+            base += [self.word(text) for text in draw.choice(alternatives).split()]
         # The same option twice is an error, which need not be tested each time.
         more = self.some_options({argument for argument in base if argument.startswith("--") and draw.random() < 0.98})
         if command not in ("doctor", "viewer") and not command.startswith("study"):
             more += ["--backend", "cpu"]
         together = " ".join(base + more)
         # These have other costs (docs/limits.md), or a driver's.
-        self.judge_cost = command in ("touch", "drive", "run", "export", "link") and not re.search(
-            r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|autd3|bag:", together)
+        self.judge_cost = command in ("touch", "drive", "run", "export", "link test") and not re.search(
+            r"--surface|--tune|--spectrum|--solver|--transfer|--pressure|--force|--pattern|autd3|bag:", together)
         return base + more
 
 
@@ -426,67 +398,33 @@ def faults_of(case, program):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--part", default="", help="only commands that begin with this, such as study")
-    parser.add_argument("--only", type=int, help="one case, whose files are kept")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    chosen = parser.parse_args()
-    programs = {command: chosen.bin.resolve() / "palpa" for command in COMMANDS if command != "viewer"}
-    viewer = chosen.bin.resolve() / "palpa-viewer"
-    os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
+    cases = Cases("tests/house/fuzz.py", __doc__, os.cpu_count(), part={"default": "", "help": "only commands that begin with this, such as study"})
+    programs = {command: cases.bin / "palpa" for command in COMMANDS if command != "viewer"}
+    viewer = cases.bin / "palpa-viewer"
     options = {command: options_of(program, *command.split()) for command, program in programs.items()}
     if viewer.exists():
         options["viewer"], programs["viewer"] = options_of(viewer), viewer
-    options = {command: known for command, known in options.items() if command.startswith(chosen.part)}
-    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="palpa-fuzz-"))
-    pool = Pool(programs["touch"], work)
+    options = {command: known for command, known in options.items() if command.startswith(cases.chosen.part)}
+    pool = Pool(programs["touch"], cases.work)
     display = Display()
     atexit.register(display.close)
     pool.display = display.name
 
-    def run(number):
-        folder = work / str(number)
-        case = Case(number, chosen.seed, pool, options, folder)
+    def run(number, folder):
+        case = Case(number, cases.chosen.seed, pool, options, folder)
         program = str(programs[case.command])
         try:
             faults, cost, code = faults_of(case, program)
         except ValueError as error:  # an argument that no program can receive
             if "null byte" not in str(error):
                 raise
+            (folder / "stderr").touch()
             faults, cost, code = [], 0, 0
-        if faults or chosen.only is not None:
-            lines = [f"case {number}: {shlex.join([program, *case.arguments])}", *(f"  {fault}" for fault in faults),
-                     f"  {name_of_end(code)}, {cost:.2f} s", "  stderr: " + repr((folder / "stderr").read_bytes()[:700])[2:-1],
-                     f"  again: tests/house/fuzz.py --seed {chosen.seed} --only {number} --bin {chosen.bin}" + f" --part '{chosen.part}'" * bool(chosen.part)]
-            print("\n".join(lines), flush=True)
-        else:
-            shutil.rmtree(folder)
-        return bool(faults), code
+        return faults, name_of_end(code), [shlex.join([program, *case.arguments]), f"{name_of_end(code)}, {cost:.2f} s"]
 
-    if chosen.only is not None:
-        found, _ = run(chosen.only)
-        print(f"its files are in {work}")
-        return int(found)
-    ends, found, number = {}, 0, 0
-    with concurrent.futures.ThreadPoolExecutor(chosen.jobs) as executor:
-        running = set()
-        while running or time.monotonic() - begin < chosen.seconds:
-            while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
-                running.add(executor.submit(run, number))
-                number += 1
-            done, running = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
-            for future in done:
-                bad, code = future.result()
-                found += bad
-                ends[code] = ends.get(code, 0) + 1
-    counts = ", ".join(f"{count} with {name_of_end(code)}" for code, count in sorted(ends.items()))
-    print(f"fuzz: seed {chosen.seed}, {number} cases, {counts}; {found} found something" + (f", files in {work}" if found else ""))
-    if not found:
-        shutil.rmtree(work)
-    return int(found > 0)
+    count, found, ends = cases.run(run)
+    counts = ", ".join(f"{times} with {end}" for end, times in sorted(ends.items()))
+    return cases.end(f"fuzz: seed {cases.chosen.seed}, {count} cases, {counts}", found)
 
 
 if __name__ == "__main__":

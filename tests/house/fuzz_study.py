@@ -11,6 +11,12 @@ from mutate import mutated
 
 COMMANDS = {"study plan": 3, "study level": 2, "study rehearse": 3, "study withdraw": 1, "study analyse": 4, "study compare": 1.5, "study power": 0.2,
             "study run": 0.4}
+# As in fuzz.py.
+LINES = {"study plan": [["<plan --participant @number"]], "study level": [["<plan"]], "study power": [[""]],
+         # An unbroken plan is the plan of the pool's study, which goes on.
+         "study rehearse": [["@own_plan|@own_plan|<plan --participant @number --out @study"]], "study withdraw": [["@number --out @erased"]],
+         "study run": [["@run_plan --participant 1 --out @new --rehearse 0.5 --size 320x200 --backend cpu"]],
+         "study analyse": [["@analysed"]], "study compare": [["@analysed"], ["paper", "<counts", "x paper"]]}
 COUNTS = [b"actual,cube,prism\ncube,50,30\nprism,17,38\n",
           b"actual;cube;semi-sphere;pyramid;prism\ncube;50;30;9;11\nsemi-sphere;23;42;16;19\npyramid;13;37;26;24\nprism;17;18;27;38\n",
           b"\"actual\"\t\"a b\"\t\"\xc3\xa4\"\r\na b\t1\t0\r\n\xc3\xa4\t0\t1000000000\r\n"]
@@ -114,31 +120,19 @@ def run_plan(case):
                                    '[[block]]\nkind = "trial"\n').encode())
 
 
-def arguments_of(case, command, numbers):
-    """The arguments of one command of studies, without its options."""
-    draw = case.random
-    number = draw.choice(["1", "1", "1", *numbers])
-    if command == "study plan":
-        return ["study", "plan", case.file("plan"), "--participant", number]
-    if command == "study level":
-        return ["study", "level", case.file("plan")]
-    if command == "study rehearse":
-        # An unbroken plan is the plan of the pool's study, which goes on.
-        plan = str(case.pool.study_plan) if draw.random() < 0.6 else case.file("plan")
-        return ["study", "rehearse", plan, "--participant", number, "--out", study_folder(case)]
-    if command == "study withdraw":
-        case.may_erase = True
-        return ["study", "withdraw", number, "--out", study_folder(case)]
-    if command == "study power":
-        return ["study", "power"]
-    if command == "study run":
+def given(case, name):
+    """What @NAME of a line stands for."""
+    if name == "own_plan":
+        return str(case.pool.study_plan)
+    if name == "new":
+        return str(case.folder / "new")
+    if name == "run_plan":
         case.environment = {"DISPLAY": case.pool.display or "", "WAYLAND_DISPLAY": "", "SDL_AUDIODRIVER": "dummy", "XDG_CONFIG_HOME": "/dev/null"}
-        return ["study", "run", run_plan(case), "--participant", "1", "--out", str(case.folder / "new"), "--rehearse", "0.5", "--size", "320x200",
-                "--backend", "cpu"]
-    what = [read_only(case, study_folder(case)) if draw.random() < 0.6 else case.file("counts", 0.6)]
-    if command == "study compare":
-        what += case.one_of(["paper"], lambda: [case.file("counts", 0.3)], ["x", "paper"])
-    return ["study", command.split()[1], *what]
+        return run_plan(case)
+    if name == "analysed":
+        return read_only(case, study_folder(case)) if case.random.random() < 0.6 else case.file("counts", 0.6)
+    case.may_erase = name == "erased"
+    return study_folder(case)
 
 
 def faults_of_study(case):

@@ -132,18 +132,22 @@ def resolve(name, beside):
     return None
 
 
+@functools.cache
+def included(path):
+    """The headers of other people's, by name, and palpa's own that this file itself includes."""
+    names = re.findall(r'^\s*#\s*include\s*([<"])([^>"]+)', read(path), flags=re.M)
+    found = {name: resolve(name, path) if kind == '"' else None for kind, name in names}
+    return {name for name, own in found.items() if own is None}, {own for own in found.values() if own}
+
+
 def reached(path):
     """The headers of other people's, by name, and palpa's own that this file includes, itself or through palpa's own."""
-    seen, found, todo = {path}, set(), [path]
+    seen, found, todo = {path}, set(), {path}
     while todo:
-        here = todo.pop()
-        for kind, name in re.findall(r'^\s*#\s*include\s*([<"])([^>"]+)', read(here), flags=re.M):
-            other = resolve(name, here) if kind == '"' else None
-            if other is None:
-                found.add(name)
-            elif other not in seen:
-                seen.add(other)
-                todo.append(other)
+        others, own = included(todo.pop())
+        found |= others
+        todo |= own - seen
+        seen |= own
     return found, seen - {path}
 
 

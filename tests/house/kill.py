@@ -1,41 +1,34 @@
 #!/usr/bin/env python3
-"""kill.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE]: loops that are killed, and the silence that must follow.
+"""kill.py [--seconds N] [--seed S] [--bin FOLDER] [--only CASE] [--kills N]: loops that are killed, and the silence that must follow.
 
 Each case is a `palpa run` or `palpa link test` that plays to an emulated board, or into a file or a pipe. It has some trouble
 from the start (nobody reads what it writes, its disk is full, its files may not grow) and at a random moment it or its guard
 gets signals. Then, as docs/safety.md promises, the board must fall silent in both of its memories, the loop must end, and none
 of its processes may be left. What a board hears is read from the trace of its emulator by wires.py.
 
-Meanwhile, short studies with a scripted participant are killed and continued (kill_study.py).
+Meanwhile, short studies with a scripted participant are killed and continued (kill_study.py). --kills: instead, one long study is
+killed that often.
 
 A case depends on the seed and its own number only, except for the moments: how far the program has come by then depends
 on the machine. --only repeats a case alone and keeps its files.
 """
-import argparse
 import concurrent.futures
 import fcntl
-import json
 import os
-import pathlib
 import random
-import re
 import resource
 import shlex
-import shutil
 import signal
 import struct
 import subprocess
 import sys
-import tempfile
 import termios
 import time
 
-from judged import faults_of_messages, name_of_end, name_of_signal
+from hostile import ROOT, Cases, Marked, faults_of_messages, name_of_end, name_of_signal, small_rig
 from kill_study import KilledStudies
-from watched import Clock, processes
-from wires import Trace
+from wires import Board
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Seconds, as in docs/safety.md; a case's margin is added.
 SILENT_S = 0.15      # after a death, or a stop: 100 ms without a drive, and up to 45 ms on the slowest board's line
 ENDED_S = 1.0        # a run that is asked to end
@@ -43,7 +36,6 @@ GUARD_LOST_S = 1.2   # a guard that is stopped is ended by its loop after a seco
 OPENED_S = 10.0      # a guard that opens its board may take this long
 # Signals that end no program, that no program can catch, or that the C library reserves.
 NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
-DEATHS = {signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGTRAP, signal.SIGSYS}
 STOPS = {signal.SIGSTOP}
 TROUBLES = ["none"] * 6 + ["stderr", "events", "json", "full record", "full events", "small files"]
 BOARDS = {"openmpd": 3, "autd3": 3, "sonicsurface": 3, "file": 1, "pipe": 1}
@@ -61,53 +53,43 @@ def filled_pipe(read, write):
     return read, write
 
 
-class Case:
-    def __init__(self, number, seed, folder, programs, namespace):
+class Case(Marked):
+    def __init__(self, number, seed, folder, palpa, rig, namespace):
+        super().__init__(folder)
         self.random = draw = random.Random(f"{seed}:{number}")
-        self.folder, self.programs, self.namespace = folder, programs, namespace
-        self.board = draw.choices(list(BOARDS), list(BOARDS.values()))[0]
+        self.palpa, self.rig, self.namespace = palpa, rig, namespace
+        self.kind = draw.choices(list(BOARDS), list(BOARDS.values()))[0]
         self.trouble = draw.choice(TROUBLES)
         self.command = "run" if draw.random() < 0.75 or self.trouble != "none" else "link"
         self.ramp = draw.choice([0, 0, 0.1, 0.5]) if self.command == "run" else 0
-        self.victim = "guard" if self.board in ("openmpd", "autd3", "sonicsurface") and draw.random() < 0.2 else "loop"
+        self.victim = "guard" if self.kind in ("openmpd", "autd3", "sonicsurface") and draw.random() < 0.2 else "loop"
         self.early = draw.random() < 0.25
         self.delay = draw.choice([draw.uniform(0, 0.05), draw.uniform(0, 0.6), draw.uniform(0, 2)])
         if self.victim == "guard":
             self.signals = [draw.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])]
         else:
             usual = [signal.SIGKILL] * 4 + [signal.SIGSTOP] * 3 + [signal.SIGTERM, signal.SIGINT] * 2 + [signal.SIGXFSZ, signal.SIGPIPE, signal.SIGTSTP]
-            others = [number for number in range(1, signal.NSIG)]
-            self.signals = [draw.choice(usual + [draw.choice(others)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
+            self.signals = [draw.choice(usual + [draw.randrange(1, signal.NSIG)] * 5) for _ in range(draw.choice([1, 1, 1, 2]))]
         if self.early:  # the system stops no process whose terminal is gone
             self.signals = [signal.SIGTERM if number == signal.SIGTSTP else number for number in self.signals]
         self.gap = draw.choice([0, 0.01, 0.3])
-        self.clock, self.faults, self.open, self.events = Clock(), [], [], []
-        self.emulator = self.loop = self.trace = self.reader = None
-        self.mark = f"PALPA_KILL_CASE={os.getpid()}-{folder}".encode()
-        self.environment = dict(os.environ, PALPA_KILL_CASE=f"{os.getpid()}-{folder}", XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off")
+        self.open, self.events, self.loop, self.reader = [], [], None, None
         folder.mkdir()
 
     # ---- beginning ----
     def start_board(self):
         """Starts the emulator; the link to it."""
-        if self.board == "file":
+        if self.kind == "file":
             return f"record:{self.folder}/drives.bin"
-        if self.board == "pipe":
+        if self.kind == "pipe":
             os.mkfifo(self.folder / "drives")
             if self.random.random() < 0.8:  # otherwise nobody opens it, which is an error
                 self.reader = os.open(self.folder / "drives", os.O_RDONLY | os.O_NONBLOCK)
                 self.open.append(self.reader)
             return f"record:{self.folder}/drives"
-        more = ["--port", "0"] if self.board == "autd3" else []
-        with open(self.folder / "emulator.err", "wb") as err:
-            self.emulator = subprocess.Popen([self.programs["palpa"], "emulate", self.board, *more, "--trace", self.folder / "wire.jsonl",
-                                              "--json", self.folder / "board.json"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=err,
-                                             cwd=self.folder, env=dict(self.environment, PALPA_KILL_CASE="emulator"), start_new_session=True)
-        address = self.emulator.stdout.readline().decode().strip()
-        if not address:
-            raise RuntimeError(f"the emulator does not start: {(self.folder / 'emulator.err').read_text()}")
-        self.trace = Trace(self.board, self.folder / "wire.jsonl")
-        return "openmpd:EMU1" if self.board == "openmpd" else f"{self.board}:{address}"
+        more = ["--port", "0"] if self.kind == "autd3" else []
+        self.board = Board(self.palpa, self.kind, self.folder, dict(self.environment, PALPA_MARK="emulator"), *more)
+        return "openmpd:EMU1" if self.kind == "openmpd" else f"{self.kind}:{self.board.address}"
 
     def pipe(self, room):
         """A pipe that nobody reads, with room for a while or for nothing."""
@@ -118,22 +100,22 @@ class Case:
 
     def start_loop(self, link):
         draw, folder = self.random, self.folder
-        layout = ["--layout", self.board if self.trace else "openmpd", "--link", link]
-        out = err = None
+        layout = ["--layout", self.kind if self.board else "openmpd", "--link", link]
+        pipes = {}
         if self.command == "link":
             arguments = ["link", "test", *layout, "--each", draw.choice(["30ms", "100s"])]
         else:
             arguments = ["run", *layout, "--backend", "cpu", "--scene", str(ROOT / "assets/cube.glb"), "--source", "synthetic",
-                         "--rig", str(self.programs["rig"]), "--hold", draw.choice(["100ms", "500ms", "2s"]), "--ramp", f"{self.ramp}s"]
-            if self.board == "sonicsurface":
+                         "--rig", str(self.rig), "--hold", draw.choice(["100ms", "500ms", "2s"]), "--ramp", f"{self.ramp}s"]
+            if self.kind == "sonicsurface":
                 arguments += ["--method", "single-focus"]
             arguments += draw.choice([[], ["--every-frame"]]) + draw.choice([[], ["--noise-free"]])
         before = []
         if self.trouble == "stderr":
-            err = self.pipe(room=True)
+            pipes["stderr"] = self.pipe(room=True)
             arguments += ["--log-level", "debug"]
         elif self.trouble == "json":
-            out = self.pipe(room=False)
+            pipes["stdout"] = self.pipe(room=False)
             arguments += ["--json", "-"]
         elif self.trouble == "events":
             os.mkfifo(folder / "events")
@@ -157,22 +139,17 @@ class Case:
             if size is not None:
                 resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
-        self.line = [*before, str(self.programs["palpa"]), *arguments]
-        with open(folder / "stderr", "wb") as err_file, open(folder / "stdout", "wb") as out_file:
-            self.loop = subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=out or out_file, stderr=err or err_file, cwd=folder,
-                                         env=self.environment, preexec_fn=limits, start_new_session=True)
+        self.line = [*before, str(self.palpa), *arguments]
+        self.loop = self.start(self.line, preexec_fn=limits, **pipes)
 
     # ---- what happens ----
     def ended(self):
         return self.loop.poll() is not None
 
     def sounds(self):
-        if self.trace:
-            return self.trace.look()
-        return False if self.board == "pipe" else self.drives().strip(b"\0") != b""
-
-    def silent(self):
-        return not self.sounds()
+        if self.board:
+            return self.board.sounds()
+        return False if self.kind == "pipe" else self.drives().strip(b"\0") != b""
 
     def has_begun(self):
         """Whether something has sounded, or, through a pipe that is not read, something has come."""
@@ -183,32 +160,18 @@ class Case:
     def moment(self):
         return "its start" if self.early else "the first sound"
 
-    def guards(self):
-        return [pid for pid, name in processes(self.mark).items() if name == "palpa-guard"]
-
-    def send(self, pids, number):
-        """Whether there was anybody to get it."""
-        sent = False
-        for pid in pids:
-            try:
-                os.kill(pid, number)
-                sent = True
-            except ProcessLookupError:
-                pass
+    def send(self, pid, number):
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            pass
         self.events.append(f"{name_of_signal(number)} to {self.victim}")
-        return sent
-
-    def expect_silence(self, seconds, why):
-        if self.trace and self.clock.until(self.silent, seconds) is None:
-            self.faults.append(f"the board still sounds {seconds} s and a margin after {why}")
 
     def expect_end(self, seconds, why):
-        took = self.clock.until(self.ended, seconds)
-        if took is None:
-            self.faults.append(f"the loop does not end within {seconds} s and a margin after {why}")
+        if not self.clock.until(self.ended, seconds):
+            self.fault(f"the loop does not end within {seconds} s and a margin after {why}")
             self.loop.kill()
             self.loop.wait()
-        return took
 
     def run(self):
         self.start_loop(self.start_board())
@@ -224,7 +187,7 @@ class Case:
                 break
             guards = self.guards() if self.victim == "guard" else []
             if self.victim == "guard" and guards:
-                self.send(guards[:1], number)
+                self.send(guards[0], number)
                 killed_guard = True
                 why = f"{name_of_signal(number)} to its guard"
                 self.expect_silence(GUARD_LOST_S + SILENT_S, why)
@@ -232,22 +195,22 @@ class Case:
                 self.expect_end((OPENED_S if opening else GUARD_LOST_S) + ENDED_S, why)
                 break
             self.victim = "loop"
-            self.send([self.loop.pid], number)
+            self.send(self.loop.pid, number)
             self.clock.sleep(self.gap)
             if number in STOPS:
                 self.expect_silence(SILENT_S, "SIGSTOP")
-                self.send([self.loop.pid], signal.SIGCONT)
+                self.send(self.loop.pid, signal.SIGCONT)
         last = self.signals[-1]
         if not self.ended() and self.victim == "loop":
             if all(number in NOTHING or number in STOPS for number in self.signals):
                 self.clock.sleep(0.02)
-                self.send([self.loop.pid], signal.SIGTERM)
+                self.send(self.loop.pid, signal.SIGTERM)
                 last = signal.SIGTERM
             why = name_of_signal(last)
             self.expect_silence(SILENT_S + self.ramp, why)
             self.expect_end(ENDED_S, why)
         elif not self.ended():
-            self.send([self.loop.pid], signal.SIGTERM)
+            self.send(self.loop.pid, signal.SIGTERM)
         self.expect_silence(SILENT_S, "the loop's end")
         self.after(killed_guard)
 
@@ -264,49 +227,45 @@ class Case:
 
     # ---- the end ----
     def after(self, killed_guard):
-        if self.clock.until(lambda: not processes(self.mark), ENDED_S + SILENT_S) is None:
-            left = processes(self.mark)
-            self.faults.append(f"processes are left: {left}")
-            for pid in left:
-                os.kill(pid, signal.SIGKILL)
+        self.faults += self.faults_of_end(ENDED_S + SILENT_S)
         code = self.loop.returncode
         sent = set(self.signals) | {signal.SIGTERM}
         if code < 0 and -code not in sent:
-            self.faults.append(f"the loop ends with {name_of_end(code)}, which nobody sent")
+            self.fault(f"the loop ends with {name_of_end(code)}, which nobody sent")
         if code > 4:
-            self.faults.append(f"the loop ends with {code}")
+            self.fault(f"the loop ends with {code}")
         if code >= 0 and self.trouble != "stderr":
-            faults = faults_of_messages((self.folder / "stderr").read_bytes(), code)
+            faults = faults_of_messages(self.said(), code)
             # A program that is held up after a signal has 50 ms for its line, which may be too short on a busy machine.
             self.faults += [fault for fault in faults if not (self.events and fault.endswith("without an error line"))]
-        if code >= 0 and self.board == "file" and self.drives().strip(b"\0"):
-            self.faults.append("the last drive of its file is not silence")
-        if self.emulator:
+        if code >= 0 and self.kind == "file" and self.drives().strip(b"\0"):
+            self.fault("the last drive of its file is not silence")
+        if self.board:
             self.clock.sleep(0.05)
             self.sounds()
-            self.emulator.send_signal(signal.SIGTERM)
             try:
-                self.emulator.wait(20)
+                reports = self.board.end()
             except subprocess.TimeoutExpired:
-                self.faults.append("the emulator does not end")
+                self.fault("the emulator does not end")
                 return
-            report = json.loads((self.folder / "board.json").read_text())
-            told = report.get("boards", [report])
             if self.sounds():
-                self.faults.append("by its wire the board sounds at the end")
-            if self.trace.board.told and any(board["sounds"] for board in told):
-                self.faults.append("by its emulator the board sounds at the end")
-            wrong = sum(board["violation_count"] for board in told)
+                self.fault("by its wire the board sounds at the end")
+            if self.played() and any(report["sounds"] for report in reports):
+                self.fault("by its emulator the board sounds at the end")
+            wrong = sum(report["violation_count"] for report in reports)
             if wrong and not killed_guard:
-                self.faults.append(f"{wrong} violations: {(self.folder / 'emulator.err').read_text()[:300]}")
+                self.fault(f"{wrong} violations: {(self.folder / 'emulator.err').read_text()[:300]}")
+
+    def played(self):
+        """Whether a board was played to."""
+        return bool(self.board and self.board.trace.board.told)
 
     def close(self):
-        for process in (self.loop, self.emulator):
-            if process and process.poll() is None:
-                process.kill()
-                process.wait()
-        if self.emulator:
-            self.emulator.stdout.close()
+        if self.loop and self.loop.poll() is None:
+            self.loop.kill()
+            self.loop.wait()
+        if self.board:
+            self.board.close()
         for descriptor in self.open:
             os.close(descriptor)
 
@@ -323,32 +282,9 @@ def namespace_command():
     return None
 
 
-def small_rig(folder):
-    """The paper's cameras with a quarter of their pixels to a side."""
-    rig = (ROOT / "assets/rigs/paper.toml").read_text()
-    for number, small in {"848": "212", "480": "120", "640.0": "160.0", "423.5": "105.5", "239.5": "59.5"}.items():
-        rig = re.sub(rf"= {re.escape(number)}$", f"= {small}", rig, flags=re.M)
-    rig = rig[:rig.index("[array]")]
-    (folder / "rig.toml").write_text(rig)
-    return folder / "rig.toml"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--only", type=int, help="one case, whose files are kept")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1)
-    chosen = parser.parse_args()
-    os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))
-    # A shell that starts this in the background makes it ignore these signals. Loops would inherit that and play on.
-    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # running cases still end, so that no loop plays on
-    begin, work = time.monotonic(), pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107
-                                                                                  # bytes
-    programs, namespace = {"palpa": chosen.bin.resolve() / "palpa", "rig": small_rig(work)}, namespace_command()
+def kill_loops(cases, rig):
+    """Kills loops, and short studies meanwhile. Returns a summary and the number of faults."""
+    namespace = namespace_command()
     if namespace is None:
         print("kill: no file system may be mounted here: full disks are left out")
     try:
@@ -358,54 +294,50 @@ def main():
         del BOARDS["sonicsurface"]
         print(f"kill: no pseudo terminal ({fault.strerror}): SonicSurface boards are left out")
 
-    def run(number):
-        folder = work / str(number)
-        case = Case(number, chosen.seed, folder, programs, namespace)
+    def run(number, folder):
+        case = Case(number, cases.chosen.seed, folder, cases.bin / "palpa", rig, namespace)
         try:
             case.run()
         finally:
             case.close()
-        if case.faults or chosen.only is not None:
-            err = (folder / "stderr").read_bytes()[-500:]
-            print("\n".join([f"case {number}: {shlex.join(case.line)}", f"  {case.board}, trouble: {case.trouble}, {case.delay:.3f} s after {case.moment()}; {', '.join(case.events)}",
-                             *(f"  {fault}" for fault in case.faults), f"  {name_of_end(case.loop.returncode)}, stderr: {repr(err)[2:-1]}",
-                             f"  again: tests/house/kill.py --seed {chosen.seed} --only {number} --bin {chosen.bin}"]), flush=True)
-        else:
-            shutil.rmtree(folder)
-        return bool(case.faults), bool(case.trace and case.trace.board.told)
+        return case.faults, case.played(), [
+            shlex.join(case.line), f"{case.kind}, trouble: {case.trouble}, {case.delay:.3f} s after {case.moment()}; {', '.join(case.events)}",
+            name_of_end(case.loop.returncode)]
 
-    if chosen.only is not None:
-        found, _ = run(chosen.only)
-        print(f"its files are in {work}")
-        return int(found)
-    found = heard = number = 0
-    studies = KilledStudies(chosen.seed, work / "study", programs["palpa"], trials=4)
-    with concurrent.futures.ThreadPoolExecutor(chosen.jobs + 1) as executor:
-        killed = executor.submit(studies.run, lambda kills: time.monotonic() - begin < chosen.seconds) if studies.available() else None
-        running = set()
-        while running or time.monotonic() - begin < chosen.seconds:
-            while time.monotonic() - begin < chosen.seconds and len(running) < chosen.jobs:
-                running.add(executor.submit(run, number))
-                number += 1
-            done, running = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
-            for future in done:
-                bad, told = future.result()
-                found += bad
-                heard += told
-        try:
-            if killed:
-                killed.result()
-        finally:
-            studies.close()
-    for fault in studies.faults:
-        print(f"{fault}\n  a study: tests/house/kill_study.py --seed {chosen.seed} --bin {chosen.bin}")
-    found += len(studies.faults)
-    print("kill: " + (studies.summary() if killed else "there is no Xvfb: studies are left out"))
-    print(f"kill: seed {chosen.seed}, {number} cases, in {heard} a board was played to; {found} found something" +
-          (f", files in {work}" if found else ""))
-    if not found:
-        shutil.rmtree(work)
-    return int(found > 0)
+    if cases.chosen.only is not None:
+        return "kill", cases.run(run)[1]
+    with concurrent.futures.ThreadPoolExecutor(1) as executor:
+        studies = executor.submit(kill_studies, cases, rig, 4, lambda kills: cases.going_on())
+        count, found, played = cases.run(run)
+        found += studies.result()
+    return f"kill: seed {cases.chosen.seed}, {count} cases, in {played.get(True, 0)} a board was played to", found
+
+
+def kill_studies(cases, rig, trials, goes_on):
+    """Returns the number of faults."""
+    studies = KilledStudies(cases.chosen.seed, cases.work / "study", cases.bin / "palpa", rig, trials)
+    try:
+        if not studies.available():
+            print("kill: there is no Xvfb: studies are left out")
+            return 0
+        studies.run(goes_on)
+    finally:
+        studies.close()
+    print(*studies.faults, f"kill: {studies.summary()}", sep="\n")
+    return len(studies.faults)
+
+
+def main():
+    cases = Cases("tests/house/kill.py", __doc__, os.cpu_count() + 1, kills={"type": int, "help": "one study with as many kills"})
+    # A shell that starts this in the background makes it ignore these signals. Loops would inherit that and play on.
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # running cases still end, so that no loop plays on
+    rig = cases.work / "rig.toml"
+    rig.write_text(small_rig(4)[0])
+    most = cases.chosen.kills
+    summary, found = kill_loops(cases, rig) if most is None else (f"kill: seed {cases.chosen.seed}", kill_studies(cases, rig, 100, lambda kills: kills < most))
+    return cases.end(f"{summary}, {time.monotonic() - cases.begin:.0f} s", found)
 
 
 if __name__ == "__main__":

@@ -1,34 +1,25 @@
-#!/usr/bin/env python3
-"""kill_study.py [--kills N] [--seed S] [--bin FOLDER]: a study that is killed at random moments, and continued.
+"""kill_study.py: a study that is killed at random moments, and continued; for kill.py.
 
 A scripted participant goes through a study with `palpa study run --rehearse`: two windows under Xvfb, touches of 50 ms,
 an emulated OpenMPD board. At a random moment the program or the guard of its board gets SIGKILL, and the same command
 is started again, until the participant has finished. Each time, the board must fall silent, none of the processes may
 be left, the journal must be as docs/study.md promises, and what there is must be analysed. At the end, each step of the
 plan must be complete exactly once, and the analysis must be that of a study that nobody interrupts.
-
-kill.py does the same beside its other cases, with short studies.
 """
-import argparse
 import json
 import os
 import pathlib
 import random
 import re
-import shutil
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
 import time
 
 import journals
-from judged import faults_of_messages, name_of_end
-from watched import Clock, processes
-from wires import Trace
+from hostile import ROOT, Display, Marked, faults_of_messages, name_of_end
+from wires import Board
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SILENT_S = 0.15     # as in kill.py, after a death
 ENDED_S = 3.0       # a program whose guard was killed starts another one, pauses, and is stopped by the scripted people
 WHOLE_S = 600       # a program that nobody kills; a busy machine is no fault
@@ -85,59 +76,24 @@ def lowered_finger(by_m):
     return bytes(data)
 
 
-class Display:
-    """An Xvfb of its own; `name` is None if there is none."""
+class KilledStudies(Marked):
+    """One participant after the other, in the study's folder; trials: per shape and method. Call close() at the end."""
 
-    def __init__(self):
-        self.name = self.process = None
-        read, write = os.pipe()
-        try:
-            self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x720x24", "-nolisten", "tcp"], pass_fds=[write],
-                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-            os.close(write)
-            write = None
-            number = b""
-            while not number.endswith(b"\n") and (more := os.read(read, 16)):  # it ends if nobody reads all of it
-                number += more
-            self.name = f":{number.decode().strip()}" if number else None
-        except FileNotFoundError:
-            pass
-        finally:
-            for end in (read, write):
-                if end is not None:
-                    os.close(end)
-
-    def close(self):
-        if self.process:
-            self.process.terminate()
-            self.process.wait()
-
-
-class KilledStudies:
-    """One participant after the other, in the study's folder. Call close() at the end."""
-
-    def __init__(self, seed, folder, palpa, trials):
-        self.random, self.folder, self.palpa = random.Random(f"{seed}:study"), folder, str(palpa)
-        self.clock, self.faults, self.participant, self.emulator, self.trace = Clock(), [], 0, None, None
-        self.kills, self.startup_s, self.line = {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
+    def __init__(self, seed, folder, palpa, rig, trials):
+        self.display = Display()
+        super().__init__(folder, DISPLAY=self.display.name or "", WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
+        self.random, self.palpa, self.rig = random.Random(f"{seed}:study"), str(palpa), str(rig)
+        self.participant, self.kills, self.startup_s, self.line = 0, {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
         folder.mkdir()
         self.plan, self.study = folder / "plan.toml", folder / "study"
         self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials))
-        small, paper = (ROOT / "tests/cli/support/small_rig.toml").read_text(), (ROOT / "assets/rigs/paper.toml").read_text()
-        screen = paper[paper.index("[screen]"):].partition("\n\n")[0]
-        (folder / "rig.toml").write_text(small[:small.index("[array]")] + screen + "\n")
         (folder / "pressed.ply").write_bytes(lowered_finger(6e-3))
-        self.display = Display()
-        mark = f"{os.getpid()}-{folder}"
-        self.mark = f"PALPA_KILL_STUDY={mark}".encode()
-        self.environment = dict(os.environ, PALPA_KILL_STUDY=mark, XDG_RUNTIME_DIR=str(folder), PALPA_CACHE="off", DISPLAY=self.display.name or "",
-                                WAYLAND_DISPLAY="", XDG_CONFIG_HOME="/dev/null", PALPA_ASSETS=str(ROOT / "assets"))
 
     def available(self):
         return self.display.name is not None
 
     def fault(self, text):
-        self.faults.append(f"participant {self.participant}, {sum(self.kills.values())} kills: {text}")
+        super().fault(f"participant {self.participant}, {sum(self.kills.values())} kills: {text}")
 
     # ---- one participant after the other ----
     def sub(self):
@@ -146,36 +102,23 @@ class KilledStudies:
     def next_participant(self):
         self.participant += 1
         self.line = [self.palpa, "study", "run", str(self.plan), "--participant", str(self.participant), "--out", str(self.study), "--rig",
-                     str(self.folder / "rig.toml"), "--backend", "cpu", "--rehearse", "0.5", "--size", "400x300", "--hold", "2s", "--link",
+                     self.rig, "--backend", "cpu", "--rehearse", "0.5", "--size", "400x300", "--hold", "2s", "--link",
                      "openmpd:EMU1", "--source", f"synthetic:{self.folder / 'pressed.ply'}", "--quiet"]
         self.before, self.counted = b"", (0, 0)
-        wire = self.folder / "wire.jsonl"
-        wire.unlink(missing_ok=True)
-        self.emulator = subprocess.Popen([self.palpa, "emulate", "openmpd", "--serial", "EMU1", "--trace", wire, "--json", self.folder / "board.json"],
-                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                         env=dict(self.environment, PALPA_KILL_STUDY="emulator"), start_new_session=True)
-        self.emulator.stdout.readline()
-        self.trace = Trace("openmpd", wire)
-        self.sounded = False
-
-    def sounds(self):
-        now = self.trace.look()
-        self.sounded = self.sounded or now
-        return now
+        self.board = Board(self.palpa, "openmpd", self.folder, dict(self.environment, PALPA_MARK="emulator"), "--serial", "EMU1")
 
     def end_participant(self):
         """What must be true when a participant has finished."""
-        self.check_silence("the end")
-        if not self.sounded:
+        self.expect_silence(SILENT_S, "the end")
+        if not self.board.sounded:
             self.fault("the board never sounded")
-        self.emulator.send_signal(signal.SIGTERM)
-        self.emulator.wait(20)
-        self.emulator.stdout.close()
-        self.emulator = None
-        process = self.start()  # writes the logs if it was killed between the journal's last line and the logs
+        self.board.end()
+        self.board.close()
+        self.board = None
+        process = self.start(self.line)  # writes the logs if it was killed between the journal's last line and the logs
         process.wait(WHOLE_S)
-        if process.returncode != 2 or b"has finished" not in (self.folder / "stderr").read_bytes():
-            self.fault(f"a participant who has finished: {name_of_end(process.returncode)}, {(self.folder / 'stderr').read_text()[-300:]}")
+        if process.returncode != 2 or b"has finished" not in self.said():
+            self.fault(f"a participant who has finished: {name_of_end(process.returncode)}, {self.said().decode()[-300:]}")
         walk = self.walk()
         if walk is None:
             return
@@ -240,29 +183,20 @@ class KilledStudies:
         return None
 
     def check_after_kill(self):
+        """Whether the participant has finished."""
         now = self.journal()
         if not now.startswith(self.before.rpartition(b"\n")[0]):
             self.fault("the journal has lost lines")
         self.before = now
-        walk = self.walk() if now.count(b"\n") > 1 else None
-        if walk is None:
-            return
-        for fault in walk.faults:
-            self.fault(fault)
-        for fault in journals.faults_of_files(self.sub() / "beh", walk, False):
+        walk = self.walk() if b"\n" in now else None
+        if walk is None or not walk.starts:
+            return False
+        for fault in walk.faults + journals.faults_of_files(self.sub() / "beh", walk, False):
             self.fault(fault)
         self.analysis(self.study)
+        return walk.finished
 
     # ---- kills ----
-    def start(self):
-        with open(self.folder / "stderr", "wb") as err:
-            return subprocess.Popen(self.line, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=err, cwd=self.folder, env=self.environment,
-                                    start_new_session=True)
-
-    def check_silence(self, why):
-        if self.clock.until(lambda: not self.sounds(), SILENT_S) is None:
-            self.fault(f"the board still sounds {SILENT_S} s and a margin after {why}")
-
     def wait_for_moment(self, process):
         """The next moment to kill: while palpa or its viewer begins, or some lines later in the journal."""
         draw, begin, lines = self.random, time.monotonic(), self.lines()
@@ -281,15 +215,15 @@ class KilledStudies:
                 self.fault(f"nothing happens for {WHOLE_S} s")
                 break
             self.clock.sleep(0.002)
-            self.sounds()
+            self.board.sounds()
         if until is None:
             self.clock.sleep(more)
 
     def attempt(self):
         """Starts the program and kills it. Whether the participant has finished."""
-        process = self.start()
+        process = self.start(self.line)
         self.wait_for_moment(process)
-        guards = [pid for pid, name in processes(self.mark).items() if name == "palpa-guard"] if self.random.random() < 0.25 else []
+        guards = self.guards() if self.random.random() < 0.25 else []
         victim = "viewer"
         if process.poll() is None:
             try:
@@ -301,30 +235,25 @@ class KilledStudies:
                 pass  # it has just ended
         if not guards:
             process.wait()
-        self.check_silence(f"SIGKILL of the {victim}")
-        if guards and self.clock.until(lambda: process.poll() is not None, ENDED_S) is None:
+        self.expect_silence(SILENT_S, f"SIGKILL of the {victim}")
+        if guards and not self.clock.until(lambda: process.poll() is not None, ENDED_S):
             # A guard that was ending anyway is not missed.
             process.kill()
             process.wait()
-            self.check_silence("SIGKILL of the viewer")
+            self.expect_silence(SILENT_S, "SIGKILL of the viewer")
         return self.ended(process)
 
     def ended(self, process):
-        if self.clock.until(lambda: not processes(self.mark), ENDED_S) is None:
-            left = processes(self.mark)
-            self.fault(f"processes are left: {left}")
-            for pid in left:
-                os.kill(pid, signal.SIGKILL)
+        for fault in self.faults_of_end(ENDED_S):
+            self.fault(fault)
         code = process.returncode
         if code not in (0, 1, -signal.SIGKILL):
-            self.fault(f"the program ends with {name_of_end(code)}: {(self.folder / 'stderr').read_text()[-300:]}")
+            self.fault(f"the program ends with {name_of_end(code)}: {self.said().decode()[-300:]}")
         elif code >= 0:
-            for fault in faults_of_messages((self.folder / "stderr").read_bytes(), code):
+            for fault in faults_of_messages(self.said(), code):
                 self.fault(fault)
-        self.check_silence("its end")
-        self.check_after_kill()
-        walk = self.walk() if b"\n" in self.journal() else None
-        return walk is not None and walk.finished
+        self.expect_silence(SILENT_S, "its end")
+        return self.check_after_kill()
 
     def run(self, goes_on):
         """Kills while `goes_on(kills)`; then lets the participant finish."""
@@ -339,53 +268,22 @@ class KilledStudies:
                     since = time.monotonic()
                     continue
                 answered = self.answers()
-                process = self.start()
+                process = self.start(self.line)
                 process.wait(WHOLE_S)
                 finished = self.ended(process)
                 if self.answers() > answered:
                     since = time.monotonic()
                 if not finished and time.monotonic() - since > WHOLE_S:
-                    self.fault(f"no step becomes complete in {WHOLE_S} s: {(self.folder / 'stderr').read_text()[-300:]}")
+                    self.fault(f"no step becomes complete in {WHOLE_S} s: {self.said().decode()[-300:]}")
                     break
             if finished:
                 self.end_participant()
 
     def close(self):
-        if self.emulator:
-            self.emulator.kill()
-            self.emulator.wait()
-            self.emulator.stdout.close()
+        if self.board:
+            self.board.close()
         self.display.close()
 
     def summary(self):
         each = ", ".join(f"{count} of the {victim}" for victim, count in self.kills.items())
         return f"{sum(self.kills.values())} kills of a study ({each}), {self.participant} participants; {len(self.faults)} faults"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--trials", type=int, default=100, help="per shape and method: enough for all kills")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
-    chosen = parser.parse_args()
-    work = pathlib.Path(tempfile.mkdtemp(prefix="pk-"))  # short: socket names have at most 107 bytes
-    studies = KilledStudies(chosen.seed, work / "study", chosen.bin.resolve() / "palpa", chosen.trials)
-    try:
-        if not studies.available():
-            print("kill: there is no Xvfb: studies are left out")
-            return 0
-        begin = time.monotonic()
-        studies.run(lambda kills: kills < chosen.kills)
-    finally:
-        studies.close()
-    for fault in studies.faults:
-        print(fault)
-    print(f"kill: seed {chosen.seed}, {studies.summary()}, {time.monotonic() - begin:.0f} s" + (f"; files in {work}" if studies.faults else ""))
-    if not studies.faults:
-        shutil.rmtree(work)
-    return int(bool(studies.faults))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # matrix.sh [LEG...]: the tests under sanitizers, Vulkan validation, thread counts, vector widths and memory modes, and
 # with meshes of every size. Without arguments, it runs all legs; `matrix.sh list` names them. It stops at the first leg
-# that fails. At the end, it prints the duration of each.
+# that fails.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 export PALPA_BACKEND=gpu  # also where the only device is lavapipe
@@ -16,23 +16,21 @@ export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 #   corpus        meshes of every size, and more samples of other legs' tests (tests/support/exhaustive.hpp)
 #   asan          errors in the host's memory and undefined behaviour, in all tests
 #   tsan          races between the host's threads
-#   fuzz          crashes, hangs, costs and overwritten inputs that no test foresees: broken files, random options
-#                 (fuzz.py)
-#   kill          loops that are killed at random moments, with full disks and blocked readers: a board's last bytes
-#                 (kill.py); studies that are killed and continued: lost or doubled trials (kill_study.py)
-# The last two are programs, not tests: they run side by side, for PALPA_HOSTILE_S seconds (60) and with a fixed seed.
 # tests/house/suite.sh and ./dev test use one driver thread and subgroups of 8 lanes unless a leg sets something else.
 # Other drivers ignore lavapipe's variables.
 legs() {
-  cat <<'END'
-threads-2    release gpu     LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
-sync         release gpu     PALPA_VALIDATION=sync LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
-gpu-assisted release gpu     PALPA_VALIDATION=gpu-assisted
+  # The legs of the label gpu test the driver: the cases of a pass's twin run in ./dev test and under asan.
+  local filter='GTEST_FILTER=-*/cpu'
+  # Instrumented kernels are compiled again for every pass that is created; a solver's takes most of a minute. So a
+  # single test of test_solver_pass, which runs each kernel once, is the only one that solves.
+  local solvers='Backends/SolverOn.*:Solvers.*:SolverPass.*AtEverySize:SolverPass.TheSameBytes*'
+  cat <<END
+threads-2    release gpu     $filter LP_NUM_THREADS=2 PALPA_JOBS=1 LP_NATIVE_VECTOR_WIDTH=512 LVP_POISON_MEMORY=1
+sync         release gpu     $filter PALPA_VALIDATION=sync LP_NATIVE_VECTOR_WIDTH=128 PALPA_FORCE_STAGING=1 LVP_POISON_MEMORY=1
+gpu-assisted release gpu     $filter:$solvers PALPA_VALIDATION=gpu-assisted
 corpus       release corpus  PALPA_EXHAUSTIVE=1
 asan         asan    -
 tsan         tsan    threads
-fuzz         release program
-kill         release program
 END
 }
 
@@ -54,7 +52,6 @@ tree=$(tests/house/tree.sh)
 [[ -n $tree && -f $digests/tree && $(<"$digests/tree") == "$tree" ]] || rm -rf "$digests"
 mkdir -p "$digests" build/logs
 echo "$tree" >"$digests/tree"
-summary=()
 
 # The targets of the tests of a label. They have the tests' names. A sanitizer thus builds only what it runs.
 targets_of() { # PRESET LABEL
@@ -73,12 +70,6 @@ build_leg() { # PRESET LABEL
 run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   local name=$1 preset=$2 label=$3 filter=() begin=$SECONDS built log=build/logs/matrix-$1.log
   shift 3
-  # The legs of the label gpu test the driver: the cases of a pass's twin run in ./dev test and under asan.
-  local left_out='*/cpu'
-  # Instrumented kernels are compiled again for every pass that is created; a solver's takes most of a minute. So a
-  # single test of test_solver_pass, which runs each kernel once, is the only one that solves.
-  [[ $name != gpu-assisted ]] || left_out+=':Backends/SolverOn.*:Solvers.*:SolverPass.*AtEverySize:SolverPass.TheSameBytes*'
-  [[ $label != gpu ]] || set -- "$@" "GTEST_FILTER=-$left_out"
   echo "== $name: ${*:+$* }tests $label, preset $preset"
   if ! build_leg "$preset" "$label" >"$log" 2>&1; then
     cat "$log"
@@ -98,7 +89,7 @@ run_leg() { # NAME PRESET LABEL [VARIABLE=VALUE...]
   fi
   # The final lines of ctest: passed and failed, labels, time.
   sed -n '/tests passed/,$p' "$log"
-  summary+=("$(printf '%-13s passed, %4d s of which build %d s' "$name" $((SECONDS - begin)) "$built")")
+  printf '== %s: passed, %d s of which build %d s\n' "$name" $((SECONDS - begin)) "$built"
 }
 
 # The same input gives the same bytes: one file per leg and result (tests/support/digest.hpp).
@@ -117,45 +108,13 @@ compare_digests() {
     fi
   done
   for name in "${!legs[@]}"; do
-    [[ ${legs[$name]} != *' '*' '* ]] || summary+=("the same $name, byte for byte, in${legs[$name]}")
+    [[ ${legs[$name]} != *' '*' '* ]] || echo "== the same $name, byte for byte, in${legs[$name]}"
   done
 }
 
-# Each program waits most of the time, so together they take hardly longer than one. The viewer's shaders are cached as
-# in suite.sh.
-run_programs() { # NAME...
-  local name pids=() begin=$SECONDS failed=0 cache=$PWD/build/cache/256
-  echo "== $*: tests/house, preset release"
-  cmake --preset release --log-level=WARNING >/dev/null
-  if ! cmake --build --preset release --target palpa palpa-guard palpa-viewer >build/logs/matrix-programs.log 2>&1; then
-    cat build/logs/matrix-programs.log
-    echo "matrix: $* does not build"
-    return 1
-  fi
-  for name; do
-    MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache LP_NATIVE_VECTOR_WIDTH=256 \
-      "tests/house/$name.py" --seconds "${PALPA_HOSTILE_S:-60}" --seed 1 >"build/logs/matrix-$name.log" 2>&1 &
-    pids+=($!)
-  done
-  for name; do
-    wait "${pids[0]}" || failed=1
-    pids=("${pids[@]:1}")
-    cat "build/logs/matrix-$name.log"
-  done
-  ((!failed)) || return 1
-  for name; do summary+=("$(printf '%-13s passed, %4d s' "$name" $((SECONDS - begin)))"); done
-}
-
-programs=()
 while read -r name preset label environment; do
   ((!$#)) || [[ " $* " == *" $name "* ]] || continue
-  if [[ $label == program ]]; then
-    programs+=("$name")
-    continue
-  fi
   read -ra variables <<<"$environment"
   run_leg "$name" "$preset" "$label" "${variables[@]}" </dev/null
 done < <(legs)
 compare_digests
-((!${#programs[@]})) || run_programs "${programs[@]}"
-printf '%s\n' "== summary" "${summary[@]}"

@@ -205,23 +205,9 @@ CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
 
 
-def sphere_ply(radius):
-    """An octahedron whose faces are cut in four twice, and blown up."""
-    points = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
-    faces = [(a, c, e) if (a + c + e) % 2 == 0 else (c, a, e) for a in (0, 1) for c in (2, 3) for e in (4, 5)]
-    for _ in range(2):
-        middles, cut = {}, []
-        for face in faces:
-            for i in range(3):
-                edge = tuple(sorted((face[i], face[i - 1])))
-                if edge not in middles:
-                    middles[edge] = len(points)
-                    points.append(tuple(sum(points[end][k] for end in edge) for k in range(3)))
-            ab, bc, ca = (middles[tuple(sorted((face[i], face[(i + 1) % 3])))] for i in range(3))
-            cut += [(face[0], ab, ca), (face[1], bc, ab), (face[2], ca, bc), (ab, bc, ca)]
-        faces = cut
-    lengths = [sum(value * value for value in point) ** 0.5 for point in points]
-    return ply_of([[radius * value / length for value in point] for point, length in zip(points, lengths)], faces)
+def octahedron_ply(radius):
+    points = [(radius, 0, 0), (-radius, 0, 0), (0, radius, 0), (0, -radius, 0), (0, 0, radius), (0, 0, -radius)]
+    return ply_of(points, [(a, c, e) if (a + c + e) % 2 == 0 else (c, a, e) for a in (0, 1) for c in (2, 3) for e in (4, 5)])
 
 
 def ply_of(points, faces):

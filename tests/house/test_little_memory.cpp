@@ -36,7 +36,7 @@ const std::vector<int> limits{80,  100, 130, 160, 206, 215,  220,  300,  400,
 
 class WithLittleMemory : public testing::TestWithParam<int> {};
 
-TEST_P(WithLittleMemory, IsEnoughOrIsSaid) {
+TEST_P(WithLittleMemory, ProgramsWorkOrSayInOneLineWhyNot) {
   const std::filesystem::path folder = scratch_folder("little-memory");
   const std::string body = write_small_body(folder);
   const std::string cube = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");

@@ -3,31 +3,21 @@
 
 A walk is a heading `### TITLE: N files` and the indented lines below it. Each line names a function, the source that defines it,
 and, after two spaces, what it does; a line without a source has the source of the line above. A function stands deeper than its
-caller; a line that begins with a tilde has none, since another thread or process goes on there, or the function was passed as a value. The check fails where a source does not define its function, where the caller's source does not name it, or where the
-walk's sources are more or fewer than N."""
-
-import os
+caller; a line that begins with a tilde has none, since another thread or process goes on there, or the function was passed as a
+value. A fault is a source that does not define its function, a caller's source that does not name it, or walks through more or
+fewer sources than N."""
+import pathlib
 import re
 import sys
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGE = "docs/notes/walks.md"
-ROOMS = ["", "engine", "driver"]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/notes/walks.md"
 
 
-def source_of(name):
-    found = [path for path in (os.path.join(room, name) for room in ROOMS) if os.path.isfile(os.path.join(ROOT, path))]
-    return found[0] if len(found) == 1 else None
-
-
-def text_of(path):
-    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
-        return file.read()
-
-
-def code_of(path):
-    """A source without its comments: a function that only a comment names is not called."""
-    return re.sub(r"//[^\n]*|/\*.*?\*/", "", text_of(path), flags=re.DOTALL)
+def code_of(name):
+    """The one source of that name, without its comments: a function that only a comment names is not called."""
+    found = [folder / name for folder in (ROOT, ROOT / "engine", ROOT / "driver") if (folder / name).is_file()]
+    return re.sub(r"//[^\n]*|/\*.*?\*/", "", found[0].read_text(), flags=re.S) if len(found) == 1 else ""
 
 
 def defines(text, function):
@@ -37,59 +27,39 @@ def defines(text, function):
         while at < len(text) and depth:
             depth += {"(": 1, ")": -1}.get(text[at], 0)
             at += 1
-        if re.match(r"[\sA-Za-z_:<>&*,-]*\{", text[at:at + 200]) or re.match(r"\s*(const|noexcept|override|\s)*:[^:]", text[at:at + 200]):
+        if re.match(r"[\sA-Za-z_:<>&*,-]*\{|\s*(const|noexcept|override|\s)*:[^:]", text[at:at + 200]):
             return True
     return False
 
 
-def walks(lines):
-    title, rows = None, []
-    for number, line in enumerate(lines, 1):
-        heading = re.match(r"### (.+): (\d+) files$", line)
-        if heading or line.startswith("#"):
-            if title:
-                yield title, rows
-            title, rows = (heading[1], int(heading[2])) if heading else None, []
-        elif title and line.startswith("    ") and line.strip():
-            rows.append((number, line[4:]))
-    if title:
-        yield title, rows
+def faults_of(title, promised, rows):
+    callers, source, sources = [], None, set()  # callers: (indentation, source)
+    for row in rows:
+        indentation, called = len(row) - len(row.lstrip()), not row.strip().startswith("~ ")
+        columns = re.split(r"\s{2,}", row.strip().removeprefix("~ "))
+        function = re.split(r"::|\s", columns[0])[-1]
+        if len(columns) > 1 and columns[1].endswith((".cpp", ".hpp")):
+            source = columns[1]
+        sources.add(source)
+        if not defines(code_of(source), function):
+            yield f"{title}: no one source {source} defines {function}"
+        while callers and callers[-1][0] >= indentation:
+            callers.pop()
+        if called and callers and not re.search(rf"\b{re.escape(function)}\b", code_of(callers[-1][1])):
+            yield f"{title}: {callers[-1][1]} does not name {function}"
+        callers.append((indentation, source))
+    files = sum(source.endswith(".cpp") for source in sources)
+    if files != promised:
+        yield f"{title}: {files} files, not {promised}"
 
 
 def main():
-    faults, count = [], 0
-    for (title, promised), rows in walks(text_of(PAGE).splitlines()):
-        count += 1
-        callers, source, sources = [], None, set()  # callers: (indentation, source)
-        for number, row in rows:
-            place = f"{PAGE}:{number}: {title}"
-            indentation = len(row) - len(row.lstrip())
-            called = not row.strip().startswith("~ ")
-            columns = re.split(r"\s{2,}", row.strip().removeprefix("~ "))
-            function = re.split(r"::|\s", columns[0])[-1]
-            if len(columns) > 1 and columns[1].endswith((".cpp", ".hpp")):
-                source = source_of(columns[1])
-                if source is None:
-                    faults.append(f"{place}: there is no one source {columns[1]}")
-                    break
-            sources.add(source)
-            if not defines(code_of(source), function):
-                faults.append(f"{place}: {source} does not define {function}")
-            while callers and callers[-1][0] >= indentation:
-                callers.pop()
-            if called and callers and not re.search(rf"\b{re.escape(function)}\b", code_of(callers[-1][1])):
-                faults.append(f"{place}: {callers[-1][1]} does not name {function}")
-            callers.append((indentation, source))
-        else:
-            files = sum(source.endswith(".cpp") for source in sources)
-            if files != promised:
-                faults.append(f"{PAGE}: {title}: {files} files, not {promised}")
-    if not count:
-        faults.append(f"{PAGE} has no walks")
+    walks = re.findall(r"^### (.+): (\d+) files\n\n((?:    .+\n)+)", PAGE.read_text() + "\n", re.M)
+    faults = [fault for title, promised, rows in walks for fault in faults_of(title, int(promised), rows.splitlines())]
     for fault in faults:
-        print(f"   {fault}")
-    print(f"   {count} walks")
-    return 1 if faults else 0
+        print(f"   docs/notes/walks.md: {fault}")
+    print(f"   {len(walks)} walks")
+    return 1 if faults or not walks else 0
 
 
 if __name__ == "__main__":

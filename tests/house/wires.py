@@ -1,9 +1,11 @@
-"""wires.py: what emulated boards heard, from the traces that `palpa emulate --trace` writes; for kill.py.
+"""wires.py: emulated boards, and what they heard, from the traces that `palpa emulate --trace` writes; for kill.py.
 
 Each class reads a board's wire by itself, apart from palpa's own emulators. `sounds` is whether a transducer sounds, or would
 after the board's next change from one of its memories to the other; `told` whether the board was told anything yet.
 """
 import json
+import signal
+import subprocess
 
 
 class OpenMpd:
@@ -125,3 +127,36 @@ class Trace:
             if entry["kind"] != "control":
                 self.board.take(entry["t_s"], bytes.fromhex(entry.get("hex", "")))
         return self.board.told and self.board.sounds
+
+
+class Board:
+    """`palpa emulate`, and the trace of its wire. `address`: its first line."""
+
+    def __init__(self, palpa, kind, folder, environment, *more):
+        self.folder, wire = folder, folder / "wire.jsonl"
+        wire.unlink(missing_ok=True)
+        with open(folder / "emulator.err", "wb") as err:
+            self.process = subprocess.Popen([palpa, "emulate", kind, *more, "--trace", wire, "--json", folder / "board.json"], stdin=subprocess.DEVNULL,
+                                            stdout=subprocess.PIPE, stderr=err, cwd=folder, env=environment, start_new_session=True)
+        self.address = self.process.stdout.readline().decode().strip()
+        if not self.address:
+            raise RuntimeError(f"the emulator does not start: {(folder / 'emulator.err').read_text()}")
+        self.trace, self.sounded = Trace(kind, wire), False
+
+    def sounds(self):
+        now = self.trace.look()
+        self.sounded = self.sounded or now
+        return now
+
+    def end(self):
+        """Its report on each of its boards."""
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(20)
+        report = json.loads((self.folder / "board.json").read_text())
+        return report.get("boards", [report])
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.process.stdout.close()

@@ -1,9 +1,15 @@
-"""The documented command lines, and the same in Python."""
+"""The documented command lines, and the same in Python; programs and threads of tests; what a link got."""
+import concurrent.futures
 import os
 import pathlib
 import re
 import shlex
+import struct
 import subprocess
+import sys
+
+import numpy as np
+import pytest
 
 import palpa
 
@@ -36,6 +42,31 @@ def run(words, cwd=ROOT):
     done = subprocess.run([PALPA, *words], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def python(code, *arguments, timeout=60, **more):
+    """Runs a program of its own."""
+    return subprocess.run([sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, check=False,
+                          **{"cwd": ROOT} | more)
+
+
+def in_threads(*works):
+    """Runs functions side by side; what they return."""
+    with concurrent.futures.ThreadPoolExecutor(len(works)) as executor:
+        return [one.result(60) for one in [executor.submit(work) for work in works]]
+
+
+def drives_in(file, transducers=256):
+    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md."""
+    data = file.read_bytes()
+    assert data[:8] == b"palpadrv" and struct.unpack_from("<II", data, 8) == (1, transducers)
+    slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
+    return np.frombuffer(data[24:], slot)["drive"][:, :, 0]
+
+
+def assert_it_sounded_and_ended_in_silence(file):
+    amplitudes = drives_in(file)
+    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0
 
 
 def without_lateness(err):

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, without_lateness
-from test_session import assert_it_sounded_and_ended_in_silence, drives_in
+from commands import ROOT, assert_it_sounded_and_ended_in_silence, drives_in, python, without_lateness
 
 SESSION = """
-import sys, threading, time
+import gc, sys, threading, time
 import numpy as np
 import palpa
 scene, skin = palpa.Scene("assets/cube.glb"), palpa.read_ply("assets/finger.ply")
@@ -23,41 +22,72 @@ seen = 0
 def look(touch):
     global seen
     seen += bool(touch.fingers)
-    if seen > 30: sounds.set()
+    if seen > 30 and not sounds.is_set():
+        print("sounds\\n", end="", flush=True)  # one string: another thread prints, too
+        sounds.set()
 def focus(transfer, gains):
     return np.conj(transfer[0]) / abs(transfer[0])
 def ring(finger):
     openmpd.transfer(openmpd.from_world(finger.positions))
     return finger.centroid + 4e-3 * finger.axes
+def calls(touch):
+    look(touch)
+    touch.csv()
+    scene.touch(skin, penetration=2e-3, backend="cpu")
 openmpd = palpa.Layout("openmpd")
 options = {"source": "synthetic", "layout": "openmpd", "noise_free": True, "backend": "cpu", "link": "record:" + sys.argv[1]}
 """
-# Two threads print: each prints a line as one string, since the other's can come between two.
 ENDLESS = """
 def stuck(touch):
     look(touch)
     if sounds.is_set():
-        print("stuck\\n", end="", flush=True)
         %s
 """
+STUCK = "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n"
+LOOKS = "session = palpa.Session(scene, **options)\nsession.start(on_frame=look)\n"
 CASES = {
+    "a callback": LOOKS,
     "a solver": "session = palpa.Session(scene, solver=focus, **options)\nsession.start(on_frame=look)\n",
     "a method": "session = palpa.Session(scene, method=ring, **options)\nsession.start(on_frame=look)\n",
-    "a callback that calls palpa": "def calls(touch):\n    look(touch)\n    touch.csv()\n    scene.touch(skin, penetration=2e-3, backend='cpu')\n"
-                                   "session = palpa.Session(scene, **options)\nsession.start(on_frame=calls)\n",
-    "a callback that computes": ENDLESS % "while True: pass" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
-    "a callback that catches everything": ENDLESS % "while True:\n            try: time.sleep(0.01)\n            except BaseException: pass"
-                                          + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
-    "a callback that sleeps": ENDLESS % "time.sleep(1e6)" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
-    "a callback that waits": ENDLESS % "threading.Event().wait()" + "session = palpa.Session(scene, **options)\nsession.start(on_frame=stuck)\n",
+    "a callback that calls palpa": "session = palpa.Session(scene, **options)\nsession.start(on_frame=calls)\n",
+    "a callback that computes": ENDLESS % "while True: pass" + STUCK,
+    "a callback that catches everything": ENDLESS % "while True:\n            try: time.sleep(0.01)\n            except BaseException: pass" + STUCK,
+    "a callback that sleeps": ENDLESS % "time.sleep(1e6)" + STUCK,
+    "a callback that waits": ENDLESS % "threading.Event().wait()" + STUCK,
+    "another thread waits for the run": "session = palpa.Session(scene, **options)\ncallbacks = {'on_frame': look, 'on_event': lambda event: None}\n"
+                                        "threading.Thread(target=session.run, kwargs=callbacks, daemon=True).start()\n",
 }
+ENDS = [(case, "sys.exit(3)", 3) for case in CASES] + [("a callback", "", 0), ("a callback", "del session; gc.collect()", 0), ("a callback", "1 / 0", 1)]
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_the_interpreter_ends_whatever_a_session_runs(case, tmp_path):
-    code = SESSION + CASES[case] + "sounds.wait()\nprint('ends\\n', end='', flush=True)\nsys.exit(3)\n"
-    done = subprocess.run([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
-    assert (done.returncode, without_lateness(done.stderr)) == (3, "") and "ends\n" in done.stdout
+@pytest.mark.parametrize("case, end, code", ENDS)
+def test_the_interpreter_ends_whatever_a_session_runs(case, end, code, tmp_path):
+    done = python(f"{SESSION}{CASES[case]}sounds.wait()\n{end}\n", tmp_path / "drives.bin")
+    err = done.stderr.partition("Traceback")[0] if code == 1 else done.stderr
+    assert (done.returncode, done.stdout, without_lateness(err)) == (code, "sounds\n", "")
+    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
+
+
+@pytest.mark.parametrize("fault, code", [("SystemExit(5)", 5), ("KeyboardInterrupt()", -signal.SIGINT)])
+def test_a_callback_that_ends_the_program(fault, code):
+    done = python(SESSION + f"def ends(touch):\n    raise {fault}\npalpa.Session(scene, **(options | {{'link': 'null'}})).run(on_frame=ends)\n", "-")
+    assert done.returncode == code and done.stdout == ""
+
+
+def test_ctrl_c(tmp_path):
+    code = SESSION + """
+session = palpa.Session(scene, **options)
+try:
+    session.run(on_frame=look)
+except KeyboardInterrupt:
+    print("interrupted", session.running)
+"""
+    with subprocess.Popen([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True) as process:
+        assert process.stdout.readline() == "sounds\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
+    assert (out, without_lateness(err), process.returncode) == ("interrupted False\n", "", 0)
     assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
 
 
@@ -82,7 +112,7 @@ except KeyboardInterrupt:
 """
     with subprocess.Popen([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True) as process:
-        assert process.stdout.readline() == "stuck\n"
+        assert process.stdout.readline() == "sounds\n"
         for _ in range(300):  # one that comes while another is handled is the same one
             process.send_signal(signal.SIGINT)
             try:
@@ -134,13 +164,13 @@ def test_an_error_that_nobody_waits_for_is_told(cube, monkeypatch):
     assert told == [(LookupError, "mine")]
     code = SESSION + "def fails(touch): raise LookupError('mine')\nsession = palpa.Session(scene, **(options | {'link': 'null'}))\n" \
         "session.start(on_frame=fails)\nwhile session.running: time.sleep(0.01)\n"
-    done = subprocess.run([sys.executable, "-c", code, "-"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    done = python(code, "-")
     assert done.returncode == 0 and "LookupError: mine" in done.stderr and "nobody has waited for" in done.stderr
 
 
 @pytest.mark.parametrize("who", ["on_frame", "on_event", "method", "solver"])
 def test_there_is_no_ramp_after_an_error(who, cube, tmp_path):
-    """As docs/safety.md promises: the drive before the silence is not a quiet one."""
+    """As docs/safety.md promises: the drive before the silence is not a quiet one. The session can run again."""
     calls = []
 
     def fails(*arguments):
@@ -155,6 +185,10 @@ def test_there_is_no_ramp_after_an_error(who, cube, tmp_path):
     session = palpa.Session(cube, **options, **({who: fails} if not who.startswith("on_") else {"event_move": 0.0}))
     with pytest.raises(LookupError, match="mine"):
         session.run(**({who: fails} if who.startswith("on_") else {}))
+    assert not session.running
     loudest = drives_in(tmp_path / "drives.bin").max(axis=1)
     sounding = loudest[loudest > 0]
     assert loudest[-1] == 0 and sounding[-1] > 0.5 * sounding.max()
+    calls.clear()
+    (tmp_path / "drives.bin").unlink()
+    assert session.run(frames=2).frames == 2

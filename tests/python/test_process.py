@@ -13,12 +13,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, without_lateness
-
-
-def python(code, **more):
-    """Runs a program of its own."""
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, **{"cwd": ROOT} | more)
+from commands import ROOT, in_threads, python, without_lateness
 
 
 @pytest.mark.times
@@ -51,48 +46,35 @@ def test_the_lock_is_released(openmpd):
             ticks.append(time.perf_counter())
             time.sleep(0.001)
 
-    thread = threading.Thread(target=tick)
-    thread.start()
-    begin = time.perf_counter()
-    openmpd.field(drive, plane, backend="cpu")
-    end = time.perf_counter()
-    done.set()
-    thread.join()
+    def compute():
+        begin = time.perf_counter()
+        try:
+            openmpd.field(drive, plane, backend="cpu")
+        finally:
+            done.set()
+        return begin, time.perf_counter()
+
+    _, (begin, end) = in_threads(tick, compute)
     assert end - begin > 0.005 and len([t for t in ticks if begin < t < end]) > 3
 
 
 def test_many_threads(cube, finger, openmpd):
     expected = cube.touch(finger, penetration=3e-3, backend="cpu").contacts.depths
     drive = openmpd.drive([0, 0, 0.15], backend="cpu")
-    faults = []
 
     def work():
-        try:
-            for _ in range(20):
-                assert np.array_equal(cube.touch(finger, penetration=3e-3, backend="cpu", foci=7).contacts.depths, expected)
-                assert np.array_equal(openmpd.drive([0, 0, 0.15], backend="cpu"), drive)
-                with pytest.raises(palpa.BadUsage):
-                    cube.touch(finger, delta=-1, backend="cpu")
-        except BaseException as fault:  # pylint: disable=broad-except
-            faults.append(fault)
+        for _ in range(20):
+            assert np.array_equal(cube.touch(finger, penetration=3e-3, backend="cpu", foci=7).contacts.depths, expected)
+            assert np.array_equal(openmpd.drive([0, 0, 0.15], backend="cpu"), drive)
+            with pytest.raises(palpa.BadUsage):
+                cube.touch(finger, delta=-1, backend="cpu")
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not faults
+    in_threads(*[work] * 4)
 
 
 def test_two_threads_share_the_device(openmpd):
     expected = openmpd.drive([0, 0, 0.15])
-    same = []
-    threads = [threading.Thread(target=lambda: same.append(all(np.array_equal(openmpd.drive([0, 0, 0.15]), expected) for _ in range(3))))
-               for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    same = in_threads(*[lambda: all(np.array_equal(openmpd.drive([0, 0, 0.15]), expected) for _ in range(3))] * 2)
     assert same == [True, True]
 
 

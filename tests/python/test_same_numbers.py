@@ -33,9 +33,10 @@ def compare(words, folder):
 
 
 @pytest.fixture(scope="module")
-def made_files(tmp_path_factory):
+def made_files(tmp_path_factory, sphere):
     """The files that the pages' lines read."""
     folder = tmp_path_factory.mktemp("made")
+    sphere(folder / "sphere.ply")
     run(["drive", "--layout", "paper", "--focus", "0,0,0", "--backend", "cpu", "--csv", str(folder / "drive.csv")])
     run(["touch", "--scene", "assets/cube.glb", "--points", "assets/finger.ply", "--penetration", "3mm", "--backend", "cpu", "--json",
          str(folder / "touch.json")])
@@ -44,21 +45,10 @@ def made_files(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("words", lines("touch", "drive", "simulate"))
+@pytest.mark.parametrize("words", lines("touch", "drive", "simulate", "field", "scatter"))
 def test_documented(words, made_files):
-    compare(words, made_files)
-
-
-@pytest.mark.parametrize("words", lines("field"))
-def test_documented_field(words, made_files):
-    if "--drive" in words and "openmpd" in words:
+    if words[0] == "field" and "--drive" in words and "openmpd" in words:
         pytest.skip("drive.csv is the paper array's")
-    compare(words, made_files)
-
-
-@pytest.mark.parametrize("words", lines("scatter"))
-def test_documented_scatter(words, made_files, sphere):
-    sphere(made_files / "sphere.ply")
     compare(words, made_files)
 
 

@@ -1,7 +1,5 @@
 """Sessions, frame by frame and live."""
 import gc
-import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -12,7 +10,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, run, without_lateness
+from commands import ROOT, drives_in, in_threads, run
 
 
 def pressed(skin, depth):
@@ -156,21 +154,6 @@ def test_a_live_solver_that_fails_ends_in_silence(cube, tmp_path, solver, kind, 
     assert not amplitudes.any()
 
 
-def test_a_solver_that_fails_late_ends_in_silence(cube, tmp_path):
-    calls = []
-
-    def once(transfer, gains):
-        calls.append(gains)
-        if len(calls) > 25:
-            raise LookupError("mine")
-        return focusing(transfer, gains)
-
-    with pytest.raises(LookupError, match="mine"):
-        live(cube, solver=once, link=f"record:{tmp_path}/drives.bin", noise_free=True).run()
-    amplitudes = drives_in(tmp_path / "drives.bin")
-    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0 and len(calls) == 26
-
-
 def test_a_solver_of_a_run_from_points(cube, finger, tmp_path):
     session = palpa.Session(cube, source="points", layout="openmpd", solver=lambda g, a: 0.3 * focusing(g, a), backend="cpu",
                             link=f"record:{tmp_path}/drives.bin")
@@ -193,13 +176,8 @@ def test_a_function_cannot_call_its_own_session(cube, finger):
 def test_two_threads_and_a_method_share_a_session(cube, finger):
     """The method needs the interpreter's lock while another thread waits for its turn."""
     session = palpa.Session(cube, method=cross, layout="openmpd", backend="cpu")
-    workers = [threading.Thread(target=lambda: [session.touch(pressed(finger, 2e-3)) for _ in range(10)]),
-               threading.Thread(target=lambda: [(session.set_aim([0, 0, 0]), session.drives) for _ in range(50)])]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join(20)
-        assert not worker.is_alive()
+    in_threads(lambda: [session.touch(pressed(finger, 2e-3)) for _ in range(10)],
+               lambda: [(session.set_aim([0, 0, 0]), session.drives) for _ in range(50)])
 
 
 @pytest.mark.parametrize("backend", ["cpu", "gpu"])
@@ -235,16 +213,6 @@ def test_live_frames_are_those_of_the_export(cube):
     assert {event.kind for event in events} <= {"touch", "move", "press", "release"} and events[0].kind == "touch"
 
 
-def drives_in(file, transducers=256):
-    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md."""
-    data = file.read_bytes()
-    assert data[:8] == b"palpadrv"
-    (version, count) = struct.unpack_from("<II", data, 8)
-    assert (version, count) == (1, transducers)
-    slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
-    return np.frombuffer(data[24:], slot)["drive"][:, :, 0]
-
-
 def test_the_gain_multiplies_amplitudes_and_the_last_drive_is_silent(cube, tmp_path):
     file = tmp_path / "drives.bin"
     session = live(cube, link=f"record:{file}", noise_free=True)
@@ -264,23 +232,6 @@ def test_false_ends_a_run(cube):
     assert live(cube).run(on_frame=on_frame).frames >= 3 and 3 <= len(seen) <= 5
 
 
-def test_an_exception_of_a_callback_is_raised_again(cube, tmp_path):
-    session = live(cube, link=f"record:{tmp_path}/drives.bin")
-    touches = []
-
-    def on_frame(touch):
-        touches.extend(touch.fingers)
-        if len(touches) > 5:
-            raise LookupError("mine")
-
-    with pytest.raises(LookupError, match="mine"):
-        session.run(on_frame=on_frame)
-    assert not session.running
-    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
-    (tmp_path / "drives.bin").unlink()
-    assert session.run(frames=2).frames == 2  # it can run again
-
-
 def test_from_other_threads(cube):
     session = live(cube, every_frame=False)
     with session:
@@ -289,12 +240,7 @@ def test_from_other_threads(cube):
         with pytest.raises(palpa.BadUsage):
             session.start()
         begin = time.perf_counter()
-        workers = [threading.Thread(target=lambda: [session.set_gain(0.5), session.set_aim([0, 1e-3, 0]), session.set_pose(0, np.eye(4))])
-                   for _ in range(4)]
-        for worker in workers:
-            worker.start()
-        for worker in workers:
-            worker.join()
+        in_threads(*[lambda: [session.set_gain(0.5), session.set_aim([0, 1e-3, 0]), session.set_pose(0, np.eye(4))]] * 4)
         assert time.perf_counter() - begin < 0.5
         session.stop()
         session.wait()
@@ -318,21 +264,18 @@ def test_a_callback_cannot_wait_for_its_own_run(cube):
 def test_one_thread_waits_for_a_run(cube):
     session = live(cube)
     session.start()
-    ends = []
 
     def wait():
         try:
-            ends.append(session.wait().frames)
+            return session.wait().frames
         except palpa.BadUsage as refused:
-            ends.append(str(refused))
+            return str(refused)
 
-    threads = [threading.Thread(target=wait) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    time.sleep(0.2)
-    session.stop()
-    for thread in threads:
-        thread.join(20)
+    def stop():
+        time.sleep(0.2)
+        session.stop()
+
+    ends = in_threads(wait, wait, stop)[:2]
     assert sorted(isinstance(end, int) for end in ends) == [False, True] and any("another thread" in str(end) for end in ends)
 
 
@@ -375,68 +318,6 @@ def test_points_pushed_into_a_run(cube, finger, tmp_path):
 def test_options_that_points_do_not_have(cube, options):
     with pytest.raises(palpa.BadUsage):
         palpa.Session(cube, source="points", backend="cpu", **options)
-
-
-PROGRAM = """
-import palpa, sys
-scene = palpa.Scene("assets/cube.glb")
-link = "record:" + sys.argv[1] if len(sys.argv) > 1 else "null"
-session = palpa.Session(scene, source="synthetic", backend="cpu", layout="openmpd", link=link)
-def on_frame(touch):
-    on_frame.touches += bool(touch.fingers)
-    if on_frame.touches == 3 and not on_frame.told:
-        print("runs", flush=True)
-        on_frame.told = True
-on_frame.told, on_frame.touches = False, 0
-"""
-
-
-def assert_it_sounded_and_ended_in_silence(file):
-    amplitudes = drives_in(file)
-    assert amplitudes.max() == pytest.approx(1, abs=1e-6) and amplitudes[-1].max() == 0
-
-
-def test_ctrl_c(tmp_path):
-    code = PROGRAM + """
-try:
-    session.run(on_frame=on_frame)
-except KeyboardInterrupt:
-    print("interrupted", session.running)
-"""
-    with subprocess.Popen([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True) as process:
-        assert process.stdout.readline() == "runs\n"
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
-    assert (out, without_lateness(err), process.returncode) == ("interrupted False\n", "", 0)
-    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
-
-
-@pytest.mark.parametrize("end", ["", "del session", "sys.exit(0)", "import gc; del session; gc.collect()"])
-def test_the_interpreter_ends_while_a_session_runs(end, tmp_path):
-    code = PROGRAM + "session.start(on_frame=on_frame)\nimport time\nwhile not on_frame.told: time.sleep(0.01)\n" + end
-    done = subprocess.run([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, capture_output=True, text=True, timeout=30, check=False)
-    assert (done.returncode, done.stdout, without_lateness(done.stderr)) == (0, "runs\n", "")
-    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
-
-
-def test_the_interpreter_ends_while_another_thread_waits_for_a_run(tmp_path):
-    code = PROGRAM + """
-import threading, time
-def on_event(event): pass
-threading.Thread(target=session.run, kwargs={"on_frame": on_frame, "on_event": on_event}, daemon=True).start()
-while not on_frame.told: time.sleep(0.01)
-"""
-    done = subprocess.run([sys.executable, "-c", code, tmp_path / "drives.bin"], cwd=ROOT, capture_output=True, text=True, timeout=30, check=False)
-    assert (done.returncode, done.stdout, without_lateness(done.stderr)) == (0, "runs\n", "")
-    assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
-
-
-@pytest.mark.parametrize("fault, code", [("SystemExit(5)", 5), ("KeyboardInterrupt()", -signal.SIGINT)])
-def test_a_callback_that_ends_the_program(fault, code):
-    program = PROGRAM + f"def ends(touch):\n    raise {fault}\nsession.run(on_frame=ends)\n"
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=30, check=False)
-    assert done.returncode == code and done.stdout == ""
 
 
 def test_objects_in_a_circle_are_collected(cube):

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import palpa
-from commands import ROOT
+from commands import ROOT, python
 
 QUICK = {"1_touch_a_mesh", "8_hand_over_drives"}
 TUTORIALS = sorted((ROOT / "docs/python").glob("*.py"))
@@ -41,5 +41,5 @@ def test_the_pages_lines_run(tmp_path):
     for piece in pieces:
         code = "import palpa\n" + piece.replace('.ply"), penetration=3e-3)', '.ply"), penetration=3e-3, backend="cpu")').replace(
             "foci[0])", 'foci[0], backend="cpu")')
-        done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+        done = python(code)
         assert done.returncode == 0, done.stderr

@@ -13,6 +13,7 @@
 #include "random_rig.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_pass.hpp"
+#include "sensing/skin_twin.hpp"
 #include "sensing/surroundings.hpp"
 #include "support/device.hpp"
 
@@ -45,17 +46,36 @@ struct RunSetting {
   Surroundings surroundings{};
 };
 
+/// What a run looks at.
+struct Plan {
+  RayTables tables;
+  std::vector<Crop> crops;
+  std::vector<shader::SkinVolume> drops;
+
+  Plan(const Scene& scene, const Box& box, const RunSetting& setting) : tables(make_rays(scene.cameras)) {
+    plan_crops(scene.cameras, tables, box, crops);
+    for (Crop& crop : crops)
+      crop.stride = setting.stride;
+    plan_drops(setting.surroundings, box, drops);
+  }
+};
+
+/// One run of the twin, with what it left out.
+inline SkinOfFrame run_twin(const Scene& scene, const Box& box, const RunSetting& setting = {}) {
+  const Plan plan(scene, box, setting);
+  SkinOfFrame found;
+  found.wants_leavings = true;
+  find_skin(plan.tables, scene.frames, box, plan.crops, plan.drops, found);
+  return found;
+}
+
 /// One run of the pass; every buffer lies between guard words.
 inline DeviceResult run_pass(const Scene& scene, const Box& box, const RunSetting& setting = {}) {
   using test::GuardedBuffer;
   gpu::Device& device = test::test_device();
-  const RayTables tables = make_rays(scene.cameras);
-  std::vector<Crop> crops;
-  plan_crops(scene.cameras, tables, box, crops);
-  for (Crop& crop : crops)
-    crop.stride = setting.stride;
-  std::vector<shader::SkinVolume> drops;
-  plan_drops(setting.surroundings, box, drops);
+  Plan plan(scene, box, setting);
+  const RayTables& tables = plan.tables;
+  std::vector<shader::SkinVolume>& drops = plan.drops;
   const std::size_t used = drops.size();
   // The kernel must keep to the ones that are used: this one would drop everything.
   shader::SkinVolume nowhere{};
@@ -80,7 +100,7 @@ inline DeviceResult run_pass(const Scene& scene, const Box& box, const RunSettin
   test::run_on_device([&](VkCommandBuffer commands) {
     pass.record(commands,
                 {depth.ref(), rays.ref(), points.ref(), total.ref(), volumes.ref(), limits.ref(), dropped.ref()},
-                scratch, tables, box, crops, gpu::groups_of_64, nullptr, used);
+                scratch, tables, box, plan.crops, gpu::groups_of_64, nullptr, used);
     gpu::writes_to_transfer(commands);
   });
   for (GuardedBuffer* buffer : {&depth, &rays, &points, &total, &volumes, &limits, &dropped})

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "random_rig.hpp"
-#include "sensing/skin_twin.hpp"
 #include "sensing/synthetic.hpp"
+#include "skin_run.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
 
@@ -25,15 +25,8 @@ Camera small_camera() {
   return camera;
 }
 
-std::uint64_t dropped_of(const Camera& camera, const FrameSet& set, std::size_t& kept) {
-  const RayTables tables = make_rays(std::span(&camera, 1));
-  std::vector<Crop> crops;
-  const Box everything{Vec3(-3), Vec3(3)};
-  plan_crops(std::span(&camera, 1), tables, everything, crops);
-  SkinOfFrame found;
-  find_skin(tables, set.frames, everything, crops, {}, found);
-  kept = found.points.size();
-  return found.dropped[NoSkin::background];
+SkinOfFrame found_in(const Camera& camera, const FrameSet& set) {
+  return test_skin::run_twin({{camera}, set.frames}, {Vec3(-3), Vec3(3)});
 }
 
 TEST(Background, OfAStillSceneDropsThatSceneAndKeepsAHandBeforeIt) {
@@ -56,12 +49,12 @@ TEST(Background, OfAStillSceneDropsThatSceneAndKeepsAHandBeforeIt) {
   EXPECT_LT(learned.background.margin_m, 12e-3);
 
   camera.background = std::make_shared<Background>(learned.background);
-  std::size_t kept = 0, still = 0;
-  std::uint64_t dropped = 0;
+  std::uint64_t dropped = 0, still = 0;
   for (std::uint64_t i = 100; i < 110; ++i) {  // other noise
     rig.render({}, i, set);
-    dropped += dropped_of(camera, set, kept);
-    still += kept;
+    const SkinOfFrame found = found_in(camera, set);
+    dropped += found.dropped[NoSkin::background];
+    still += found.points.size();
   }
   EXPECT_GT(dropped, 400'000U);
   EXPECT_LT(static_cast<double>(still), 1e-3 * static_cast<double>(dropped));
@@ -69,9 +62,8 @@ TEST(Background, OfAStillSceneDropsThatSceneAndKeepsAHandBeforeIt) {
   const geometry::Mesh hand = test::sphere(0.03, 16, 16);
   const Posed posed{&hand, Transform(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 1, 0), Vec4(-0.05, 0.06, 0, 1))};
   rig.render(std::span(&posed, 1), 200, set);
-  dropped_of(camera, set, kept);
   // The disc of the sphere: 211 pixels per metre at 1 m, its middle at 0.54 m.
-  EXPECT_NEAR(static_cast<double>(kept), 3.14 * 11.7 * 11.7, 90);
+  EXPECT_NEAR(static_cast<double>(found_in(camera, set).points.size()), 3.14 * 11.7 * 11.7, 90);
 }
 
 TEST(Background, IsTheSecondPercentileOfAPixelsDepths) {

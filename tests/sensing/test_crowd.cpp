@@ -127,7 +127,7 @@ TEST(Crowd, ManyThingsWithinEachOtherGiveTheSamePictureWholeAndInPieces) {
   }
 }
 
-TEST(Crowd, WhatIsSeenThroughItselfTooOftenIsRefused) {
+TEST(Crowd, AMeshWithTooManyLayersIsRefused) {
   Mesh sheets;
   for (int i = 0; i < 2000; ++i) {
     const auto first = static_cast<std::uint32_t>(sheets.positions.size());

@@ -218,7 +218,7 @@ void write_mask(std::uint32_t width, std::uint32_t height, const Ignore& ignore)
   write_png8(mask_file(), width, height, pixels);
 }
 
-TEST(Rig, WhatACameraIgnores) {
+TEST(Rig, ReadsRegionsAndMasksOfCameras) {
   EXPECT_FALSE(ignores_pixels(load_text(camera_text).cameras[0]));
   write_mask(848, 480, [](std::uint32_t u, std::uint32_t v) { return u == 100 && v == 7; });
   const Camera roi = load_text(camera_text + "roi = [100, 0, 748, 480]\n").cameras[0];
@@ -237,7 +237,7 @@ TEST(Rig, WhatACameraIgnores) {
   EXPECT_EQ(back.cameras[0].roi->x1, 848u);
 }
 
-TEST(Rig, WhatARealCameraIsSetTo) {
+TEST(Rig, ReadsSettingsOfRealCameras) {
   const Camera plain = load_text(camera_text).cameras[0];
   EXPECT_FALSE(plain.device.own_lens || plain.device.exposure_s || plain.device.preset);
   const Rig set = load_text(camera_text + "calibration = \"device\"\nexposure_s = 0.004\nhardware_preset = 3\n");
@@ -263,7 +263,7 @@ TEST(Rig, WhatARealCameraIsSetTo) {
   EXPECT_EQ(load_text(with("rate_hz", "rate_hz = 0") + "exposure_s = 0.012\n").cameras[0].device.exposure_s, 0.012);
 }
 
-TEST(Rig, WhatACameraIgnoresLiesWithinItsImage) {
+TEST(Rig, RefusesRegionsAndMasksOutsideTheImage) {
   const auto roi = [](const std::string& value) { load_text(camera_text + "roi = " + value + "\n"); };
   EXPECT_REFUSED(roi("[0, 0, 848]"), "rig.toml: line 14: roi must be 4 finite numbers");
   EXPECT_REFUSED(roi("[0, 0, 8.5, 480]"), "line 14: roi must be four whole numbers of pixels: [x, y, width, height]");
@@ -291,7 +291,7 @@ std::string background_file() {
   return (std::filesystem::path(scratch()).parent_path() / "empty table.png").string();
 }
 
-TEST(Rig, WhatACameraSawWithoutAHand) {
+TEST(Rig, ReadsABackgroundOfItsOwnCameraOnly) {
   const std::string keys = "background = \"empty table.png\"\nbackground_margin_m = 0.004\n";
   Camera camera = load_text(camera_text).cameras[0];
   EXPECT_EQ(camera.background, nullptr);
@@ -325,7 +325,7 @@ TEST(Rig, WhatACameraSawWithoutAHand) {
   EXPECT_REFUSED(load_text(camera_text + keys), "line 14: background " + background_file() + ": no such file");
 }
 
-TEST(Rig, TheRoom) {
+TEST(Rig, ReadsTheRoom) {
   const Rig rig = load_text(camera_text + "[room]\nlow_m = [-0.3, -0.1, -0.25]\nhigh_m = [0.3, 0.5, 0.125]\n");
   ASSERT_TRUE(rig.room.has_value());
   EXPECT_EQ(rig.room->box.low, Vec3(-0.3, -0.1, -0.25));

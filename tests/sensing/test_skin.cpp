@@ -23,6 +23,7 @@ namespace {
 using test_skin::DeviceResult;
 using test_skin::random_scene;
 using test_skin::run_pass;
+using test_skin::run_twin;
 using test_skin::same_bytes;
 using test_skin::Scene;
 
@@ -124,12 +125,7 @@ TEST(Skin, AStrideTakesEveryNthPixelOfEveryNthRow) {
         const std::uint32_t width = tables.cameras[camera].width;
         if (place % width % stride == 0 && place / width % stride == 0) expected.push_back(point);
       }
-      std::vector<Crop> crops;
-      plan_crops(scene.cameras, tables, box, crops);
-      for (Crop& crop : crops)
-        crop.stride = stride;
-      std::vector<SkinPoint> twin;
-      find_skin(tables, scene.frames, box, crops, twin);
+      const std::vector<SkinPoint> twin = run_twin(scene, box, {.stride = stride}).points;
       EXPECT_TRUE(same_bytes(expected, twin)) << "round " << round << ", stride " << stride;
       EXPECT_TRUE(same_bytes(twin, run_pass(scene, box, {.stride = stride}).points)) << round << ", stride " << stride;
       if (stride == 3) kept_points += twin.size();
@@ -140,16 +136,14 @@ TEST(Skin, AStrideTakesEveryNthPixelOfEveryNthRow) {
   EXPECT_NEAR(static_cast<double>(all_points) / static_cast<double>(kept_points), 9, 1.5);
 }
 
-TEST(Skin, WholeImagesAndNothingAtAll) {
+TEST(Skin, TakesWholeImagesAndEmptyBoxes) {
   std::mt19937_64 random(3);
   Scene scene;
   for (int i = 0; i < 3; ++i) {
     scene.cameras.push_back(test::d415(test::random_pose(random, 0.5)));
     scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
   }
-  Box everything;
-  everything.add(Vec3(-1e300));
-  everything.add(Vec3(1e300));
+  const Box everything{Vec3(-1e300), Vec3(1e300)};
   const auto twin = find_skin(scene.cameras, scene.frames, everything);
   EXPECT_EQ(twin.size(), count_valid(scene.cameras, scene.frames));
   EXPECT_TRUE(same_bytes(twin, run_pass(scene, everything).points));
@@ -158,10 +152,8 @@ TEST(Skin, WholeImagesAndNothingAtAll) {
   const DeviceResult none = run_pass(scene, Box{});
   EXPECT_EQ(none.total.total, 0u);
   EXPECT_EQ(none.total.groups_x, 0u);
-  Box behind;  // a box that every camera has behind it or beyond its reach
-  behind.add(Vec3(100));
-  behind.add(Vec3(101));
-  EXPECT_EQ(run_pass(scene, behind).total.total, 0u);
+  // A box that every camera has behind it or beyond its reach.
+  EXPECT_EQ(run_pass(scene, Box{Vec3(100), Vec3(101)}).total.total, 0u);
 }
 
 /// A rectangle, a mask of noise, both or neither.
@@ -214,30 +206,10 @@ TEST(Skin, IgnoredPixelsAreNoSkinAndTheOthersStayWhatTheyWere) {
   EXPECT_GT(left_out, 1000u);
 }
 
-TEST(Skin, CountsAgreeInACameraThatIgnoresSome) {
-  std::mt19937_64 random(31);
-  Scene scene;
-  for (int i = 0; i < 2; ++i) {
-    scene.cameras.push_back(test::d415(test::random_pose(random, 0.5)));
-    scene.frames.push_back(test::random_frame(random, scene.cameras.back()));
-  }
-  const std::uint64_t before = count_valid(scene.cameras, scene.frames);
-  ignore_some(random, true, true, scene.cameras[1]);
-  Box everything;
-  everything.add(Vec3(-1e6));
-  everything.add(Vec3(1e6));
-  const auto twin = find_skin(scene.cameras, scene.frames, everything);
-  EXPECT_LT(twin.size(), before);
-  EXPECT_EQ(twin.size(), count_valid(scene.cameras, scene.frames));
-  EXPECT_TRUE(same_bytes(twin, run_pass(scene, everything).points));
-}
-
 TEST(Skin, TooLittleRoomKeepsTheFirstPointsAndStaysInside) {
   std::mt19937_64 random(5);
   const Scene scene = random_scene(random, 3);
-  Box box;
-  box.add(Vec3(-2));
-  box.add(Vec3(2));
+  const Box box{Vec3(-2), Vec3(2)};
   auto twin = find_skin(scene.cameras, scene.frames, box);
   ASSERT_GT(twin.size(), 100u);
   twin.resize(100);
@@ -278,9 +250,7 @@ TEST(Skin, ReorderingTheCamerasReordersThePoints) {
   std::mt19937_64 random(17);
   const Scene scene = random_scene(random, 2);
   const Scene swapped{{scene.cameras[1], scene.cameras[0]}, {scene.frames[1], scene.frames[0]}};
-  Box box;
-  box.add(Vec3(-0.5));
-  box.add(Vec3(0.5));
+  const Box box{Vec3(-0.5), Vec3(0.5)};
   const auto a = find_skin(scene.cameras, scene.frames, box);
   const auto b = find_skin(swapped.cameras, swapped.frames, box);
   ASSERT_EQ(a.size(), b.size());

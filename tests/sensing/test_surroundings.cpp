@@ -10,7 +10,6 @@
 #include <set>
 #include <vector>
 
-#include "sensing/skin_twin.hpp"
 #include "skin_run.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
@@ -20,6 +19,7 @@ namespace {
 
 using test_skin::random_scene;
 using test_skin::run_pass;
+using test_skin::run_twin;
 using test_skin::same_bytes;
 using test_skin::Scene;
 
@@ -50,20 +50,6 @@ void learn_some(std::mt19937_64& random, Camera& camera, const DepthFrame& frame
   camera.background = std::make_shared<Background>(std::move(background));
 }
 
-SkinOfFrame twin_of(const Scene& scene, const Box& box, const Surroundings& surroundings, std::uint32_t stride = 1) {
-  const RayTables tables = make_rays(scene.cameras);
-  std::vector<Crop> crops;
-  plan_crops(scene.cameras, tables, box, crops);
-  for (Crop& crop : crops)
-    crop.stride = stride;
-  std::vector<shader::SkinVolume> volumes;
-  plan_drops(surroundings, box, volumes);
-  SkinOfFrame found;
-  found.wants_leavings = true;
-  find_skin(tables, scene.frames, box, crops, volumes, found);
-  return found;
-}
-
 /// How far inside the slab the point lies, in double precision; negative outside.
 double inside_by(const Slab& slab, const Vec3& world) {
   const Vec3 p = transform_point(glm::inverse(slab.T_world_slab), world);
@@ -86,7 +72,7 @@ TEST(Surroundings, DropWhatBruteForceInDoubleFindsAndNothingElse) {
     if (round % 3 == 0) box = {Vec3(-1), Vec3(1)};
     const Surroundings surroundings = random_surroundings(random);
     const auto all = find_skin(scene.cameras, scene.frames, box);
-    const SkinOfFrame found = twin_of(scene, box, surroundings);
+    const SkinOfFrame found = run_twin(scene, box, {.surroundings = surroundings});
     ASSERT_EQ(all.size(), found.points.size() + found.leavings.size());
     ASSERT_EQ(found.dropped.total(), found.leavings.size());
     dropped += found.dropped;
@@ -125,8 +111,9 @@ TEST(Surroundings, DeviceGivesTheTwinsBytesAndCounts) {
       if (test::uniform(random, 0, 1) == 0) learn_some(random, scene.cameras[c], scene.frames[c]);
     }
     const std::uint32_t stride = round % 5 == 0 ? 3 : 1;
-    const SkinOfFrame twin = twin_of(scene, box, surroundings, stride);
-    const auto device = run_pass(scene, box, {.stride = stride, .surroundings = surroundings});
+    const test_skin::RunSetting setting{.stride = stride, .surroundings = surroundings};
+    const SkinOfFrame twin = run_twin(scene, box, setting);
+    const auto device = run_pass(scene, box, setting);
     EXPECT_TRUE(same_bytes(twin.points, device.points)) << round << ": " << twin.points.size();
     EXPECT_EQ(twin.dropped, device.dropped) << "round " << round;
     dropped += device.dropped;
@@ -155,7 +142,7 @@ TEST(Surroundings, ABackgroundDropsWhatIsNotNearerByItsMargin) {
   frame.depth[7] = 60'000;
   frame.depth[8] = 19'800;
   const Box everything{Vec3(-100), Vec3(100)};
-  const SkinOfFrame found = twin_of(scene, everything, {});
+  const SkinOfFrame found = run_twin(scene, everything);
   ASSERT_EQ(found.leavings.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_EQ(found.leavings[i].index, (std::array<std::uint32_t, 4>{5, 6, 8, 9})[i]);

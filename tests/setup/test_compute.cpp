@@ -67,7 +67,7 @@ TEST(Backend, TheBestDeviceIsTheFirstUsableOneOfTheFastestKind) {
             "soft");
 }
 
-TEST(Backend, RefusesAnEnvironmentThatNamesNone) {
+TEST(Backend, RefusesAnEnvironmentThatNamesNoBackend) {
   EXPECT_ERROR(chosen({}, "cuda", {}), Exit::usage, "PALPA_BACKEND is 'cuda': give auto, gpu or cpu");
 }
 

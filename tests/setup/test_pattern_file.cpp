@@ -75,7 +75,7 @@ TEST(PatternFile, PlanesHaveRowsFromTheTop) {
 }
 
 /// docs/patterns.md says what they are: points that sound, and silent ones.
-TEST(PatternFile, PalpasOwnAreThere) {
+TEST(PatternFile, ReadsPalpasOwnPatterns) {
   const std::map<std::string, std::pair<std::size_t, std::size_t>> own{
       {"carter", {8, 9}}, {"gavrilov", {8, 0}}, {"hasegawa", {14, 0}}, {"hoshi", {12, 0}}, {"inoue", {49, 0}}};
   EXPECT_EQ(pattern_names().size(), own.size());
@@ -98,7 +98,7 @@ TEST(PatternFile, PalpasOwnAreThere) {
   EXPECT_REFUSED(load_pattern("none.toml"), "none.toml");
 }
 
-TEST(PatternFile, RefusesWhatIsNone) {
+TEST(PatternFile, RefusesWhatIsNoPattern) {
   const auto refused = [](const std::string& text, const std::string& why) {
     EXPECT_REFUSED(parse_pattern(text, "p.toml"), why);
     EXPECT_REFUSED(parse_pattern(text, "p.toml"), "p.toml: ");

@@ -27,7 +27,7 @@ using array::Spread;
 using setup::Draws;
 using setup::Percentiles;
 
-TEST(Spread, TextsMeanWhatTheySay) {
+TEST(Spread, ReadsTexts) {
   EXPECT_EQ(setup::parse_spread("amplitude=10%,phase=0.2,position=0.5mm,temperature=2"),
             (Spread{.amplitude = 0.1, .phase_rad = 0.2, .position_m = 5e-4, .temperature = 2}));
   EXPECT_EQ(setup::parse_spread("position=0.0005,amplitude=0.1"), (Spread{.amplitude = 0.1, .position_m = 5e-4}));

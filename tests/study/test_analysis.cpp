@@ -80,7 +80,7 @@ TEST(StudyAnalysis, OrderLearningAndTimes) {
   EXPECT_TRUE(course.depths.empty());
 }
 
-TEST(StudyAnalysis, LearnersGain) {
+TEST(StudyAnalysis, LearningShowsAsAGain) {
   Study study = study_of({{40}, {40}, {40}, {40}, {40}, {40}}, {"m"});
   for (Participant& participant : study.participants) {
     for (std::size_t k = 0; k < 20; ++k)

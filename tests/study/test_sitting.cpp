@@ -67,7 +67,7 @@ TEST_F(SittingTest, NothingSoundsBeforeConsent) {
   EXPECT_EQ(count(EntryKind::finish), 1u);
 }
 
-TEST_F(SittingTest, ATrial) {
+TEST_F(SittingTest, ATrialSoundsForItsTimeAndKeepsTheAnswer) {
   Sitting one = sitting();
   consent(one);
   skip_to(one, BlockKind::trial);

@@ -144,7 +144,7 @@ TEST_F(StudyFolder, DigitsInNamesCountAsNumbers) {
   EXPECT_EQ(study.participants[0].trials.back().method, 1u);
 }
 
-TEST_F(StudyFolder, ANameIsANumber) {
+TEST_F(StudyFolder, FoldersAndLogsHaveTheParticipantsNumber) {
   test::write_participant(folder_, 1, {{"m", 20}});
   std::filesystem::create_directories(folder_ / "sub-anna" / "beh");
   EXPECT_CONTAINS(left_out(), "sub-anna: is not a participant with a number, such as sub-7");
@@ -197,7 +197,7 @@ TEST_F(StudyFolder, TwoParticipantsWithOneNumberAreRefused) {
   EXPECT_REFUSED(read(), "give each participant a number of their own");
 }
 
-TEST_F(StudyFolder, ThatHasNothingIsRefused) {
+TEST_F(StudyFolder, WithoutLogsIsRefused) {
   EXPECT_REFUSED(read(), "has no participants: their logs are in folders such as sub-1/beh");
   EXPECT_REFUSED(read_study(std::vector<std::string>{(folder_ / "none").string()}), "none: no such folder");
   const auto log = events_place(folder_, 1);

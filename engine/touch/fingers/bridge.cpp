@@ -46,8 +46,7 @@ bool is_seen_empty(const Sight& sight, const Float3& place) {
     const Appearance at = appearance(camera, place);
     if (!(at.depth > 0)) continue;
     const std::uint32_t raw = raw_at(sight, c, at.u, at.v);
-    if (raw >= camera.first_depth && static_cast<float>(raw) * camera.depth_unit > at.depth + PALPA_TUNED(clear, 4e-3F))
-      return true;
+    if (raw >= camera.first_depth && static_cast<float>(raw) * camera.depth_unit > at.depth + 4e-3F) return true;
   }
   return false;
 }
@@ -112,7 +111,7 @@ Pair face(const Patch& a, const Patch& b, bool were_one) {
   for (const Way& way : ways)
     nearest = std::min(nearest, way.apart);
   // Contacts that are farther apart than the nearest ones by this much no longer face each other.
-  const float farthest = nearest + PALPA_TUNED(nearest, 2e-3F);
+  const float farthest = nearest + 2e-3F;
   float at_a = 0, at_b = 0;
   std::uint32_t facing = 0;
   for (const Way& way : ways) {
@@ -123,8 +122,8 @@ Pair face(const Patch& a, const Patch& b, bool were_one) {
   }
   const float mean_a = at_a / static_cast<float>(facing), mean_b = at_b / static_cast<float>(facing);
   const float worse = std::max(mean_a, mean_b);
-  if (worse > (were_one ? 0.5F : PALPA_TUNED(towards, 0.3F))) return {Pair::two};
-  return {worse < (were_one ? 0.3F : PALPA_TUNED(away, -0.1F)) ? Pair::one : Pair::unknown, mean_a + mean_b};
+  if (worse > (were_one ? 0.5F : 0.3F)) return {Pair::two};
+  return {worse < (were_one ? 0.3F : -0.1F) ? Pair::one : Pair::unknown, mean_a + mean_b};
 }
 
 /// Looks at chords through the space between two patches: from each sample of one patch to some sample of the other,
@@ -141,7 +140,7 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
     }
   }
   // In 64ths.
-  return empty * 64 > looked * (were_one ? 24U : PALPA_TUNED(empty, 6U));
+  return empty * 64 > looked * (were_one ? 24U : 6U);
 }
 
 Pair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {

@@ -10,11 +10,6 @@
 
 #include "shaders/shared/exact_math.h"
 
-// A constant of the rules, or what is compared with it. tests/tools/split_sensitivity.cpp scales it by its name.
-#ifndef PALPA_TUNED
-#define PALPA_TUNED(name, value) value
-#endif
-
 namespace palpa::touch {
 
 using shader::Float3;

@@ -131,7 +131,7 @@ class Walk {
   /// A gap without data also counts as a valley if it is wide.
   void pass_hole() {
     hole_ += stride_;
-    if (hole_ < PALPA_TUNED(hole, 2e-3F) || state_ >= State::bottom) return;
+    if (hole_ < 2e-3F || state_ >= State::bottom) return;
     state_ = State::bottom;
     level_ = -1;
   }
@@ -180,7 +180,7 @@ class Walk {
 
 /// Whether skin at one of two samples is turned towards the other.
 bool face_each_other(const SkinSample& a, const SkinSample& b) {
-  const float least = PALPA_TUNED(facing, 0.4F);
+  const float least = 0.4F;
   return cosine_of_way(a.position, a.normal, b.position) > least ||
          cosine_of_way(b.position, b.normal, a.position) > least;
 }
@@ -192,7 +192,7 @@ struct Evidence {
 
 /// A group grows while less than 3/8 of the pairs show two fingers.
 bool can_grow(const Evidence& e) {
-  return e.known > 0 && 8 * e.two < PALPA_TUNED(grow, 3U) * e.known;
+  return e.known > 0 && 8 * e.two < 3U * e.known;
 }
 
 bool surer(const Evidence& e, const Evidence& other) {
@@ -203,9 +203,8 @@ bool surer(const Evidence& e, const Evidence& other) {
 /// the pairs that one camera sees, which `valleys` counts. Parts that were two fingers in the frame before stay two
 /// with half of the evidence.
 bool are_fingers(const Evidence& valleys, float square, float finger_width, bool apart) {
-  if (square < square_of((apart ? 0.3F : PALPA_TUNED(apart, 0.45F)) * finger_width)) return false;
-  return apart ? 4 * valleys.two >= valleys.known
-               : valleys.two > 0 && 2 * valleys.two >= PALPA_TUNED(votes, valleys.known);
+  if (square < square_of((apart ? 0.3F : 0.45F) * finger_width)) return false;
+  return apart ? 4 * valleys.two >= valleys.known : valleys.two > 0 && 2 * valleys.two >= valleys.known;
 }
 
 constexpr int vote_rounds = 2;
@@ -280,7 +279,7 @@ class Grouping {
       insides_[s] = inside_of(samples_[s], width_);
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
-        const bool same = square_apart(insides_[a], insides_[b]) <= square_of(PALPA_TUNED(same, 0.3F) * width_);
+        const bool same = square_apart(insides_[a], insides_[b]) <= square_of(0.3F * width_);
         // Samples of two known fingers are evidence for two.
         if (!same && (strangers_[a] & only(b)) == 0 && !face_each_other(samples_[a], samples_[b])) continue;
         for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {

@@ -138,7 +138,7 @@ Appearance appearance(const SightCamera& camera, const Float3& world) {
 
 float noise_at(float depth) {
   // Metres, and an addition per square metre of distance.
-  return PALPA_TUNED(valley, 1e-3F) + PALPA_TUNED(noise, 5e-3F) * depth * depth;
+  return 1e-3F + 5e-3F * depth * depth;
 }
 
 bool is_firm(const Sight& sight, std::uint32_t point) {
@@ -155,7 +155,7 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
       if (raw >= camera.first_depth && std::abs(at - depth_of(raw)) <= noise_at(at)) ++near;
     }
   }
-  return near >= PALPA_TUNED(company, company);
+  return near >= company;
 }
 
 Float3 normal_at(const Sight& sight, std::uint32_t point) {
@@ -202,7 +202,7 @@ SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& fi
 
 Float3 inside_of(const SkinSample& sample, float finger_width) {
   // The inside of a finger lies below its skin by this share of its greatest width.
-  return minus(sample.position, scaled(sample.normal, PALPA_TUNED(inside, 0.36F) * finger_width));
+  return minus(sample.position, scaled(sample.normal, 0.36F * finger_width));
 }
 
 }  // namespace palpa::touch

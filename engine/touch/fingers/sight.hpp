@@ -65,7 +65,7 @@ Appearance appearance(const SightCamera& camera, const Float3& world);
 
 /// A larger step in depth than this is the edge of another object.
 inline float surface_step_m() {
-  return PALPA_TUNED(rim, 4e-3F);
+  return 4e-3F;
 }
 
 /// How much two depths at this distance from a camera may differ on one surface, metres: a depth camera's noise grows

@@ -22,7 +22,7 @@ bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, 
   const auto seen = static_cast<std::uint32_t>(sampled.size());
   const auto firm = static_cast<std::uint32_t>(
       std::ranges::count_if(sampled, [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); }));
-  return (known ? 4 : 2) * firm >= PALPA_TUNED(firm, seen);
+  return (known ? 4 : 2) * firm >= seen;
 }
 
 /// Whether samples of two known fingers are in it.

@@ -109,7 +109,7 @@ class Rendering {
   sensing::FrameSet set_;
 };
 
-constexpr double hold_s = 0.5;  ///< a busy machine's frames may be old before they are told
+constexpr double hold_s = 0.5;  ///< on a busy machine, frames may be old before they are reported
 
 session::Session session_for(const Play& play, const std::vector<sensing::Camera>& cameras) {
   const std::string scene = source_file("assets/" + play.object + ".glb").string();

@@ -25,4 +25,9 @@ inline std::string command_json(const std::vector<std::string>& arguments) {
   return untimed(result.out);
 }
 
+/// gtest: the command prints these bytes, except for times.
+inline void expect_same_json(const std::string& json, const std::vector<std::string>& command) {
+  EXPECT_EQ(untimed(json), command_json(command));
+}
+
 }  // namespace palpa::test

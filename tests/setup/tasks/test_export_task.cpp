@@ -74,7 +74,7 @@ TEST_F(ExportOf, AFileIsTheCommands) {
   EXPECT_EQ(read_text(ours), read_text(csv));
 }
 
-TEST_F(ExportOf, WhatIsStoppedWritesNoFile) {
+TEST_F(ExportOf, AStoppedRunWritesNoFile) {
   task.foci = csv;
   const Outputs outputs({{"--foci", csv}});
   setup::ExportRun run(task, {}, stop);
@@ -133,13 +133,13 @@ TEST_F(ExportOf, FramesThatStandAloneHaveNoHysteresis) {
   task.hysteresis = touch::Hysteresis::on;
   EXPECT_EQ(task.chosen_hysteresis(), touch::Hysteresis::on);
   task.touch.parameters.finger_width_m = 0;
-  EXPECT_CONTAINS(error_of([&] { check(task, {}, true); }, Exit::usage), "--hysteresis goes with");
+  EXPECT_ERROR(check(task, {}, true), Exit::usage, "--hysteresis goes with");
 }
 
-TEST_F(ExportOf, WhatCannotBeExportedIsRefused) {
-  EXPECT_CONTAINS(error_of([&] { check(task, {}); }, Exit::usage), "nothing to export");
+TEST_F(ExportOf, ARunWithoutAnOutputOrAnEndIsRefused) {
+  EXPECT_ERROR(check(task, {}), Exit::usage, "nothing to export");
   task.frames = 0;
-  EXPECT_CONTAINS(error_of([&] { check(task, {}, true); }, Exit::usage), "does not end");
+  EXPECT_ERROR(check(task, {}, true), Exit::usage, "does not end");
 }
 
 }  // namespace

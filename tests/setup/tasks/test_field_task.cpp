@@ -99,7 +99,7 @@ TEST(FieldTask, OfADriveOnALineAndAtPointsIsTheCommands) {
   }
 }
 
-TEST(FieldTask, RefusesWhatCannotBeLookedAt) {
+TEST(FieldTask, RefusesDrivesAndPlacesOutOfRange) {
   const array::Layout layout = array::load_layout("openmpd");
   const array::Drive drive(layout.transducers.size()), other(7);
   const auto refused = [](const auto& work, const char* part) { EXPECT_CONTAINS(error_of(work, Exit::usage), part); };

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "command_json.hpp"
 #include "drawing/png.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "same_json.hpp"
 #include "setup/load.hpp"
 #include "setup/tasks/figure6.hpp"
 #include "setup/tasks/simulate.hpp"
@@ -107,7 +107,7 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
   setup::FingerBody finger("a ball", geometry::load_triangles(tip_file(5)),
                            setup::air(options.drive.medium, options.air));
   const setup::SimulateResult result = setup::simulate(options, finger, cube(), setup::load_solids(cube()));
-  EXPECT_EQ(without_times(to_json(result)), without_times(to_json(simulate(options))));
+  EXPECT_EQ(untimed(to_json(result)), untimed(to_json(simulate(options))));
   EXPECT_GT(result.load.force.y, 0);
   EXPECT_NEAR(result.tip.y, -1.5e-3, 1e-12);
   EXPECT_EQ(finger.standing(result.tip.y).get(), finger.standing(result.tip.y).get());

@@ -127,8 +127,7 @@ TEST(Bridge, NeighboursSeenFromAboveStayTwo) {
 }
 
 TEST(BridgeRates, FingertipsStayWholeAndNeighboursApart) {
-  // Where the underside is hidden. build/release/bin/bridge_rates prints the rates of many more, which
-  // docs/notes/finger-rates.md has.
+  // Where the underside is hidden. docs/notes/finger-rates.md has the rates of many more.
   std::mt19937 random(11);
   int split_before = 0, split_after = 0, merged_by_bridging = 0;
   for (int t = 0; t < (palpa::test::instrumented() ? 16 : 40); ++t) {

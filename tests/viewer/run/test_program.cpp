@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -329,6 +330,9 @@ TEST_F(Viewer, HelpAndVersion) {
     EXPECT_CONTAINS(all.out, part);
   }
   EXPECT_LE(std::count(usual.out.begin(), usual.out.end(), '\n'), 40);
+  std::istringstream lines(usual.out + all.out);
+  for (std::string text; std::getline(lines, text);)
+    EXPECT_LE(text.size(), 100u) << text;
   EXPECT_TRUE(viewer({"--version"}).out.starts_with("palpa-viewer "));
 }
 
