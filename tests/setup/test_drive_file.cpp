@@ -67,7 +67,7 @@ TEST_F(DriveFile, FaultsAreNamedWithTheirLine) {
       {with(3, 6, "-1"), "line 5: the drive belongs to another layout than autd3: transducer 3 points along "},
       {short_by_one, "it has 248 transducers, but autd3 has 249"},
       {"index,x\n", "is not a drive: its first line is not index,x,y,z"},
-      {"", "is not a drive"}};
+      {"", "d.csv: is empty"}};
   for (const auto& [text, fault] : faults)
     EXPECT_REFUSED(read(text), fault);
 }
