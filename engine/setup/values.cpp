@@ -164,9 +164,12 @@ void Group::add(const std::string& name, const std::string& type, const std::str
 }
 
 void Group::quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
-                     const std::string& help) const {
+                     const std::string& help, bool* given) const {
   add(name, quantity_type(quantity), format_quantity(target, quantity), help,
-      [name, &target, quantity, range](const auto& text) { target = take_quantity(name, text, quantity, range); });
+      [name, &target, quantity, range, given](const auto& text) {
+        target = take_quantity(name, text, quantity, range);
+        if (given) *given = true;
+      });
 }
 
 void Group::quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,

@@ -41,9 +41,9 @@ class Group {
  public:
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
 
-  /// A number with a unit, "1.5mm"; a bare number is SI.
-  void quantity(const std::string& name, double& target, Quantity quantity, const Range& range,
-                const std::string& help) const;
+  /// A number with a unit, "1.5mm"; a bare number is SI. `given`: set to true if the option is on the line.
+  void quantity(const std::string& name, double& target, Quantity quantity, const Range& range, const std::string& help,
+                bool* given = nullptr) const;
   void quantity(const std::string& name, std::optional<double>& target, Quantity quantity, const Range& range,
                 const std::string& help) const;
   /// The same, or "auto", which leaves `target` unchanged.

@@ -18,6 +18,7 @@
 #include "sensing/rig_toml.hpp"
 #include "setup/frames.hpp"
 #include "setup/load.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -82,6 +83,7 @@ void check(const BackgroundTask& task) {
     throw bad_usage(
         fmt::format("--frames {}: a background is learned from {} to {}", task.frames, least_frames, most_frames));
   }
+  refuse_tracker(source_of(task));
   if (task.noise_free && !source_of(task).starts_with("synthetic"))
     throw bad_usage("--noise-free goes with --source synthetic");
   if (!task.out.empty() && task.source.empty())

@@ -19,6 +19,7 @@
 #include "sensing/target.hpp"
 #include "setup/frames.hpp"
 #include "setup/target_mount.hpp"
+#include "setup/tracker.hpp"
 #include "setup/values.hpp"
 
 namespace palpa::setup {
@@ -74,6 +75,7 @@ void warn_of_distance(const CalibratedCamera& camera) {
 void check(const CalibrateTask& task) {
   if (frames_of(task) > most_frames)
     throw bad_usage(fmt::format("--frames {}: at most {} are taken together", frames_of(task), most_frames));
+  refuse_tracker(source_of(task));
   if (task.noise_free && !source_of(task).starts_with("synthetic"))
     throw bad_usage("--noise-free goes with --source synthetic");
 }
