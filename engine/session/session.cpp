@@ -127,7 +127,7 @@ struct Session::State {
           "a solver of one's own works in free air, and does not reach pressures: solids and options may not ask for "
           "a pressure or a finger's transfer");
     }
-    if (setting.finger && !setting.live())
+    if (setting.finger && (!setting.live() || setting.cameras.empty()))
       throw bad_usage("a session computes foci on fingers only while it runs, from the images of depth cameras");
     if (setting.finger) fingers = std::make_unique<LiveFingers>(setting);
     planner = make_planner(device, setting, scheduler, fingers.get());
@@ -181,7 +181,7 @@ void Session::warm_up() {
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
   State& s = *state_;
   if (!s.setting.live())
-    throw bad_usage("a session without cameras or without an array, or one of single frames, cannot run");
+    throw bad_usage("a session without cameras or a tracker, or without an array, or one of single frames, cannot run");
   if (s.setting.schedule.tune == Tune::all) {
     throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
   }
@@ -233,6 +233,7 @@ const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_
 
 const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
   if (!state_->setting.cameras.empty()) throw bad_usage("a session with cameras takes depth frames, not skin points");
+  if (state_->setting.tracked) throw bad_usage("a session with a tracker takes its frames, not skin points");
   return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
 }
 
@@ -245,6 +246,11 @@ const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, 
                                    std::uint64_t first_slot) {
   if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot) {
+  if (!state_->setting.tracked) throw bad_usage("a session without a tracker takes no hands");
+  return state_->touch({.capsules = hands, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 std::span<const Event> Session::events() const {

@@ -68,6 +68,8 @@ class Session {
   /// The same if the first slot that plays the frame is known: with the setting's latency, its foci are predicted slot
   /// by slot. Otherwise they are predicted for the middle of their cycle.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s, std::uint64_t first_slot);
+  /// The same for the hands of a tracker, as DepthSource::next returns them.
+  const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot);
 
   /// The events of the frame.
   std::span<const Event> events() const;

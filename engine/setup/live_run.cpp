@@ -17,6 +17,7 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/load.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -69,6 +70,8 @@ void check(const LiveOptions& o) {
   if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
   if (const std::string asks = asks_for_finger(o.drive); !asks.empty() && o.every_frame)
     throw bad_usage(asks + " follows fingers as time allows, so --every-frame cannot have it: leave one of them out");
+  if (!o.record.empty() && is_tracker(o.source))
+    throw bad_usage("--record goes with depth cameras; a file with a tracker's lines of JSON is --source joints:FILE");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 

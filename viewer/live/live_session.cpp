@@ -13,6 +13,7 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/start_thread.hpp"
+#include "sensing/joints/capsules.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
 #include "touch/contacts/prepared_solids.hpp"
@@ -296,7 +297,11 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   next.sequence = set.sequence;
   next.images = set;
   next.skin.wants_leavings = true;
-  sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
+  if (set.tracked) {
+    sensing::sample_skin(set.capsules, near_, next.skin.points);
+  } else {
+    sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
+  }
   seen_.publish();
   wake_();
 }
