@@ -42,9 +42,16 @@ void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
   windows.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
                    "distance from the screen to its barrier [so that neighbours differ]");
   windows.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
+  const Group refused(app, "");
+  refused.text("--osc", o.osc, "PORT", "of palpa run");
+  refused.flag("--reload", o.reload, "of palpa run");
 }
 
 void check(StudyRunOptions& o) {
+  if (!o.osc.empty() || o.reload) {
+    throw bad_usage(fmt::format("{}: not in a study, where nothing but the plan may change what a participant feels",
+                                o.reload ? "--reload" : "--osc"));
+  }
   if (o.plan.empty()) throw bad_usage("give the plan of the study, such as assets/studies/paper.toml");
   if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
   if (o.out.empty()) throw bad_usage("--out is missing: give the folder of the study");

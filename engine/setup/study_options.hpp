@@ -31,6 +31,8 @@ struct StudyRunOptions {
   double eyes_apart_m = 63e-3;
   std::optional<double> barrier_pitch_m, barrier_gap_m;  ///< by default, those with which neighbours differ
   double barrier_phase = 0;
+  std::string osc;  ///< this and the next are refused
+  bool reload = false;
 };
 
 /// Adds all of them but the plan.
