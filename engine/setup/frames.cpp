@@ -125,6 +125,11 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
   if (!setting.tracked) warn_of_surroundings(session::surroundings_of(setting), setting.solids);
 }
 
+std::unique_ptr<session::Session> make_session(const gpu::Device* device, session::SessionSetting setting) {
+  return device ? std::make_unique<session::Session>(*device, std::move(setting))
+                : std::make_unique<session::Session>(std::move(setting));
+}
+
 }  // namespace
 
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
@@ -254,9 +259,17 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);
   UsedDevice device(o.common);
-  auto session = device.get() ? std::make_unique<session::Session>(*device.get(), std::move(setting))
-                              : std::make_unique<session::Session>(std::move(setting));
+  auto session = make_session(device.get(), std::move(setting));
   return {std::move(source), std::move(device), std::move(session)};
+}
+
+std::unique_ptr<session::Session> prepare_again(const FrameOptions& o, const gpu::Device* device,
+                                                session::SessionSetting setting) {
+  setting.solids = load_solids(o.scene, o.gltf_scene, o.solids);
+  check(o.drive, setting.solids);
+  warn_of_reach(setting.layout, setting.solids);
+  check_surroundings(setting, load_posed_rig(o.rig).rig);
+  return make_session(device, std::move(setting));
 }
 
 void try_source(const FrameOptions& o, std::span<const session::SourceKind> sources) {
