@@ -15,6 +15,7 @@
 #include "driver/sources.hpp"
 #include "module.hpp"
 #include "placed.hpp"
+#include "session/control/osc.hpp"
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
@@ -153,6 +154,8 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   setup::take_layout_of_link(options.rig, options.link, links);
   setup::take_method_of_link(options, links);
   setup::check(options.drive, o.scene->solids);
+  std::optional<session::Osc> osc;
+  if (!options.osc.empty()) options.safety.gain_now = &osc.emplace(options.osc).gain();
   array::Layout layout = setup::load_posed_rig(options.rig).layout;
   setup::warn_of_reach(layout, o.scene->solids);
   session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
@@ -165,8 +168,11 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
   o.run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, session);
-  session::LoopStats stats = session::run_points(session, *o.run.points, *link, o.run.stop,
-                                                 {.frames = options.frames, .observer = &callbacks});
+  if (osc) osc->listen(session.solid_names(), callbacks);
+  session::LoopStats stats =
+      session::run_points(session, *o.run.points, *link, o.run.stop,
+                          {.frames = options.frames, .observer = &callbacks, .changes = osc ? &*osc : nullptr});
+  if (osc) stats.messages = osc->end();
   setup::tell_backend(options.common, stats);
   return stats;
 }

@@ -43,7 +43,7 @@ static void fields(python::Archive& a, Voice& o) {
   a(id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, pressure, target, reached);
 }
 static void fields(python::Archive& a, Schedule& o) {
-  auto& [slot, voices, count, time, advance] = o;
+  auto& [slot, voices, count, time, advance, names] = o;  // a TouchObject has the names itself
   a(slot, voices, count, time, advance);
 }
 static void fields(python::Archive& a, Board& o) {

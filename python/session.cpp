@@ -62,15 +62,11 @@ Declared<SessionArguments>& session_options() {
 /// Options that have no effect frame by frame.
 void refuse_live_options(const setup::LiveOptions& o) {
   const setup::LiveOptions usual;
-  const std::pair<const char*, bool> given[]{{"link", o.link != usual.link},
-                                             {"every_frame", o.every_frame},
-                                             {"record", !o.record.empty()},
-                                             {"overwrite", o.overwrite},
-                                             {"noise_free", o.noise_free},
-                                             {"events", !o.events.empty()},
-                                             {"board_files", !o.board_files.empty()},
-                                             {"hold='auto'", o.hold_auto},
-                                             {"ramp", o.safety.ramp_s != 0},
+  const std::pair<const char*, bool> given[]{{"link", o.link != usual.link},    {"every_frame", o.every_frame},
+                                             {"record", !o.record.empty()},     {"overwrite", o.overwrite},
+                                             {"osc", !o.osc.empty()},           {"noise_free", o.noise_free},
+                                             {"events", !o.events.empty()},     {"board_files", !o.board_files.empty()},
+                                             {"hold='auto'", o.hold_auto},      {"ramp", o.safety.ramp_s != 0},
                                              {"ceiling", o.safety.ceiling != 1}};
   for (const auto& [name, is_given] : given) {
     if (is_given)

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "array/drive.hpp"
@@ -73,6 +75,8 @@ struct Schedule {
   std::uint32_t voice_count = 0;
   double time_s = 0;  ///< capture time of the frame it was made from
   Advance advance;
+  /// The names of the solids, if they are not those that the schedule's receiver knows: the scene was read again.
+  std::shared_ptr<const std::vector<std::string>> solid_names{};
 
   /// The next free voice, with its vectors' storage from earlier use.
   Voice& add_voice();

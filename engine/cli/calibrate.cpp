@@ -35,7 +35,8 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   const line::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
               "where depth frames come from: synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], "
-              "realsense:SERIAL[,...] or bag:FILE [synthetic]");
+              "realsense:SERIAL[,...] or bag:FILE; with --nudge, also a tracker of hands, joints:udp:PORT or "
+              "joints:FILE [synthetic]");
   add_allow_outside(frames, o.common);
   frames.integer("--frames", o.frames, 0, std::uint64_t{1} << 62,
                  "number of frames that are averaged, 0 for 30; with --background, 0 for two seconds of them; with "

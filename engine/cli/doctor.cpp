@@ -14,6 +14,7 @@
 #include "gpu/software.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
+#include "session/control/osc_message.hpp"
 #include "setup/study_options.hpp"
 
 namespace palpa::cli {
@@ -68,6 +69,7 @@ DoctorSection look_at_validation() {
 DoctorSection look_at_features() {
   const std::pair<const char*, std::string> optional[]{
       {"V-HACD", geometry::how_to_get_vhacd()},
+      {"liblo", fmt::format("only messages to a live run (--osc) need it: {}", session::how_to_get_liblo)},
       {"SDL2", fmt::format("only the noise in the headphones of a study needs it: {}", setup::how_to_get_sdl2)}};
   DoctorSection section{"features", "Optional libraries of this build", {}, {}};
   for (const auto& [name, advice] : optional) {

@@ -10,13 +10,14 @@
 #include "sensing/rig_toml.hpp"
 #include "session/links/sources.hpp"
 #include "setup/frames.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::cli {
 namespace {
 
 CamerasThere cameras_of(const Extensions& extensions, const std::string& source) {
   const std::vector<session::SourceKind> kinds = setup::with_builtin(extensions.sources);
-  if (!session::ends_by_itself(source, kinds) || source.starts_with("synthetic")) {
+  if (!session::ends_by_itself(source, kinds) || source.starts_with("synthetic") || setup::is_tracker(source)) {
     throw bad_usage(fmt::format(
         "--source {}: give recording:DIR or bag:FILE, or leave --source out for the cameras that are plugged in",
         source));

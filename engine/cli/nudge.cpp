@@ -1,4 +1,5 @@
-// `palpa calibrate --nudge`: a focus at the visible fingertip, moved by keys until it is felt there.
+// `palpa calibrate --nudge`: a focus at the visible fingertip, moved by keys until it is felt there; or for a tracker,
+// four foci, which the fingertip touches.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -7,6 +8,7 @@
 #include <chrono>
 #include <cstddef>
 #include <glm/common.hpp>
+#include <glm/matrix.hpp>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -30,6 +32,8 @@
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/calibrate.hpp"
+#include "setup/tasks/register_tracker.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -79,6 +83,11 @@ class Nudge {
         break;
     }
   }
+  /// Takes the end back; the `next` focus begins at its own place.
+  void go_on(bool next) {
+    end_ = End::none;
+    if (next) steps_ = Vec3(0);
+  }
   /// Metres in the world.
   Vec3 offset() const { return steps_ * fine_step_m; }
   End end() const { return end_; }
@@ -117,21 +126,29 @@ class Shown {
   std::string drawn_;
 };
 
-/// Applies the keys to the array. Keys arrive by time, on a separate thread, and frames use the resulting state.
+/// Applies the keys to the array, or to the foci that are touched. Keys arrive by time, on a separate thread, and
+/// frames use the resulting state.
 class Hand final : public session::RunObserver {
  public:
-  /// Of `script`, one key is pressed with each frame that has a finger.
-  Hand(session::Session& session, Nudge& nudge, std::vector<KeyPress> script, std::atomic<bool>& stop, bool quiet)
-      : session_(&session), script_(std::move(script)), nudge_(&nudge), stop_(&stop), shown_(quiet) {}
+  /// Of `script`, one key is pressed with each frame that has a finger. `touches`: null without a tracker.
+  Hand(session::Session& session, Nudge& nudge, setup::FocusTouches* touches, std::vector<KeyPress> script,
+       std::atomic<bool>& stop, bool quiet)
+      : session_(&session),
+        script_(std::move(script)),
+        nudge_(&nudge),
+        touches_(touches),
+        stop_(&stop),
+        shown_(quiet) {}
 
   void planned(const session::FrameReport& frame, const session::Plan&) override {
-    begin();
+    begin(frame.time_s);
     if (next_ < script_.size() && frame.touch->finger_count > 0) {
       press(script_[next_++]);
       show();
       if (next_ == script_.size()) *stop_ = true;
     }
     const Vec3 wanted = offset();
+    if (touches_) return touches_->nudge(wanted);
     if (wanted != std::exchange(aim_, wanted)) session_->set_aim(wanted);
   }
   void press(const KeyPress& press) {
@@ -139,19 +156,29 @@ class Hand final : public session::RunObserver {
     if (nudge_->end() != Nudge::End::none) return;  // the first decision counts
     if (!begun_ && press.key != Key::leave) return;
     nudge_->press(press);
+    if (touches_ && nudge_->end() == Nudge::End::save) take_touch();
     if (nudge_->end() != Nudge::End::none) *stop_ = true;
   }
   /// Shows the current state, if it has changed.
   void show() {
     const std::lock_guard lock(mutex_);
-    if (begun_) shown_.show(nudge_->line());
+    if (begun_)
+      shown_.show(touches_ ? fmt::format("{}{}; {}", touches_->line(), hint_, nudge_->line()) : nudge_->line());
   }
 
  private:
   /// There is a frame, so keys from now on have an effect that can be felt.
-  void begin() {
+  void begin(double time_s) {
     const std::lock_guard lock(mutex_);
     begun_ = true;
+    time_s_ = time_s;
+  }
+  /// Only after the last focus, Enter is the end.
+  void take_touch() {
+    touches_->nudge(nudge_->offset());
+    const std::string fault = touches_->take(time_s_);
+    hint_ = fault.empty() ? "" : ": " + fault;
+    if (!touches_->touches()) nudge_->go_on(fault.empty());
   }
   Vec3 offset() const {
     const std::lock_guard lock(mutex_);
@@ -164,9 +191,12 @@ class Hand final : public session::RunObserver {
   Vec3 aim_{0};           ///< of the session
   mutable std::mutex mutex_;
   Nudge* nudge_;
+  setup::FocusTouches* touches_;
   std::atomic<bool>* stop_;
   Shown shown_;
   bool begun_ = false;
+  double time_s_ = 0;  ///< of the newest frame
+  std::string hint_;   ///< what kept the last touch from being taken
 };
 
 /// Reads the terminal's keys, whether frames come or not. Earlier input is discarded.
@@ -217,14 +247,54 @@ std::string nudge_json(const Vec3& offset, bool saved, const sensing::Rig& rig) 
   return json.take();
 }
 
+std::string registration_json(const std::optional<setup::Registration>& found,
+                              const std::vector<setup::TouchedFocus>& touches, const Transform& T_world_layout) {
+  JsonWriter json;
+  json.begin_object().member("saved", found.has_value());
+  if (found) {
+    json.member("residual_m", found->residual_m);
+    setup::add_pose(json, "T_world_joints", found->T_world_joints);
+    setup::add_pose(json, "T_layout_joints", glm::inverse(T_world_layout) * found->T_world_joints);
+    json.key("touches").begin_array(JsonWriter::Style::block);
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      json.begin_object(JsonWriter::Style::line).member("focus_m", touches[i].focus_m);
+      json.member("tip_m", touches[i].tip_m).member("off_m", found->off_m[i]).end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+  return json.take();
+}
+
+/// Writes what the touches give; nothing is found if the user left.
+void report_registration(const CalibrateCommand& o, const Outputs& outputs, const setup::PosedRig& posed, bool saves,
+                         const setup::FocusTouches& touches) {
+  const std::vector<setup::TouchedFocus> touched = touches.touches().value_or(std::vector<setup::TouchedFocus>());
+  std::optional<setup::Registration> found;
+  if (saves) {
+    found = setup::register_tracker(touched, posed.layout);
+    sensing::Rig rig = setup::rig_to_write(posed, o.rig);
+    rig.T_world_joints = found->T_world_joints;
+    rig.joints_residual_m = found->residual_m;
+    setup::write_rig(o.out, rig);
+  }
+  if (!o.common.json.empty()) write_file(o.common.json, registration_json(found, touched, posed.T_world_layout));
+  if (setup::shows_summary(o.common, outputs)) {
+    write_file("-", found ? fmt::format("the tracker is registered: {:.1f} mm rms; written to {}\n",
+                                        found->residual_m * 1e3, o.out)
+                          : "nothing is saved\n");
+  }
+}
+
 /// Runs until Enter or q, or until the run ends otherwise.
-void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge) {
+void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge,
+                   setup::FocusTouches* touches) {
   const log::Relay relay;
   const setup::Interrupt interrupt(
       "ended without finishing, one second after the signal: a link, device or file did not answer");
   std::vector<KeyPress> script;
   if (!o.keys.empty()) script = parse_keys("--keys", o.keys);
-  Hand hand(live.session(), nudge, std::move(script), stop, o.common.quiet);
+  Hand hand(live.session(), nudge, touches, std::move(script), stop, o.common.quiet);
   std::optional<Typing> typing;
   if (o.keys.empty()) typing.emplace(hand);
   log::release_warnings();
@@ -237,7 +307,8 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
   const line::Group group(app, "With --nudge");
   group.flag("--nudge", o.nudge,
              "plays a focus at the fingertip that cameras see; move it with the arrows, PageUp and PageDown until you "
-             "feel it there, and --out gets the array's corrected place");
+             "feel it there, and --out gets the array's corrected place; with --source joints, plays four foci, and "
+             "--out gets the tracker's place after you touched each with the index finger and pressed Enter");
   group.text("--scene", o.scene, "FILE", "glTF model that the fingertip touches [assets/cube.glb]");
   group.text("--link", o.link, "LINK", "where drives go, as for palpa run");
   setup::add_board_files(group, o.board_files);
@@ -257,6 +328,9 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   if (!o.keys.empty() && parse_keys("--keys", o.keys).empty())
     throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
   if (o.source.empty()) o.source = "synthetic";
+  const bool tracked = setup::is_tracker(o.source);
+  if (tracked && !o.scene.empty())
+    throw bad_usage("--scene goes with cameras: a tracker is registered by foci in the air");
   if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");
   o.touch.method.method = touch::Method::single_focus;
   o.every_frame = !o.keys.empty();  // a script takes as many frames as it has keys
@@ -268,10 +342,16 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   const setup::PosedRig posed = setup::load_posed_rig(o.rig);
   std::atomic<bool>& stop = setup::Interrupt::flag();
   Nudge nudge;
+  setup::FocusTouches touches;
+  std::vector<session::SourceKind> sources = extensions.sources;
+  if (tracked) {
+    sources.push_back(touches.source());
+    o.own_method = touches.method();
+  }
   std::optional<Error> fault;
   try {
-    setup::LiveRun live(o, extensions.sources, extensions.links, stop);
-    run_until_end(live, o, stop, nudge);
+    setup::LiveRun live(o, sources, extensions.links, stop);
+    run_until_end(live, o, stop, nudge, tracked ? &touches : nullptr);
   } catch (const Error& error) {
     // A confirmed result is not lost if the link fails at the end.
     if (nudge.end() != Nudge::End::save) throw;
@@ -279,7 +359,16 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   }
   const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
   const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
-  if (!saves && !left) throw failure("--nudge: nothing is saved, because it ended before Enter was pressed");
+  if (!saves && !left) {
+    const std::string rest = touches.line();
+    throw failure(fmt::format("--nudge: nothing is saved, because it ended before Enter was pressed{}",
+                              tracked ? " at " + rest : ""));
+  }
+  if (tracked) {
+    report_registration(o, outputs, posed, saves, touches);
+    if (fault) throw Error(*fault);
+    return;
+  }
   const sensing::Rig rig = setup::nudged_rig(posed, o.rig, "--keys", nudge.offset());
   if (saves) setup::write_rig(o.out, rig);
   if (!o.common.json.empty()) write_file(o.common.json, nudge_json(nudge.offset(), saves, rig));

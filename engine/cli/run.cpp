@@ -33,6 +33,7 @@ void add_options_of_run(CLI::App& app, RunCommand& o) {
   const line::Group group(app, "What to run");
   add_frame_options(group, o, "number of frames to run; 0 runs until the source ends or Ctrl-C");
   add_link_options(group, o);
+  add_reload_option(group, o);
   setup::add_stats_option(group, o.stats);
   add_session_options(app, o, setup::FingerMesh::known);
 }

@@ -162,9 +162,12 @@ void Group::add(const std::string& name, const std::string& type, const std::str
 }
 
 void Group::quantity(const std::string& name, const Target<double>& target, Quantity quantity, const Range& range,
-                     const std::string& help) const {
+                     const std::string& help, bool* given) const {
   add(name, quantity_type(quantity), target.initial ? format_quantity(*target.initial, quantity) : "", help,
-      [=](const auto& text) { target.set(take_quantity(name, text, quantity, range)); });
+      [=](const auto& text) {
+        target.set(take_quantity(name, text, quantity, range));
+        if (given) *given = true;
+      });
 }
 
 void Group::quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity,

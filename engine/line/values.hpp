@@ -55,9 +55,9 @@ class Group {
  public:
   Group(CLI::App& app, std::string heading) : app_(&app), heading_(std::move(heading)) {}
 
-  /// A number with a unit, "1.5mm"; a bare number is SI.
+  /// A number with a unit, "1.5mm"; a bare number is SI. `given`: set to true if the option is on the line.
   void quantity(const std::string& name, const Target<double>& target, Quantity quantity, const Range& range,
-                const std::string& help) const;
+                const std::string& help, bool* given = nullptr) const;
   /// The same, or "auto", which leaves `target` unchanged.
   void quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity, const Range& range,
                         const std::string& help) const;

@@ -1,4 +1,4 @@
-// The sources of depth frames: a synthetic rig, a recording, later real cameras. Interchangeable by name.
+// The sources of frames: a synthetic rig, a recording, real cameras, a tracker of hands. Interchangeable by name.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sensing/joints/capsules.hpp"
 #include "sensing/rig.hpp"
 
 namespace palpa::sensing {
@@ -16,20 +17,25 @@ struct DepthFrame {
   double time_s = 0;                 ///< capture time on the source's clock
 };
 
-/// One frame of every camera of a rig, in the rig's order, taken together.
+/// One frame of every camera of a rig, in the rig's order, taken together; or one of a tracker of hands.
 struct FrameSet {
   std::vector<DepthFrame> frames;
-  double time_s = 0;           ///< the oldest capture time of the frames
-  std::uint64_t sequence = 0;  ///< counts from 0; gaps are frames that the source dropped
+  std::vector<Capsule> capsules;  ///< of a tracker: the bones of the hands that it sees, world
+  bool tracked = false;           ///< of a tracker, which may see no hand; there are no images
+  double time_s = 0;              ///< the oldest capture time of the frames
+  std::uint64_t sequence = 0;     ///< counts from 0; gaps are frames that the source dropped
+
+  /// Whether there is a frame.
+  bool came() const { return tracked || !frames.empty(); }
 };
 
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
-  /// Constant during the source's lifetime.
+  /// Constant during the source's lifetime. None: it is a tracker.
   virtual const std::vector<Camera>& cameras() const = 0;
   /// Blocks until the next set is available, at most about `timeout_s`. Reuses `out`'s storage. Returns false at the
-  /// end of the stream. If no set comes in time, `out.frames` is empty and the result is true. Throws Error on a fault.
+  /// end of the stream. If no set comes in time, there is no frame and the result is true. Throws Error on a fault.
   virtual bool next(FrameSet& out, double timeout_s) = 0;
 };
 

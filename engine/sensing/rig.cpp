@@ -239,6 +239,11 @@ Rig load_rig(const std::filesystem::path& file) {
     }
     table->done();
   }
+  if (auto table = root.table("joints")) {
+    rig.T_world_joints = plausible_pose(*table, "T_world_joints");
+    if (table->has("residual_m")) rig.joints_residual_m = table->number("residual_m", 0, 1);
+    table->done();
+  }
   root.done();
   return rig;
 }
@@ -293,6 +298,11 @@ std::string to_toml(const Rig& rig) {
     text += fmt::format("{}[room]\nlow_m = [{}, {}, {}]\nhigh_m = [{}, {}, {}]\n", rig.screen ? "\n" : "",
                         toml_number(box.low.x), toml_number(box.low.y), toml_number(box.low.z), toml_number(box.high.x),
                         toml_number(box.high.y), toml_number(box.high.z));
+  }
+  if (rig.T_world_joints) {
+    text += fmt::format("{}[joints]\nT_world_joints = {}\n", rig.screen || rig.room ? "\n" : "",
+                        toml_pose(*rig.T_world_joints));
+    if (rig.joints_residual_m) text += fmt::format("residual_m = {}\n", toml_number(*rig.joints_residual_m));
   }
   return text;
 }

@@ -35,6 +35,8 @@ struct Rig {
   std::optional<ArrayPlacement> array;
   std::optional<Screen> screen;
   std::optional<Room> room;
+  std::optional<Transform> T_world_joints;  ///< of a tracker of hands
+  std::optional<double> joints_residual_m;  ///< rms distance that remained when it was registered
 };
 
 /// Throws bad_input naming file, line and key: unknown keys, missing or non-finite values, sizes of zero or above

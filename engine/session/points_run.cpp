@@ -96,6 +96,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       last_captured_s = captured_s;
       alive = true;
       ++stats.captured;
+      if (options.changes) options.changes->before_frame(session);
       const touch::Touch& touch = session.touch(points, time_s);
       Plan& plan = plans.back();
       plan = session.plan();

@@ -36,8 +36,8 @@ class PushedPoints {
 /// captured when it is taken, and sounds at most for the setting's hold. Runs until `options.frames` are done, `stop`
 /// becomes true or something fails; the last drive that `link` gets is all-zero, whatever happens. An Error of either
 /// thread is thrown here, after silence. Fingers that still touch are released at the end, and if no frame comes for
-/// the hold. The observer gets `planned`, `expired`, `sent` and `events`, and nothing else. Throws bad_usage for a
-/// session with cameras, without an array, or with Tune::all.
+/// the hold. The observer gets `planned`, `expired`, `sent` and `events`, and nothing else, and the
+/// changes only `before_frame`. Throws bad_usage for a session with cameras, without an array, or with Tune::all.
 LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::atomic<bool>& stop,
                      const RunOptions& options = {});
 

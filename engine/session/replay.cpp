@@ -72,7 +72,8 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
                    const ReplayOptions& options) {
   const SessionSetting& setting = session.setting();
   if (!setting.live())
-    throw bad_usage("a session without cameras or without an array, or one of single frames, cannot be played");
+    throw bad_usage(
+        "a session without cameras or a tracker, or without an array, or one of single frames, cannot be played");
   const bool tells = options.events != nullptr;
   if (setting.schedule.tune == Tune::all) {
     throw bad_usage("a session that is played can tune strides only: the length of its slots is fixed");
@@ -91,7 +92,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
     CaptureTimes times;
     double time_s = 0;
     while (!stop && (options.frames == 0 || stats.frames < options.frames) && source.next(set, patience_s)) {
-      if (set.frames.empty()) continue;
+      if (!set.came()) continue;
       if (stats.frames == 0) {
         player.begin_at(time_s = set.time_s);
       } else {
@@ -99,7 +100,8 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
         player.play_until(player.slot_at(time_s), session.plan(), stop);
       }
       times.see(set.time_s);
-      const touch::Touch& touch = session.touch(set.frames, time_s, player.next_slot());
+      const touch::Touch& touch = set.tracked ? session.touch(set.capsules, time_s, player.next_slot())
+                                              : session.touch(set.frames, time_s, player.next_slot());
       ++stats.frames;
       stats.touching += touch.finger_count > 0 ? 1 : 0;
       if (stats.dropped) *stats.dropped += touch.dropped;

@@ -35,60 +35,6 @@ std::optional<acoustics::ArrayField> field_of(const SessionSetting& setting) {
   return std::optional<acoustics::ArrayField>(std::in_place, setting.layout, setting.drive);
 }
 
-/// Tunes strides beside the loop while this object exists.
-struct TunedBeside {
-  Scheduler& scheduler;
-  TunedBeside(Scheduler& tuned, const acoustics::ArrayField* field) : scheduler(tuned) { scheduler.tune_beside(field); }
-  ~TunedBeside() { scheduler.tune_beside(nullptr); }
-  TunedBeside(const TunedBeside&) = delete;
-  TunedBeside& operator=(const TunedBeside&) = delete;
-};
-
-/// Passes a run on to the caller's observer, with what a session adds to it.
-class SessionObserver final : public RunObserver {
- public:
-  /// `fingers` and `tracker`: nullptr without them.
-  SessionObserver(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker,
-                  const RunOptions& options)
-      : pressures_(solids), fingers_(fingers), tracker_(tracker), sink_(options.events), caller_(*options.observer) {}
-
-  void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
-  void started(const SkinFrame& frame) override {
-    if (fingers_) fingers_->saw(frame.images, frame.sequence);
-    caller_.started(frame);
-  }
-  void planned(const FrameReport& report, const Plan& plan) override {
-    pressures_.planned(plan.schedule);
-    if (fingers_) fingers_->planned(report, plan.schedule);
-    caller_.planned(report, plan);
-    if (tracker_) tell(tracker_->update(*report.touch, report.time_s));
-  }
-  void expired() override {
-    caller_.expired();
-    if (tracker_) tell(tracker_->expire());
-  }
-  void sent(bool sounds, const HandOver& counts) override { caller_.sent(sounds, counts); }
-  void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
-
-  /// The run is over.
-  void end() {
-    if (tracker_) tell(tracker_->end());
-  }
-  const PressureLog& pressures() const { return pressures_; }
-
- private:
-  void tell(std::span<const Event> events) {
-    if (sink_) sink_->write(events);
-    caller_.events(events);
-  }
-
-  PressureLog pressures_;
-  LiveFingers* fingers_;
-  EventTracker* tracker_;
-  EventSink* sink_;
-  RunObserver& caller_;
-};
-
 }  // namespace
 
 struct Session::State {
@@ -127,7 +73,7 @@ struct Session::State {
           "a solver of one's own works in free air, and does not reach pressures: solids and options may not ask for "
           "a pressure or a finger's transfer");
     }
-    if (setting.finger && !setting.live())
+    if (setting.finger && (!setting.live() || setting.cameras.empty()))
       throw bad_usage("a session computes foci on fingers only while it runs, from the images of depth cameras");
     if (setting.finger) fingers = std::make_unique<LiveFingers>(setting);
     planner = make_planner(device, setting, scheduler, fingers.get());
@@ -142,6 +88,134 @@ struct Session::State {
     if (setting.events) events = tracker.update(*report.touch, frame.time_s);
     return *report.touch;
   }
+};
+
+/// Passes a run on to the caller's observer, with what a session adds to it.
+class Session::Observer final : public RunObserver {
+ public:
+  explicit Observer(const RunOptions& options) : sink_(options.events), caller_(*options.observer) {}
+
+  /// Frames are of this scene from now on. `fingers` and `tracker`: nullptr without them.
+  void begin(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker) {
+    if (sink_ && log_) sink_->name_solids(solids);
+    solids_ = solids;
+    log_.emplace(solids);
+    fingers_ = fingers;
+    tracker_ = tracker;
+  }
+  /// The scene or the run is over: fingers that still touch are released.
+  void end() {
+    for (FingerPressure finger : log_->fingers()) {
+      finger.solid += static_cast<std::uint32_t>(names_.size());
+      pressures_.push_back(finger);
+    }
+    names_.insert(names_.end(), solids_.begin(), solids_.end());
+    if (tracker_) tell(tracker_->end());
+  }
+
+  void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
+  void started(const SkinFrame& frame) override {
+    if (fingers_) fingers_->saw(frame.images, frame.sequence);
+    caller_.started(frame);
+  }
+  void planned(const FrameReport& report, const Plan& plan) override {
+    log_->planned(plan.schedule);
+    if (fingers_) fingers_->planned(report, plan.schedule);
+    caller_.planned(report, plan);
+    if (tracker_) tell(tracker_->update(*report.touch, report.time_s));
+  }
+  void expired() override {
+    caller_.expired();
+    if (tracker_) tell(tracker_->expire());
+  }
+  void sent(bool sounds, const HandOver& counts) override { caller_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { caller_.recording_rest(frames); }
+
+  /// The fingers of the scenes that are over, and the names of those scenes' solids.
+  const std::vector<FingerPressure>& pressures() const { return pressures_; }
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  void tell(std::span<const Event> events) {
+    if (sink_) sink_->write(events);
+    caller_.events(events);
+  }
+
+  std::span<const std::string> solids_;
+  std::optional<PressureLog> log_;  ///< of this scene
+  std::vector<FingerPressure> pressures_;
+  std::vector<std::string> names_;
+  LiveFingers* fingers_ = nullptr;
+  EventTracker* tracker_ = nullptr;
+  EventSink* sink_;
+  RunObserver& caller_;
+};
+
+/// The planner of a run: that of the session's scene, which may become another one between two frames.
+class Session::ScenePlanner final : public Planner {
+ public:
+  /// All must outlive it. `tunes`: strides are tuned beside the loop while this object exists.
+  ScenePlanner(Session& session, Observer& observer, RunChanges* changes, bool tunes)
+      : session_(session), observer_(observer), changes_(changes), tunes_(tunes) {
+    begin();
+  }
+  ~ScenePlanner() override { now().scheduler.tune_beside(nullptr); }
+  ScenePlanner(const ScenePlanner&) = delete;
+  ScenePlanner& operator=(const ScenePlanner&) = delete;
+
+  bool busy() const override { return planner().busy(); }
+  bool can_start() const override { return planner().can_start() && !(busy() && changes_ && changes_->has_scene()); }
+  void start(const SkinFrame& frame) override {
+    if (changes_) {
+      if (!busy() && changes_->has_scene()) change();
+      changes_->before_frame(session_);
+    }
+    planner().start(frame);
+  }
+  bool step(Plan& plan, FrameReport& report) override {
+    if (!planner().step(plan, report)) return false;
+    plan.schedule.solid_names = names_;
+    if (std::exchange(silent_, false)) {
+      plan.schedule.clear();
+      plan.drives.clear();
+      list_nothing(plan);
+    }
+    return true;
+  }
+  void warm_up() override { planner().warm_up(); }
+  void set_effort(const Effort& effort) override { planner().set_effort(effort_ = effort); }
+  Effort most_shed() const override { return planner().most_shed(); }
+  void list_standing(bool lists) override { planner().list_standing(lists_ = lists); }
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { session_.set_pose(solid, T_world_rest); }
+
+ private:
+  State& now() const { return *session_.state_; }
+  Planner& planner() const { return *now().planner; }
+
+  void begin() {
+    State& scene = now();
+    if (scene.fingers) scene.fingers->begin();
+    scene.scheduler.tune_beside(tunes_ && scene.field ? &*scene.field : nullptr);
+    observer_.begin(scene.names, scene.fingers.get(), scene.setting.events ? &scene.tracker : nullptr);
+  }
+  /// Fingers are followed from the start, after a frame of silence.
+  void change() {
+    observer_.end();
+    changes_->take_scene(session_);
+    begin();
+    planner().set_effort(effort_);
+    planner().list_standing(lists_);
+    names_ = std::make_shared<const std::vector<std::string>>(now().names);
+    silent_ = true;
+  }
+
+  Session& session_;
+  Observer& observer_;
+  RunChanges* changes_;
+  bool tunes_;
+  Effort effort_;
+  bool lists_ = false, silent_ = false;
+  std::shared_ptr<const std::vector<std::string>> names_;  ///< of a scene that was not there at the beginning
 };
 
 Session::Session(SessionSetting setting) : state_(std::make_unique<State>(nullptr, std::move(setting))) {}
@@ -181,7 +255,7 @@ void Session::warm_up() {
 LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
   State& s = *state_;
   if (!s.setting.live())
-    throw bad_usage("a session without cameras or without an array, or one of single frames, cannot run");
+    throw bad_usage("a session without cameras or a tracker, or without an array, or one of single frames, cannot run");
   if (s.setting.schedule.tune == Tune::all) {
     throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
   }
@@ -189,18 +263,17 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
   if (options.events && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
-  SessionObserver observer(s.names, s.fingers.get(), s.setting.events ? &s.tracker : nullptr, options);
+  Observer observer(options);
   RunOptions loop = options;
   loop.observer = &observer;
-  if (s.fingers) s.fingers->begin();
   LoopStats stats;
   if (drops_points(s.setting)) stats.dropped.emplace();
-  s.planner->list_standing(link.plays_plans());
   // The moment at which the field is known depends on the machine. So it is not used if every frame must have the same
   // result on all machines.
-  const TunedBeside beside(s.scheduler, options.every_frame || !s.field ? nullptr : &*s.field);
+  ScenePlanner planner(*this, observer, options.changes, !options.every_frame);
+  planner.list_standing(link.plays_plans());
   try {
-    run_loop(source, *s.planner, link,
+    run_loop(source, planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
               .lengthens_hold = s.setting.lengthens_hold},
              stop, loop, stats);
@@ -213,13 +286,14 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     std::rethrow_exception(fault);
   }
   observer.end();
-  if (s.setting.schedule.tune == Tune::stride) {
-    const TuningThread* const tuning = s.scheduler.tuning();
+  const State& last = *state_;  // the scene may be another one than at the beginning
+  if (last.setting.schedule.tune == Tune::stride) {
+    const TuningThread* const tuning = last.scheduler.tuning();
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
-  if (s.fingers) stats.finger_sounds = s.fingers->stats();
-  stats.fingers = observer.pressures().fingers();
-  stats.solids = s.names;
+  if (last.fingers) stats.finger_sounds = last.fingers->stats();
+  stats.fingers = observer.pressures();
+  stats.solids = observer.names();
   return stats;
 }
 
@@ -233,6 +307,7 @@ const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_
 
 const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
   if (!state_->setting.cameras.empty()) throw bad_usage("a session with cameras takes depth frames, not skin points");
+  if (state_->setting.tracked) throw bad_usage("a session with a tracker takes its frames, not skin points");
   return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
 }
 
@@ -245,6 +320,11 @@ const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, 
                                    std::uint64_t first_slot) {
   if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
+}
+
+const touch::Touch& Session::touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot) {
+  if (!state_->setting.tracked) throw bad_usage("a session without a tracker takes no hands");
+  return state_->touch({.capsules = hands, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 std::span<const Event> Session::events() const {
@@ -265,6 +345,10 @@ const FrameReport& Session::report() const {
 
 void Session::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
   state_->planner->set_pose(solid, T_world_rest);
+}
+
+void Session::exchange_scene(Session& other) {
+  std::swap(state_, other.state_);
 }
 
 void Session::set_aim(const Vec3& offset) {

@@ -68,6 +68,8 @@ class Session {
   /// The same if the first slot that plays the frame is known: with the setting's latency, its foci are predicted slot
   /// by slot. Otherwise they are predicted for the middle of their cycle.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s, std::uint64_t first_slot);
+  /// The same for the hands of a tracker, as DepthSource::next returns them.
+  const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot);
 
   /// The events of the frame.
   std::span<const Event> events() const;
@@ -89,12 +91,17 @@ class Session {
 
   /// Moves a solid for the frames that follow: T_world_rest takes it from its place in the scene to its current place.
   /// It must be a rigid transform; nothing is rebuilt. A solid that is moved by more than touch::out_of_reach_m is not
-  /// touched, and costs nothing. During run(), call it only from RunObserver::planned.
+  /// touched, and costs nothing. During run(), call it only from RunObserver::planned and RunChanges::before_frame.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
 
   /// The foci of the frames that follow sound at this offset from where they are seen, metres in the world. During
   /// run(), call it only from RunObserver::planned.
   void set_aim(const Vec3& offset);
+
+  /// Exchanges the two sessions' scenes. During run(), call it only from RunChanges::take_scene, with a session that
+  /// has the same setting except for the solids, the same slot, and no frame in progress. What was made with this
+  /// session's values, such as its link, needs the first scene until its end.
+  void exchange_scene(Session& other);
 
   /// To be called if no frame has come for the setting's hold: returns the releases of fingers that do not come back in
   /// time (EventTracker::expire).
@@ -104,6 +111,8 @@ class Session {
 
  private:
   struct State;
+  class Observer;
+  class ScenePlanner;
   std::unique_ptr<State> state_;
 };
 

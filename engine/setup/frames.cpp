@@ -19,6 +19,7 @@
 #include "setup/progress.hpp"
 #include "setup/session_setting.hpp"
 #include "setup/touch_schedule.hpp"
+#include "setup/tracker.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -36,7 +37,8 @@ std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::sp
                                .noise = !o.noise_free,
                                .seed = o.common.seed,
                                .paced = paced,
-                               .rig = rig.rig.file});
+                               .rig = rig.rig.file,
+                               .T_world_joints = rig.rig.T_world_joints.value_or(Transform(1.0))});
 }
 
 /// The smallest finger, and the largest number of unknowns that are solved ten times a second.
@@ -120,7 +122,12 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
                                   solids.high.z));
     }
   }
-  warn_of_surroundings(session::surroundings_of(setting), setting.solids);
+  if (!setting.tracked) warn_of_surroundings(session::surroundings_of(setting), setting.solids);
+}
+
+std::unique_ptr<session::Session> make_session(const gpu::Device* device, session::SessionSetting setting) {
+  return device ? std::make_unique<session::Session>(*device, std::move(setting))
+                : std::make_unique<session::Session>(std::move(setting));
 }
 
 }  // namespace
@@ -133,7 +140,8 @@ void add_frame_options(const line::Group& group, FrameOptions& o, const char* un
   add_scene(group, o.scene, o.gltf_scene);
   group.text("--source", o.source, "SOURCE",
              "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
-             "realsense:SERIAL[,...] or bag:FILE");
+             "realsense:SERIAL[,...] or bag:FILE; or a tracker of hands, joints:udp:PORT or joints:FILE, with a "
+             "--delta of 3mm unless you give it");
   group.integer("--frames", o.frames, 0, std::uint64_t{1} << 62, until);
   add_allow_outside(group, o.common);
   add_loop_options(group, o);
@@ -230,6 +238,7 @@ void check(const FrameOptions& o) {
   if (o.noise_free && !rendered("synthetic") && !rendered("mouse")) {
     throw bad_usage("--noise-free goes with --source synthetic: recordings and cameras have their own noise");
   }
+  if (is_tracker(o.source)) refuse_image_options(o);
 }
 
 Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sources, bool paced, FingerMesh mesh) {
@@ -245,13 +254,22 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   std::unique_ptr<sensing::DepthSource> source = open_source(o, sources, rig, paced);
   warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout, mesh);
+  if (is_tracker(o.source)) take_tracker(o, setting);
   setting.surroundings = sensing::surroundings_of(rig.rig);
   check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);
   UsedDevice device(o.common);
-  auto session = device.get() ? std::make_unique<session::Session>(*device.get(), std::move(setting))
-                              : std::make_unique<session::Session>(std::move(setting));
+  auto session = make_session(device.get(), std::move(setting));
   return {std::move(source), std::move(device), std::move(session)};
+}
+
+std::unique_ptr<session::Session> prepare_again(const FrameOptions& o, const gpu::Device* device,
+                                                session::SessionSetting setting) {
+  setting.solids = load_solids(o.scene, o.gltf_scene, o.solids);
+  check(o.drive, setting.solids);
+  warn_of_reach(setting.layout, setting.solids);
+  check_surroundings(setting, load_posed_rig(o.rig).rig);
+  return make_session(device, std::move(setting));
 }
 
 void try_source(const FrameOptions& o, std::span<const session::SourceKind> sources) {

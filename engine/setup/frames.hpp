@@ -96,6 +96,9 @@ struct Prepared {
 /// `mesh` as in add_session_options.
 Prepared prepare(const FrameOptions& options, std::span<const session::SourceKind> sources, bool paced,
                  FingerMesh mesh = FingerMesh::unknown);
+/// The scene of the options, read again, as a session with otherwise the same `setting`. Throws and warns as prepare().
+std::unique_ptr<session::Session> prepare_again(const FrameOptions& options, const gpu::Device* device,
+                                                session::SessionSetting setting);
 /// Opens the source as prepare() does, and closes it again. Throws as the source does.
 void try_source(const FrameOptions& options, std::span<const session::SourceKind> sources);
 /// Lines about the pressures of fingers that requested one; empty if none did.

@@ -17,6 +17,7 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/load.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -31,6 +32,14 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   take_method_of_link(options, links);
   if (options.every_frame) options.leave_out_unmeasured_prediction();
   return options;
+}
+
+/// Opens the socket of --osc, and lets its gain multiply the ceiling.
+std::unique_ptr<session::Osc> open_osc(LiveOptions& options) {
+  if (options.osc.empty()) return nullptr;
+  auto osc = std::make_unique<session::Osc>(options.osc);
+  options.safety.gain_now = &osc->gain();
+  return osc;
 }
 
 Prepared prepare_live(const LiveOptions& options, std::span<const session::SourceKind> sources) {
@@ -50,6 +59,14 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
   group.text("--record", o.record, "DIR",
              "writes every depth frame into a new folder, for --source recording:DIR [no recording]");
   group.flag("--overwrite", o.overwrite, "with --record: replaces the recording that is already in that folder");
+  group.text("--osc", o.osc, "PORT|ADDRESS:PORT",
+             "takes gain, mute and poses of objects from other programs, as OSC messages by UDP; with a port alone, "
+             "from this machine (docs/live-control.md) [no messages]",
+             [](const std::string& text) { session::parse_osc_address(text); });
+}
+
+void add_reload_option(const line::Group& group, LiveOptions& o) {
+  group.flag("--reload", o.reload, "reads the scene again whenever its file is saved, and goes on with it");
 }
 
 void add_stats_option(const line::Group& group, StatsFormat& stats) {
@@ -69,6 +86,8 @@ void check(const LiveOptions& o) {
   if (o.every_frame) o.refuse_unmeasured_prediction("frames that wait (--every-frame)");
   if (const std::string asks = asks_for_finger(o.drive); !asks.empty() && o.every_frame)
     throw bad_usage(asks + " follows fingers as time allows, so --every-frame cannot have it: leave one of them out");
+  if (!o.record.empty() && is_tracker(o.source))
+    throw bad_usage("--record goes with depth cameras; a file with a tracker's lines of JSON is --source joints:FILE");
   if (o.overwrite && o.record.empty()) throw bad_usage("--overwrite goes with --record: it replaces a recording");
 }
 
@@ -102,7 +121,11 @@ std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> l
 
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,
                  std::span<const session::LinkKind> links, std::atomic<bool>& stop)
-    : options_(settled(options, links)), stop_(&stop), prepared_(prepare_live(options_, sources)) {
+    : options_(settled(options, links)),
+      stop_(&stop),
+      osc_(open_osc(options_)),
+      scene_state_(options_.reload ? look_at_scene(options_.scene) : SceneState{}),
+      prepared_(prepare_live(options_, sources)) {
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), stop_, options_.every_frame);
@@ -126,6 +149,33 @@ std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkK
   }
 }
 
+/// A scene with another slot than the link was opened for is refused.
+void LiveRun::watch_scene() {
+  session::SessionSetting setting = session().setting();
+  setting.solids.clear();
+  const double slot_s = session().scheduler().slot_s();
+  reload_.emplace(options_.scene, scene_state_, [this, setting, slot_s] {
+    auto next = prepare_again(options_, prepared_.device.get(), setting);
+    if (const double next_s = next->scheduler().slot_s(); next_s != slot_s) {
+      throw bad_input(
+          options_.scene,
+          fmt::format("its shortest dwell is {:g} ms, but the link was opened for {:g} ms: start the run again",
+                      1e3 * next_s, 1e3 * slot_s));
+    }
+    next->warm_up();
+    return next;
+  });
+}
+
+void LiveRun::before_frame(session::Session& session) {
+  if (osc_) osc_->before_frame(session);
+}
+
+void LiveRun::take_scene(session::Session& session) {
+  reload_->take(session);
+  if (osc_) osc_->set_solids(session.solid_names());
+}
+
 void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
   const UsedBackend used = used_backend(options);
   stats.backend = word_of(backend_words, used.backend);
@@ -138,6 +188,7 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
                               .every_frame = options_.every_frame,
                               .observer = &observer,
                               .events = sink_.get(),
+                              .changes = osc_ || options_.reload ? this : nullptr,
                               .record = record};
   std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
   if (recorder_) {
@@ -147,6 +198,8 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
     };
     options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
   }
+  if (osc_) osc_->listen(session().solid_names(), observer);
+  if (options_.reload) watch_scene();
   session::LoopStats stats;
   try {
     stats = session().run(source(), *link_, *stop_, options);
@@ -157,6 +210,8 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   finish(sink_.get(), false);
   tell_backend(options_.common, stats);
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
+  if (osc_) stats.messages = osc_->end();
+  if (reload_) stats.reload = reload_->end();
   if (recorder_ && stats.unrecorded > 0) {
     log::warning(fmt::format("{}: {} of {} frames came faster than they could be written; --every-frame waits for each",
                              options_.record, stats.unrecorded, stats.captured));

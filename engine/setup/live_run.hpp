@@ -14,12 +14,14 @@
 #include "base/outputs.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/recording.hpp"
+#include "session/control/osc.hpp"
 #include "session/links/link.hpp"
 #include "session/links/sources.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/session.hpp"
 #include "session/watch/event_sink.hpp"
 #include "setup/frames.hpp"
+#include "setup/scene_reload.hpp"
 
 namespace palpa::setup {
 
@@ -29,6 +31,8 @@ struct LiveOptions : FrameOptions {
   bool every_frame = false;
   std::string record;
   bool overwrite = false;  ///< the folder of `record` may have a recording, which is replaced
+  std::string osc;         ///< where messages come from (session::parse_osc_address); empty: from nowhere
+  bool reload = false;     ///< the scene is read again when its file is saved
 };
 /// Throws bad_usage if options of the link or of the recording are unused; and as check() of the FrameOptions.
 void check(const LiveOptions& options);
@@ -37,7 +41,10 @@ void check(const LiveOptions& options);
 enum class StatsFormat { none, json };
 void add_stats_option(const line::Group& group, StatsFormat& stats);
 
-/// Adds the options for the link and for other outputs of the frames.
+/// Adds --reload.
+void add_reload_option(const line::Group& group, LiveOptions& options);
+
+/// Adds the options for the link, for other outputs of the frames, and for messages.
 void add_link_options(const line::Group& group, LiveOptions& options);
 
 /// All files that such a run writes; `links` are all known links.
@@ -50,7 +57,7 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 /// If the command line names no method and the link cannot follow foci that move so fast, sets single-focus and warns.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
-class LiveRun {
+class LiveRun final : session::RunChanges {
  public:
   /// Loads and opens all of it. `sources` and `links` are added to palpa's own; `stop` is the flag of the run. The
   /// calling thread, which must also call run(), has precedence from here on (threads.hpp), unless every frame is
@@ -69,10 +76,17 @@ class LiveRun {
 
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
+  void watch_scene();
+  void before_frame(session::Session& session) override;
+  bool has_scene() const override { return reload_ && reload_->ready(); }
+  void take_scene(session::Session& session) override;
 
   LiveOptions options_;
   std::atomic<bool>* stop_;
+  std::unique_ptr<session::Osc> osc_;
+  SceneState scene_state_;
   Prepared prepared_;
+  std::optional<SceneReload> reload_;
   std::unique_ptr<session::EventSink> sink_;
   std::optional<sensing::RecordingWriter> recorder_;
   std::unique_ptr<session::Link> link_;

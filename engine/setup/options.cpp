@@ -133,7 +133,7 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   const line::Group group(app, "Touch");
   touch::Parameters& p = options.parameters;
   group.quantity("--delta", p.delta_m, Quantity::length, line::positive(1),
-                 "thickness of the shell under a solid's surface: how deep a contact may be");
+                 "thickness of the shell under a solid's surface: how deep a contact may be", &options.delta_given);
   group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, line::positive(1),
                  "contacts belong to one finger if they are no farther apart than this");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "the fewest contacts that count as a finger");

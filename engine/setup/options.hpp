@@ -73,6 +73,7 @@ void add_solid_options(CLI::App& app, SolidOptions& options);
 /// From skin points to a schedule.
 struct TouchOptions {
   touch::Parameters parameters;         ///< --delta, --finger-gap, --min-points, --foci
+  bool delta_given = false;             ///< --delta is on the line; otherwise, a tracker has a thicker shell
   std::optional<std::uint32_t> stride;  ///< empty: the usual stride for the number of foci
   double dwell_s = 1.5e-3;
   touch::MethodOptions method;  ///< --method

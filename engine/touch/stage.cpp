@@ -1,6 +1,11 @@
 #include "touch/stage.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <glm/common.hpp>
+#include <optional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "touch/check_parameters.hpp"
@@ -41,6 +46,7 @@ Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::sp
 }
 
 std::uint32_t Stage::most_pixel_stride() const {
+  if (cameras_.empty()) return 1;
   return touch::most_pixel_stride(cameras_, tables_, touchable_box(solids_), setting_.parameters);
 }
 
@@ -59,6 +65,17 @@ void Stage::start(std::span<const sensing::SkinPoint> points, double time_s) {
   start(Skin{.points = points}, time_s);
 }
 
+void Stage::start(std::span<const sensing::Capsule> hands, double time_s) {
+  if (!cameras_.empty()) throw bad_usage("a stage with cameras takes depth frames, not hands");
+  Box box = touchable_box(solids_);
+  if (const std::optional<Box>& room = setting_.surroundings.room) {
+    box.low = glm::max(box.low, room->low);
+    box.high = glm::min(box.high, room->high);
+  }
+  too_large_ = !sensing::sample_skin(hands, box, hand_skin_);
+  start(Skin{.points = hand_skin_}, time_s);
+}
+
 void Stage::start(Skin skin, double time_s) {
   times_.clear();
   images_ = skin.images;
@@ -72,6 +89,8 @@ void Stage::start(Skin skin, double time_s) {
 void Stage::finish(Touch& out) {
   try {
     points_->finish(out, times_);
+    if (std::exchange(too_large_, false))
+      throw TooMuchSkin(fmt::format("the hands have more than {} skin points", sensing::most_hand_points));
   } catch (...) {
     forget();
     throw;

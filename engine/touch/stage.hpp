@@ -17,6 +17,7 @@
 #include "geometry/solid.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/depth_source.hpp"
+#include "sensing/joints/capsules.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/skin_point.hpp"
 #include "touch/contacts/prepared_solids.hpp"
@@ -65,8 +66,11 @@ class Stage {
   /// for images that do not fit the cameras.
   void start(std::span<const sensing::DepthFrame> images, double time_s = 0);
   void start(std::span<const sensing::SkinPoint> points, double time_s = 0);
+  /// The same for the hands of a tracker: their skin near the solids (sensing/joints/capsules.hpp), within the room.
+  void start(std::span<const sensing::Capsule> hands, double time_s = 0);
   /// Completes the frame that was started. On a device, throws failure if the frame has more points or contacts than
-  /// there is room for, or if the device is lost; the next frame is then followed as if none had come before.
+  /// there is room for, or if the device is lost; the next frame is then followed as if none had come before. The same
+  /// for hands with more than sensing::most_hand_points.
   void finish(Touch& out);
   /// Both.
   template <typename T>
@@ -100,6 +104,8 @@ class Stage {
   std::span<const sensing::DepthFrame> images_;
   std::vector<sensing::Crop> crops_;
   std::vector<shader::SkinVolume> volumes_;
+  std::vector<sensing::SkinPoint> hand_skin_;
+  bool too_large_ = false;  ///< the hands have too much skin
   std::vector<gpu::PassTime> times_;
 };
 

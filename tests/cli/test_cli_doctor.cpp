@@ -28,9 +28,10 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
   EXPECT_EQ(result.exit_code, usable ? 0 : 3);
   EXPECT_TRUE(report["validation"][0]["present"].is_boolean());
   const json& features = report["features"];
-  ASSERT_EQ(features.size(), 2u);
+  ASSERT_EQ(features.size(), 3u);
   EXPECT_EQ(features[0]["name"], "V-HACD");
-  EXPECT_EQ(features[1]["name"], "SDL2");
+  EXPECT_EQ(features[1]["name"], "liblo");
+  EXPECT_EQ(features[2]["name"], "SDL2");
   const std::string about = palpa({"--version"}).out;
   for (const json& feature : features) {
     const std::string name = feature["name"];

@@ -24,7 +24,7 @@ BEGIN {
   order("touch", "types stage_setting room pass_watch contacts points fingers foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
-  order("session", "clock newest threads beside links watch predict plan loop previews .")
+  order("session", "clock newest threads beside links watch predict plan loop previews . control")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
   order("setup", ". tasks")

@@ -78,7 +78,7 @@ def test_documented_export(words, made_files, tmp_path):
 def runs_here(words):
     """Without a camera, a board, or a receiver."""
     text = " ".join(words)
-    return not re.search(r"v4l2:|realsense:|bag:|openmpd|autd3:|sonicsurface|rig\.toml|one\.toml|\.\.\.", text)
+    return not re.search(r"v4l2:|realsense:|bag:|joints:|openmpd|autd3:|sonicsurface|rig\.toml|one\.toml|\.\.\.", text)
 
 
 def live_lines():

@@ -13,7 +13,6 @@
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
-namespace {
 
 std::string unpacked(const std::filesystem::path& file) {
   std::string text;
@@ -24,6 +23,8 @@ std::string unpacked(const std::filesystem::path& file) {
   if (in) gzclose(in);
   return text;
 }
+
+namespace {
 
 /// The tips FT1 to FT5 of a trial, every second frame: 75 Hz.
 void read_markers(const std::string& trial, std::initializer_list<int> fingers, std::vector<TipPath>& out) {

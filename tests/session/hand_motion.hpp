@@ -1,6 +1,7 @@
 // The shared recordings of fingertips (hand-motion), as places over time, and the errors of a prediction on them.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "base/math.hpp"
 
 namespace palpa::test {
+
+/// The text of a file that gzip has packed; empty if there is none.
+std::string unpacked(const std::filesystem::path& file);
 
 /// One fingertip of one recording.
 struct TipPath {

@@ -200,6 +200,29 @@ TEST(SafeLink, TheCeilingMayChangeWhileItPlays) {
   }
 }
 
+TEST(SafeLink, AGainMultipliesTheCeilingAndNeverRaisesIt) {
+  for (const bool changing : {false, true}) {
+    Player p;
+    std::atomic<double> ceiling{0.5}, gain{1.0};
+    SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ceiling_now = changing ? &ceiling : nullptr, .gain_now = &gain});
+    std::uint64_t slot = 0;
+    const auto plays = [&](double value) {
+      gain = value;
+      safe.plan(p.at(p.touch, slot));
+      safe.send(slot++, p.loud);
+      return p.spy.loudest.back();
+    };
+    EXPECT_EQ(plays(1), 0.5f);
+    EXPECT_EQ(p.spy.plans.back().gain, 0.5);
+    EXPECT_EQ(plays(0.5), 0.25f);
+    EXPECT_EQ(plays(0), 0.0f);
+    EXPECT_EQ(plays(7), 0.5f);
+    EXPECT_EQ(plays(-1), 0.0f);
+    EXPECT_EQ(plays(std::numeric_limits<double>::quiet_NaN()), 0.0f);
+    safe.finish();
+  }
+}
+
 TEST(SafeLink, GoesUpTheRampAndDownAgainAndThenIsSilent) {
   Player p;
   SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ramp_s = 10 * slot_s});

@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "array/layouts/board_mesh.hpp"
 #include "array/loudness.hpp"
@@ -326,6 +330,60 @@ TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
   for (const sensing::Camera& camera : live.setting.cameras)
     dark.frames.push_back({std::vector<std::uint16_t>(std::size_t{camera.width} * camera.height), 0});
   EXPECT_EQ(session.touch(dark.frames, 1e3).finger_count, 0U) << "this frame, not one that was still under way";
+}
+
+/// Gives a run another scene once something touches, and moves the new scene's solid away after its fifth frame.
+struct AnotherScene final : RunChanges {
+  std::unique_ptr<Session> next;
+  std::atomic<bool> ready{false};
+  int frames = 0;  ///< of the new scene
+
+  bool has_scene() const override { return ready; }
+  void take_scene(Session& session) override {
+    session.exchange_scene(*next);
+    ready = false;
+  }
+  void before_frame(Session& session) override {
+    if (session.solids()[0].name == "other" && ++frames == 5)
+      session.set_pose(0, glm::translate(Transform(1.0), Vec3(0, -0.5, 0)));
+  }
+};
+
+TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
+  Live live;
+  AnotherScene changes;
+  live.options.changes = &changes;
+  SessionSetting setting = live.setting;
+  setting.solids[0].name = "other";
+  changes.next = std::make_unique<Session>(make(setting));
+  std::vector<std::string> frames;  // what each has: fingers, voices, and the name of the solid that the link is told
+  bool changed = false;
+  live.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
+    const auto& names = plan.schedule.solid_names;
+    frames.push_back(fmt::format("{} {} {}", report.touch->finger_count, plan.schedule.voice_count,
+                                 names ? names->front() : "cube"));
+    if (report.touch->finger_count > 0 && !std::exchange(changed, true)) changes.ready = true;
+  };
+  Session session = make(live.setting);
+  const LoopStats stats = live.run(session);
+  EXPECT_EQ(stats.planned, 12U);
+  EXPECT_EQ(stats.solids, (std::vector<std::string>{"cube", "other"}));
+  ASSERT_TRUE(changed);
+  const auto first = std::ranges::find_if(frames, [](const std::string& frame) { return frame.ends_with("other"); });
+  ASSERT_GE(frames.end() - first, 6);
+  EXPECT_EQ(first[-1], "1 1 cube");
+  EXPECT_EQ(first[0], "1 0 other") << "a frame of silence";
+  EXPECT_EQ(first[1], "1 1 other");
+  EXPECT_EQ(first[3], "1 1 other");
+  EXPECT_EQ(first[4], "0 0 other") << "the pose holds from the frame before which it was set";
+  // The touch of the scene before ends before the next one's begins.
+  const auto release = std::ranges::find(live.told, EventKind::release, &Event::kind);
+  const auto last_touch = std::find_if(live.told.rbegin(), live.told.rend(),
+                                       [](const Event& event) { return event.kind == EventKind::touch; });
+  EXPECT_LT(release - live.told.begin(), last_touch.base() - live.told.begin());
+  EXPECT_EQ(std::ranges::count(live.told, EventKind::touch, &Event::kind), 2);
+  EXPECT_EQ(live.told.back().kind, EventKind::release);
+  EXPECT_TRUE(live.link.ended_silent());
 }
 
 TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -77,13 +79,18 @@ bool ShownRun::look() {
   new_frame_ = fresh || seen;
   fresh_ = fresh_ || fresh;
   any_ = any_ || fresh;
-  if (!control_.take_scene()) return false;
+  if (!control_.take_scene()) {
+    follow_messages();
+    return false;
+  }
   const Picture& rest = control_.scene()->picture;
   const std::string& scene = control_.options().scene;
   picture_ = rest;
   stale_->add(Stale::surfaces);
   placing_.begin(rest, holds_finger(), scene == placed_scene_);
   placed_scene_ = scene;
+  for (const auto& [solid, pose] : session.take_moved())
+    placing_.put(solid, pose);
   placed_.assign(placing_.poses().size(), Transform(1.0));
   session.place(placed_);  // it may have the poses of a scene with other solids
   place();
@@ -127,6 +134,19 @@ void ShownRun::place() {
   if (!control_.scene() || placed_ == placing_.poses()) return;
   placed_ = placing_.poses();
   control_.session()->place(placed_);
+  pose_solids(picture_, control_.scene()->picture, placed_);
+  stale_->add(Stale::surfaces);
+}
+
+/// What messages have moved is shown where it is felt.
+void ShownRun::follow_messages() {
+  if (!control_.scene()) return;
+  const std::map<std::uint32_t, Transform> moved = control_.session()->take_moved();
+  for (const auto& [solid, pose] : moved) {
+    placing_.put(solid, pose);
+    if (solid < placed_.size()) placed_[solid] = pose;  // the session has it
+  }
+  if (moved.empty()) return;
   pose_solids(picture_, control_.scene()->picture, placed_);
   stale_->add(Stale::surfaces);
 }

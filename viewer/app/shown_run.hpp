@@ -65,6 +65,7 @@ class ShownRun {
  private:
   bool holds_finger() const { return HeldFinger::is_held(control_.options().source); }
   void see_recording();
+  void follow_messages();
 
   RunStatus* status_;
   Messages* messages_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,11 @@ class Placing {
   bool holds_finger() const { return holds_finger_; }
   /// Whether a solid is not where the scene has it.
   bool moved() const;
+
+  /// Another program has moved a solid. Undo knows nothing of it.
+  void put(std::uint32_t solid, const Transform& T_world_rest) {
+    if (solid < poses_.size()) poses_[solid] = T_world_rest;
+  }
 
   /// Returns true if the event was meant for this object. Nobody else may handle it then.
   bool handle(const WindowEvent& event, const Sight& sight);

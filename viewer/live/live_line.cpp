@@ -24,13 +24,14 @@ void add_live_options(CLI::App& app, LineOptions& o) {
   const line::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end");
   add_link_options(group, o);
+  add_reload_option(group, o);  // the viewer reads a saved scene again in any case
   setup::add_stats_option(group, o.stats);
   add_session_options(app, o, setup::FingerMesh::known);
   setup::add_common(app, o.common);
 }
 
 bool is_copied(const line::OptionInfo& info) {
-  constexpr std::string_view names[] = {"--frames", "--stats", "--json", "--quiet", "--log-level"};
+  constexpr std::string_view names[] = {"--frames", "--stats", "--reload", "--json", "--quiet", "--log-level"};
   return std::ranges::find(names, info.name) != std::end(names);
 }
 

@@ -11,8 +11,9 @@ namespace palpa::viewer {
 
 /// All of them that say what runs, in the order of `palpa run --help`.
 const std::vector<line::OptionInfo>& live_table();
-/// The others: how long the command runs, and what it reports. The viewer runs until it is closed and reports in its
-/// panels, so it only copies them into the command.
+/// The others: how long the command runs, what it reports, and whether it reads a saved scene again. The viewer runs
+/// until it is closed, reports in its panels, and always reads a saved scene again, so it only copies them into the
+/// command.
 const std::vector<line::OptionInfo>& copied_table();
 
 /// The values of live_table()'s options. It is not checked whether they go together. Throws bad_usage for a text that

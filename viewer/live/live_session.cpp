@@ -13,6 +13,7 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/start_thread.hpp"
+#include "sensing/joints/capsules.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
 #include "touch/contacts/prepared_solids.hpp"
@@ -27,7 +28,7 @@ constexpr std::uint64_t first_snapshots = 10;
 constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 
 /// The box around the given box after the pose has moved it.
-Box moved(const Box& box, const Transform& pose) {
+Box moved_box(const Box& box, const Transform& pose) {
   Box out;
   for (const Vec3& corner : box_corners(box))
     out.add(transform_point(pose, corner));
@@ -192,6 +193,21 @@ void LiveSession::follow_poses(session::Session& session) {
     session.set_pose(i, poses_[i]);
 }
 
+// On the compute thread.
+void LiveSession::moved(std::uint32_t solid, const Transform& T_world_rest) {
+  const bool followed = placed_ == placements_;
+  const std::lock_guard lock(mutex_);
+  poses_.resize(std::max(poses_.size(), std::size_t{solid} + 1), Transform(1.0));
+  poses_[solid] = moved_[solid] = T_world_rest;
+  const std::uint64_t now = ++placements_;
+  if (followed && now == placed_ + 1) placed_ = now;  // the session has it
+}
+
+std::map<std::uint32_t, Transform> LiveSession::take_moved() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(moved_, {});
+}
+
 // On the recorder's thread, or before there is one.
 void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
   std::vector<Transform> poses;
@@ -202,7 +218,7 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
   }
   near_ = {};
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const Box here = i < poses.size() ? moved(boxes_[i], poses[i]) : boxes_[i];
+    const Box here = i < poses.size() ? moved_box(boxes_[i], poses[i]) : boxes_[i];
     if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
     near_.add(here.low - Vec3(shown_skin_m));
     near_.add(here.high + Vec3(shown_skin_m));
@@ -296,7 +312,11 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   next.sequence = set.sequence;
   next.images = set;
   next.skin.wants_leavings = true;
-  sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
+  if (set.tracked) {
+    sensing::sample_skin(set.capsules, near_, next.skin.points);
+  } else {
+    sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
+  }
   seen_.publish();
   wake_();
 }

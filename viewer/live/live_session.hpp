@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -115,6 +116,9 @@ class LiveSession final : session::RunObserver {
   /// From the next frame on, each pose moves its solid from its place in the scene; see Session::set_pose.
   void place(std::vector<Transform> poses);
 
+  /// The solids that messages (--osc) have moved since the last call, each with its newest pose.
+  std::map<std::uint32_t, Transform> take_moved();
+
   /// From now on, frames are also written to this new folder. Empty: recording ends. An error is logged and ends the
   /// recording.
   void record(const std::string& folder);
@@ -138,6 +142,7 @@ class LiveSession final : session::RunObserver {
   void arrived(std::uint64_t sequence) override { gaps_.arrived(sequence); }
   void planned(const session::FrameReport& report, const session::Plan& plan) override;
   void sent(bool sounds, const session::HandOver& counts) override { link_.count(sounds, counts); }
+  void moved(std::uint32_t solid, const Transform& T_world_rest) override;
   void publish_snapshot(const session::FrameReport& report, const session::Plan& plan);
   void saw(const sensing::FrameSet& set);
   void count(const session::FrameReport& report);
@@ -183,6 +188,7 @@ class LiveSession final : session::RunObserver {
   std::atomic<std::uint64_t> placements_{0}, recordings_{0}, recorded_{0};
   mutable std::mutex mutex_;
   std::vector<Transform> poses_;
+  std::map<std::uint32_t, Transform> moved_;
   std::string record_to_, recording_;
   std::string fault_;
   std::exception_ptr error_;

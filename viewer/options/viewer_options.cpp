@@ -98,7 +98,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   o.live.source.clear();  // unlike palpa run, the viewer has no source unless it is given one
   live.text("--source", o.live.source, "SOURCE",
             "shows a live run whose depth frames come from synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
-            "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE [no live run]");
+            "recording:DIR, v4l2:/dev/videoN[,...], realsense:SERIAL[,...] or bag:FILE; or a tracker of hands, "
+            "joints:udp:PORT or joints:FILE [no live run]");
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);

@@ -38,6 +38,9 @@ constexpr Entry entries[] = {
     {"--record", "record to", "", FieldKind::new_folder,
      "Writes every depth frame into a new folder, which can be played as a recording"},
     {"--overwrite", "replace a recording"},
+    {"--osc", "messages by OSC", "", FieldKind::plain,
+     "Takes gain, mute and poses of objects from other programs, as OSC messages by UDP: a number such as 9000 for "
+     "those of this machine, or an address and a number, such as 0.0.0.0:9000"},
     {"--parts", "most parts"},
     {"--internal-faces", "cuts between parts"},
     {"--rig", "rig", "", FieldKind::rig},
@@ -67,6 +70,8 @@ constexpr Entry entries[] = {
     {"--validation", "checks of Vulkan"},
     {"--frames", "end after frames"},
     {"--stats", "measurements printed"},
+    {"--reload", "read the object again", "", FieldKind::plain,
+     "Reads a saved object again while it runs, which the viewer does in any case"},
     {"--json", "results as JSON", "", FieldKind::new_file},
     {"--quiet", "print nothing"},
     {"--log-level", "least message"},

@@ -114,6 +114,8 @@ void draw_choices(const Row& row) {
       if (ImGui::Selectable("recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
       if (ImGui::Selectable("bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
       tip("A recording of RealSense Viewer");
+      offer(row, "joints: hands from a tracker's program", "joints:udp:9000");
+      tip("Lines of JSON that the program sends to UDP port 9000 of this computer");
       break;
     case FieldKind::link:
       if (ImGui::Selectable("record: choose a file ...")) row.choose_file("a file for the drives", {}, "record:");

@@ -54,6 +54,7 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.link = run.link;
   options.board_files = run.board_files;
   options.touch.parameters.delta_m = own.delta_m;
+  options.touch.delta_given = true;
   options.touch.parameters.foci = own.foci;
   options.touch.stride = own.stride;
   options.touch.dwell_s = own.dwell_s;

@@ -24,7 +24,7 @@ class FociLink : public Link {
       : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
 
   void plan(const PlayedPlan& plan) override {
-    write_foci_line(plan.schedule, solid_names_, json_);
+    write_foci_line(plan.schedule, plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_, json_);
     last_s_ = plan.schedule.time_s;
     ++lines_;
     heard_ = sender_.send(json_.finish());

@@ -75,9 +75,9 @@ SafeLink::~SafeLink() {
 }
 
 double SafeLink::ceiling() const {
-  if (safety_.ceiling_now == nullptr) return safety_.ceiling;
-  const double now = *safety_.ceiling_now;
-  return now > 0 ? std::min(now, 1.0) : 0.0;
+  const auto within = [](double now) { return now > 0 ? std::min(now, 1.0) : 0.0; };
+  const double ceiling = safety_.ceiling_now ? within(*safety_.ceiling_now) : safety_.ceiling;
+  return safety_.gain_now ? ceiling * within(*safety_.gain_now) : ceiling;
 }
 
 void SafeLink::plan(const PlayedPlan& plan) {

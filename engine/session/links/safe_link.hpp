@@ -28,6 +28,8 @@ struct Safety {
   /// If it is set, this is the ceiling instead. Any thread may change it while a SafeLink plays. The next plan and the
   /// next drive follow it. Values outside 0..1 count as the nearest one of them, and NaN as 0.
   const std::atomic<double>* ceiling_now = nullptr;
+  /// If it is set, it multiplies the ceiling, in the same way. It can only lower it.
+  const std::atomic<double>* gain_now = nullptr;
 };
 inline constexpr double most_ramp_s = 0.5;  ///< a program has one second to end after a signal
 /// Throws bad_usage if the ceiling or the ramp is out of range.
@@ -64,7 +66,8 @@ class SafeLink final : public Link {
   void finish() override;
 
  private:
-  bool plain() const { return safety_.ceiling == 1 && safety_.ceiling_now == nullptr && safety_.ramp_s == 0; }
+  bool plain() const { return safety_.ceiling == 1 && !changes() && safety_.ramp_s == 0; }
+  bool changes() const { return safety_.ceiling_now != nullptr || safety_.gain_now != nullptr; }
   double ceiling() const;
   bool ramped() const { return safety_.ramp_s > 0; }
   double factor(std::uint32_t up) const { return ceiling() * up / ramp_drives_; }

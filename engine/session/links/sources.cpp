@@ -9,6 +9,7 @@
 #include "base/log.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/plausible.hpp"
+#include "sensing/joints/tracked_source.hpp"
 #include "sensing/recording.hpp"
 #include "session/links/spec.hpp"
 
@@ -64,11 +65,21 @@ std::vector<SourceKind> builtin_sources() {
   return {synthetic_source("synthetic", "synthetic[:MESH]: a rendered fingertip, or another mesh, that dips in and out",
                            sensing::dipping_motion),
           {"recording", "recording:DIR: what palpa run --record wrote, or a folder with a recording.toml",
-           open_recording, true}};
+           open_recording, true},
+          {"joints",
+           "joints:udp:PORT or joints:FILE: hands from a tracker, as lines of JSON that a program sends to this "
+           "computer, or of a file",
+           [](const std::string& argument, const SourceSetting& setting) {
+             return sensing::make_tracked_source(sensing::open_tracker(argument, setting.paced),
+                                                 setting.T_world_joints);
+           },
+           true, sensing::is_live_tracker}};
 }
 
 bool ends_by_itself(const std::string& spec, std::span<const SourceKind> kinds) {
-  return find_kind(kinds, parse_spec(spec).name, "source").ends;
+  const auto [name, argument] = parse_spec(spec);
+  const SourceKind& kind = find_kind(kinds, name, "source");
+  return kind.ends && !(kind.live && kind.live(argument));
 }
 
 std::unique_ptr<sensing::DepthSource> open_source(const std::string& spec, std::span<const SourceKind> kinds,

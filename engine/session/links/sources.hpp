@@ -1,4 +1,5 @@
-// The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, and those that other rooms add (real cameras).
+// The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, `joints:udp:PORT`, `joints:FILE`, and those that
+// other rooms add (real cameras).
 #pragma once
 
 #include <cstdint>
@@ -21,8 +22,9 @@ struct SourceSetting {
   std::string default_skin;                     ///< mesh file of a synthetic finger
   bool noise = true;                            ///< synthetic frames with the depth sensor's noise
   std::uint64_t seed = 0;
-  bool paced = true;            ///< in real time; otherwise as fast as the caller asks, with no frame left out
-  std::string rig = "the rig";  ///< its file, for messages
+  bool paced = true;              ///< in real time; otherwise as fast as the caller asks, with no frame left out
+  std::string rig = "the rig";    ///< its file, for messages
+  Transform T_world_joints{1.0};  ///< where a tracker of hands stands
 };
 
 /// A kind of source: `name` or `name:ARGUMENT` on the command line.
@@ -30,13 +32,14 @@ struct SourceKind {
   std::string name;
   std::string help;
   std::function<std::unique_ptr<sensing::DepthSource>(const std::string& argument, const SourceSetting&)> open;
-  bool ends = false;  ///< it ends by itself because it was recorded
+  bool ends = false;                                        ///< it ends by itself because it was recorded,
+  std::function<bool(const std::string& argument)> live{};  ///< except with such an argument
 };
 
 /// `name`: a rendered fingertip, or another mesh, with this motion.
 SourceKind synthetic_source(std::string name, std::string help, sensing::Motion motion);
 
-/// `synthetic` and `recording`.
+/// `synthetic`, `recording` and `joints`.
 std::vector<SourceKind> builtin_sources();
 
 /// A skin mesh from a PLY or, all its meshes together, from a glTF file. Throws bad_input if the file has no mesh, and

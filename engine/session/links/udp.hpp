@@ -1,15 +1,24 @@
-// One connected UDP socket that sends datagrams without waiting.
+// UDP sockets: one that sends datagrams without waiting, and one that receives them.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace palpa::session {
 
+struct UdpAddress {
+  std::string host, port;
+};
+/// HOST:PORT, or [HOST]:PORT for IPv6. Throws bad_usage for another form: `form` is the message.
+UdpAddress parse_udp_address(const std::string& text, const std::string& form);
+
 class UdpSender {
  public:
-  /// `address` is HOST:PORT, or [HOST]:PORT for IPv6. In messages, `what` names the user of the socket and `form` is
-  /// the expected form. Throws bad_usage for another form, failure() for a host that does not resolve.
+  /// In messages, `what` names the user of the socket. Throws as parse_udp_address does, and failure() for a host that
+  /// does not resolve.
   UdpSender(const std::string& address, const std::string& what, const std::string& form);
   ~UdpSender();
   UdpSender(const UdpSender&) = delete;
@@ -27,6 +36,24 @@ class UdpSender {
   int socket_;
   int fault_ = 0;  ///< errno of the last datagram that could not be sent
   bool warned_ = false;
+};
+
+class UdpReceiver {
+ public:
+  /// Listens on this address. Throws failure() if it does not resolve, is not this machine's, or is taken.
+  UdpReceiver(const UdpAddress& address, const std::string& what);
+  ~UdpReceiver();
+  UdpReceiver(const UdpReceiver&) = delete;
+  UdpReceiver& operator=(const UdpReceiver&) = delete;
+
+  /// Waits for a datagram. False: none has come.
+  bool wait(double most_s) const;
+  /// Takes the next datagram, without waiting; nullopt if there is none. `into` must have room for it: the rest of a
+  /// longer one is lost.
+  std::optional<std::size_t> receive(std::span<char> into) const;
+
+ private:
+  int socket_;
 };
 
 }  // namespace palpa::session

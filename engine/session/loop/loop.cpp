@@ -107,7 +107,7 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue*
     Captured& next = frames.back();
     if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
     const double now_s = clock.now();
-    if (next.set.frames.empty()) {
+    if (!next.set.came()) {
       if (now_s - looked_s < setting.output.hold_s) continue;
       ++stats.missing;
       looked_s = now_s;
@@ -235,6 +235,7 @@ bool Compute::start() {
   if (options.every_frame) frame.arrived_s = frame.captured_s = clock.now();
   if (begin_s < 0) begin_s = frame.arrived_s;
   const SkinFrame started{.images = frame.set.frames,
+                          .capsules = frame.set.capsules,
                           .sequence = frame.set.sequence,
                           .time_s = frame.set.time_s,
                           .captured_s = frame.captured_s,

@@ -32,6 +32,9 @@ class RunObserver {
   /// number of such frames.
   virtual void recording_rest(std::uint64_t /*frames*/) {}
 
+  /// Called on the calling thread when another program has moved a solid (control/live_values.hpp).
+  virtual void moved(std::uint32_t /*solid*/, const Transform& /*T_world_rest*/) {}
+
   /// Only of a session whose setting has events; run_loop makes none. Called on the calling thread after every frame,
   /// even without events, and when fingers are released because no frame comes or the run ends.
   virtual void events(std::span<const Event>) {}

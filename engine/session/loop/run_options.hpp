@@ -10,6 +10,20 @@
 
 namespace palpa::session {
 
+class Session;
+
+/// What may change a run between its frames. All calls come from the calling thread, and must return quickly.
+class RunChanges {
+ public:
+  virtual ~RunChanges() = default;
+  /// Before each frame is started: a Session::set_pose in it holds from this frame on.
+  virtual void before_frame(Session&) {}
+  /// Of Session::run only: whether another scene waits. No frame is started until those in progress are done; then
+  /// comes take_scene(), which calls exchange_scene().
+  virtual bool has_scene() const { return false; }
+  virtual void take_scene(Session&) {}
+};
+
 struct RunOptions {
   std::uint64_t frames = 0;  ///< stop after this many captured frames; 0: at the source's end
   /// False: a frame that comes while another one waits replaces it; the same holds for plans. True: each frame and plan
@@ -18,6 +32,7 @@ struct RunOptions {
   RunObserver* observer = &no_observer;  ///< never null
   /// Gets the events before the observer does. Only of a session whose setting has events; run_loop makes none.
   EventSink* events = nullptr;
+  RunChanges* changes = nullptr;  ///< of Session::run and run_points; run_loop makes none
   /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
   /// frames come while it is busy, they wait, and are recorded after the loop's end at the latest. Frames for which
   /// there is no room are left out (never with every_frame) and counted as `unrecorded`; so are those that still wait

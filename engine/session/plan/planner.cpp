@@ -87,7 +87,13 @@ class FramePlanner : public Planner {
 
   void start(const SkinFrame& frame) override {
     Flight& flight = flight_of(started_);
-    setting_.cameras.empty() ? stage_.start(frame.points, frame.time_s) : stage_.start(frame.images, frame.time_s);
+    if (!setting_.cameras.empty()) {
+      stage_.start(frame.images, frame.time_s);
+    } else if (setting_.tracked) {
+      stage_.start(frame.capsules, frame.time_s);
+    } else {
+      stage_.start(frame.points, frame.time_s);
+    }
     if (predictor_) predictor_->keep(frame.images, flight.kept);
     flight.frame = frame;
     flight.plan.captured_s = frame.captured_s;
@@ -171,6 +177,7 @@ class FramePlanner : public Planner {
     flight.times.assign(stage_.times().begin(), stage_.times().end());
     flight.frame.images = {};  // no longer needed, and no longer there
     flight.frame.points = {};
+    flight.frame.capsules = {};
   }
 
   void make_schedule(Flight& flight) {
@@ -253,6 +260,10 @@ touch::StageSetting stage_setting(const SessionSetting& setting) {
                             .hysteresis = setting.hysteresis,
                             .memory_s = setting.hold_s};
   if (!setting.cameras.empty()) stage.surroundings = surroundings_of(setting);
+  if (setting.tracked) {
+    stage.surroundings.room = setting.surroundings.room;
+    stage.most_points = sensing::most_hand_points;
+  }
   stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
   if (setting.events) stage.parameters.deep = true;
   return stage;

@@ -22,10 +22,11 @@
 
 namespace palpa::session {
 
-/// One frame of skin. Images and points must stay as they are until the planner's first step of this frame.
+/// One frame of skin. Images, capsules and points must stay as they are until the planner's first step of this frame.
 struct SkinFrame {
   std::span<const sensing::DepthFrame> images{};  ///< for a session with cameras: one per camera
-  std::span<const sensing::SkinPoint> points{};   ///< for a session without cameras: indices ascend
+  std::span<const sensing::Capsule> capsules{};   ///< for a session with a tracker: bones of all hands, world
+  std::span<const sensing::SkinPoint> points{};   ///< for a session with neither: indices ascend
   std::uint64_t sequence = 0;
   double time_s = 0;      ///< capture, on the source's clock
   double captured_s = 0;  ///< the same on the loop's clock

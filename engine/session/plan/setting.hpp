@@ -32,11 +32,12 @@ struct FollowedFinger {
 struct SessionSetting {
   std::string scene = "scene";  ///< source of the solids, for messages
   std::vector<geometry::Solid> solids;
-  std::vector<sensing::Camera> cameras;  ///< none: skin comes as points; otherwise as depth frames
+  std::vector<sensing::Camera> cameras;  ///< none: skin comes as points or from a tracker; otherwise as depth frames
+  bool tracked = false;                  ///< without cameras: a tracker of hands gives capsules
   array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
   /// With cameras: skin on the layout's boards counts. Otherwise, points on the boards are no skin.
   bool keep_boards = false;
-  /// With cameras: other things that are no skin, and the room outside which nothing is.
+  /// With cameras: other things that are no skin. With cameras or a tracker: the room outside which nothing is.
   sensing::Surroundings surroundings{};
   touch::Parameters touch;
   ScheduleOptions schedule;
@@ -70,7 +71,7 @@ struct SessionSetting {
   bool frame_by_frame = false;
 
   /// Whether it has everything that run() needs.
-  bool live() const { return !frame_by_frame && !cameras.empty() && !layout.transducers.empty(); }
+  bool live() const { return !frame_by_frame && (!cameras.empty() || tracked) && !layout.transducers.empty(); }
 };
 
 /// The boards of a layout that is posed in the world.

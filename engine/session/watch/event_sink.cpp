@@ -32,6 +32,8 @@ class StreamSink : public EventSink {
     }
   }
 
+  void name_solids(std::span<const std::string> names) override { solid_names_.assign(names.begin(), names.end()); }
+
   void finish() override {
     if (!patience_.seconds) writer_.flush(patience_);
     writer_.flush();
@@ -75,6 +77,8 @@ class UdpSink : public EventSink {
       }
     }
   }
+
+  void name_solids(std::span<const std::string> names) override { solid_names_.assign(names.begin(), names.end()); }
 
  private:
   UdpSender sender_;

@@ -19,6 +19,8 @@ class EventSink {
   /// Called once per frame; never waits. Throws failure() once it is known that nobody will ever get the events: a
   /// closed pipe, a full disk.
   virtual void write(std::span<const Event> events) = 0;
+  /// From the next write() on, the solids have these names.
+  virtual void name_solids(std::span<const std::string> /*solid_names*/) {}
   /// Called after the last event: flushes the remaining lines, which takes at most half a second.
   virtual void finish() {}
 

@@ -114,6 +114,14 @@ std::string to_json(const LoopStats& stats) {
     json.key("events").begin_object();
     json.member("written", stats.events->written).member("dropped", stats.events->dropped).end_object();
   }
+  if (stats.messages) {
+    json.key("osc").begin_object().member("taken", stats.messages->taken);
+    json.member("refused", stats.messages->refused).end_object();
+  }
+  if (stats.reload) {
+    json.key("reload").begin_object().member("taken", stats.reload->taken);
+    json.member("refused", stats.reload->refused).end_object();
+  }
   if (stats.shed) {
     json.key("shed").begin_object().member("pixel_stride", stats.shed->least.pixel_stride);
     json.member("foci_part", stats.shed->least.foci_part).member("hold_s", stats.shed->hold_s);

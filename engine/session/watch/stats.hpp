@@ -60,6 +60,17 @@ struct EventStats {
   std::uint64_t written = 0, dropped = 0;
 };
 
+/// For a run that other programs may change by messages.
+struct MessageStats {
+  std::uint64_t taken = 0, refused = 0;
+};
+
+/// For a run whose scene is read again.
+struct ReloadStats {
+  std::uint64_t taken = 0;    ///< scenes that replaced the one before
+  std::uint64_t refused = 0;  ///< times that the scene could not be used
+};
+
 /// For a run that tunes strides.
 struct TuneStats {
   bool of_array = false;     ///< true: by the array's field, once it is known; false: by spots
@@ -118,6 +129,8 @@ struct LoopStats {
   std::vector<PassStats> passes;
   OutputStats output;
   std::optional<EventStats> events;
+  std::optional<MessageStats> messages;
+  std::optional<ReloadStats> reload;
   std::optional<TuneStats> tune;
   std::optional<ShedStats> shed;
   std::optional<PredictStats> prediction;

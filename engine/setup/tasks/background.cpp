@@ -18,6 +18,7 @@
 #include "sensing/rig_toml.hpp"
 #include "setup/frames.hpp"
 #include "setup/load.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::setup {
 namespace {

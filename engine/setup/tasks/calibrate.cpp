@@ -19,6 +19,7 @@
 #include "sensing/target.hpp"
 #include "setup/frames.hpp"
 #include "setup/target_mount.hpp"
+#include "setup/tracker.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -71,6 +72,7 @@ void warn_of_distance(const CalibratedCamera& camera) {
 }  // namespace
 
 void check(const StillTask& task) {
+  refuse_tracker(source_of(task));
   if (task.noise_free && !source_of(task).starts_with("synthetic"))
     throw bad_usage("--noise-free goes with --source synthetic");
 }

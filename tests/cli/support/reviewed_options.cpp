@@ -130,7 +130,7 @@ ReviewedLine of_run() {
           "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
           "--transfer --null --temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold "
           "--ceiling --ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
-          "--predict-latency --foci --link --every-frame --record --stats --keep-boards"};
+          "--predict-latency --foci --link --every-frame --record --stats --keep-boards --osc --reload"};
 }
 
 std::vector<ReviewedLine> of_export(const std::string& scratch) {

@@ -32,6 +32,8 @@ std::vector<ReviewedLine> of_studies() {
                 {{"--barrier-pitch", "1mm"}, "go with --stereo columns or rows"},
                 {{"--barrier-gap", "1mm"}, "go with --stereo columns or rows"},
                 {{"--barrier-phase", "0.5"}, "go with --stereo columns or rows"},
+                {{"--osc", "9000"}, "has no option '--osc'"},
+                {{"--reload"}, "has no option '--reload'"},
                 {{"--backend", "cpu", "--gpu", "0"}, "--gpu"},
                 {{"--backend", "cpu", "--validation", "core"}, "--validation"}},
        .untried =

@@ -1,0 +1,279 @@
+// Hands from a tracker on the command line: runs, exports, refusals, and the registration of the tracker.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "array/drive.hpp"
+#include "array/layouts/layout.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "sensing/rig.hpp"
+#include "session/links/record_link.hpp"
+#include "setup/tasks/register_tracker.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+#include "support/thrown.hpp"
+#include "support/tracked_hands.hpp"
+
+namespace palpa::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr double tip_radius_m = 7e-3;
+
+/// The tracker's own axes are not the world's.
+Transform true_pose() {
+  return glm::translate(Transform(1.0), Vec3(0.1, -0.2, 0.05)) *
+         glm::rotate(Transform(1.0), 0.7, glm::normalize(Vec3(1, 2, -1)));
+}
+
+class Tracker : public testing::Test {
+ protected:
+  Tracker() {
+    sensing::Rig rig = sensing::load_rig(source_file("tests/cli/support/small_rig.toml"));
+    rig.T_world_joints = true_pose();
+    write_text(file("rig.toml"), sensing::to_toml(rig));
+    write_text(file("bad.jsonl"), line_of({1, {}}) + "\nhand\n");
+    write_text(file("dip.jsonl"), lines_of(dip(Transform(1.0))));
+    write_text(file("posed.jsonl"), lines_of(dip(glm::inverse(true_pose()))));
+  }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// A hand in the world, as a tracker with that pose sees it.
+  static sensing::TrackedHand seen(const Transform& T_joints_world, sensing::TrackedHand hand) {
+    for (Vec3& joint : hand.joints)
+      joint = transform_point(T_joints_world, joint);
+    return hand;
+  }
+  /// A fingertip that gets 2.5 mm into the cube's top.
+  static std::vector<sensing::TrackedFrame> dip(const Transform& T_joints_world) {
+    std::vector<sensing::TrackedFrame> film;
+    for (int i = 0; i < 30; ++i) {
+      const double depth_m = 2.5e-3 * std::sin(0.1 * i);
+      film.push_back({0.01 * i, {seen(T_joints_world, pointing_hand({1e-5 * i, tip_radius_m - depth_m, 0}))}});
+    }
+    return film;
+  }
+  Result exported(const std::string& source, const std::string& foci, const std::vector<std::string>& more = {}) const {
+    return palpa_here(with(
+        {"export", "--scene", source_file("assets/cube.glb"), "--source", source, "--foci", foci, "--backend", "cpu"},
+        more));
+  }
+
+  std::filesystem::path folder_ = scratch_folder("tracker");
+};
+
+TEST_F(Tracker, ARunAndAnExportTakeItsHands) {
+  const Result run =
+      palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--source", "joints:" + file("dip.jsonl"),
+                  "--every-frame", "--backend", "cpu", "--stats", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err_without_lateness(), "");
+  const json stats = json::parse(run.out);
+  EXPECT_EQ(stats["frames"]["captured"], 30);
+  EXPECT_GT(stats["frames"]["touching"], 20);
+  EXPECT_FALSE(stats.contains("dropped")) << "a tracker sees no boards";
+
+  ASSERT_EQ(exported("joints:" + file("dip.jsonl"), file("a.csv")).exit_code, 0);
+  ASSERT_EQ(exported("joints:" + file("dip.jsonl"), file("b.csv")).exit_code, 0);
+  const std::string foci = read_text(file("a.csv"));
+  EXPECT_GT(foci.size(), 5000U);
+  EXPECT_EQ(foci, read_text(file("b.csv")));
+}
+
+TEST_F(Tracker, TheShellIsThickUnlessItIsGiven) {
+  const std::string source = "joints:" + file("dip.jsonl");
+  ASSERT_EQ(exported(source, file("usual.csv")).exit_code, 0);
+  ASSERT_EQ(exported(source, file("thick.csv"), {"--delta", "3mm"}).exit_code, 0);
+  ASSERT_EQ(exported(source, file("thin.csv"), {"--delta", "1.5mm"}).exit_code, 0);
+  EXPECT_EQ(read_text(file("usual.csv")), read_text(file("thick.csv")));
+  EXPECT_NE(read_text(file("usual.csv")), read_text(file("thin.csv")));
+}
+
+TEST_F(Tracker, StandsWhereTheRigSays) {
+  const auto foci_of = [&](const std::string& hands, const std::vector<std::string>& more) {
+    const Result result = exported("joints:" + file(hands), file("foci.json"), more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::vector<Vec3> foci;
+    for (const json& frame : json::parse(read_text(file("foci.json")))["frames"]) {
+      for (const json& finger : frame["fingers"]) {
+        for (const json& focus : finger["foci_m"])
+          foci.emplace_back(focus[0], focus[1], focus[2]);
+      }
+    }
+    return foci;
+  };
+  // One focus at the centroid: it depends little on where on the skin the points are.
+  const std::vector<std::string> single{"--method", "single-focus"};
+  const std::vector<Vec3> here = foci_of("dip.jsonl", single);
+  const std::vector<Vec3> posed = foci_of("posed.jsonl", with(single, {"--rig", file("rig.toml")}));
+  ASSERT_GT(here.size(), 20U);
+  ASSERT_NEAR(static_cast<double>(here.size()), static_cast<double>(posed.size()), 2);
+  EXPECT_LT(glm::distance(here[10], posed[10]), 0.5e-3);
+  EXPECT_LT(glm::distance(here.back(), posed.back()), 0.5e-3);
+}
+
+TEST_F(Tracker, RefusesWhatItCannotDo) {
+  const std::string cube = source_file("assets/cube.glb"), hands = "joints:" + file("dip.jsonl");
+  const std::string rig = source_file("tests/cli/support/small_rig.toml");
+  const auto run = [&](const std::string& source, const std::vector<std::string>& more = {}) {
+    return with({"run", "--scene", cube, "--source", source, "--backend", "cpu"}, more);
+  };
+  write_text(file("flat.toml"),
+             "[joints]\nT_world_joints = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]\n");
+  write_text(file("key.toml"), "[joints]\nT_world_camera = [[1, 0, 0, 0]]\n");
+  const struct {
+    std::vector<std::string> line;
+    int code;
+    const char* told;
+  } table[]{
+      {run("joints"), 2, "needs a port or a file"},
+      {run("joints:udp:0"), 2, "joints:udp:9000"},
+      {run("joints:udp:127.0.0.1"), 2, "joints:udp:9000"},
+      {run("joints:udp:192.0.2.1:9000"), 1, "cannot listen"},
+      {run("joints:" + file("none.jsonl")), 4, "none.jsonl"},
+      {run("joints:" + file("bad.jsonl")), 4, "bad.jsonl: line 2: "},
+      {run(hands, {"--rig", file("flat.toml")}), 4, "T_world_joints"},
+      {run(hands, {"--rig", file("key.toml")}), 4, "T_world_joints"},
+      {run(hands, {"--finger-width", "20mm"}), 2, "--finger-width goes with depth cameras"},
+      {run(hands, {"--hysteresis", "on"}), 2, "--hysteresis goes with depth cameras"},
+      {run(hands, {"--keep-boards"}), 2, "--keep-boards goes with depth cameras"},
+      {run(hands, {"--transfer", "finger"}), 2, "--transfer finger goes with depth cameras"},
+      {run(hands, {"--record", file("take")}), 2, "--record goes with depth cameras"},
+      {run(hands, {"--noise-free"}), 2, "--noise-free goes with --source synthetic"},
+      {{"export", "--scene", cube, "--source", "joints:udp:9000", "--foci", file("x.csv")}, 2, "does not end"},
+      {{"calibrate", "--rig", rig, "--source", hands}, 2, "has no depth images"},
+      {{"calibrate", "--background", "--rig", rig, "--source", hands}, 2, "has no depth images"},
+      {{"calibrate", "--nudge", "--scene", cube, "--source", hands, "--keys", "enter", "--out", file("x.toml")},
+       2,
+       "--scene goes with cameras"},
+      {{"doctor", "--write-rig", file("x.toml"), "--source", hands}, 2, "give recording:DIR or bag:FILE"},
+  };
+  for (const auto& [line, code, told] : table)
+    expect_failure(palpa_here(line), code, told);
+  EXPECT_FALSE(std::filesystem::exists(file("take")));
+}
+
+// ---- the registration ---------------------------------------------------------------------------------------------
+
+/// The direction from which the sound comes.
+Vec3 towards_board(const array::Layout& board, const Vec3& focus) {
+  Vec3 sum(0);
+  for (const array::Transducer& transducer : board.transducers)
+    sum += glm::normalize(transducer.position - focus);
+  return glm::normalize(sum);
+}
+
+class Registration : public Tracker {
+ protected:
+  /// A person whose skin touches each focus with its underside, as a tracker sees it, for 0.3 s each. A tracker's
+  /// joints move a little while the finger rests. `error_m` is added to each place of the tip in the world.
+  static std::vector<sensing::TrackedFrame> touches(const std::vector<Vec3>& foci, const std::vector<Vec3>& error_m,
+                                                    double sway_m = 0.1e-3) {
+    const array::Layout own = array::load_layout("openmpd");
+    const array::Layout board = array::transformed(own, own.default_T_world_layout);
+    std::vector<sensing::TrackedFrame> film;
+    for (std::size_t f = 0; f < foci.size(); ++f) {
+      for (int i = 0; i < frames_each; ++i) {
+        const Vec3 sway = sway_m * Vec3(std::sin(2.0 * i), std::cos(3.0 * i), std::sin(5.0 * i));
+        const Vec3 tip = foci[f] - tip_radius_m * towards_board(board, foci[f]) + error_m[f] + sway;
+        // Far apart in time, because the hand moves on.
+        film.push_back({static_cast<double>(f) + 0.01 * i, {seen(glm::inverse(true_pose()), pointing_hand(tip))}});
+      }
+    }
+    return film;
+  }
+  static constexpr int frames_each = 30;
+  static std::vector<Vec3> the_foci() { return {setup::registration_foci.begin(), setup::registration_foci.end()}; }
+
+  Result nudge(const std::vector<sensing::TrackedFrame>& film, const std::string& keys) const {
+    write_text(file("touches.jsonl"), lines_of(film));
+    return palpa_here({"calibrate", "--nudge", "--layout", "openmpd", "--source", "joints:" + file("touches.jsonl"),
+                       "--keys", keys, "--out", file("registered.toml"), "--json", file("registered.json"), "--link",
+                       "record:" + file("drives.bin"), "--hold", "2s", "--backend", "cpu"});
+  }
+  const std::string four_ = "wait*29 enter wait*29 enter wait*29 enter wait*29 enter";
+};
+
+TEST_F(Registration, FindsWhereTheTrackerStands) {
+  const Result result = nudge(touches(the_foci(), std::vector<Vec3>(4, Vec3(0))), four_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const sensing::Rig rig = sensing::load_rig(file("registered.toml"));
+  EXPECT_EQ(rig.array->layout, "openmpd");
+  ASSERT_TRUE(rig.T_world_joints);
+  ASSERT_TRUE(rig.joints_residual_m);
+  EXPECT_LT(*rig.joints_residual_m, 0.1e-3);
+  for (const Vec3& focus : the_foci()) {
+    const Vec3 in_joints = transform_point(glm::inverse(true_pose()), focus);
+    EXPECT_LT(glm::distance(transform_point(*rig.T_world_joints, in_joints), focus), 0.2e-3);
+  }
+  const json said = json::parse(read_text(file("registered.json")));
+  EXPECT_EQ(said["saved"], true);
+  EXPECT_EQ(said["residual_m"], *rig.joints_residual_m);
+  EXPECT_EQ(said["touches"].size(), 4U);
+  EXPECT_EQ(said["T_world_joints"][3], json({0.0, 0.0, 0.0, 1.0}));
+
+  // What sounded last is the last focus, and then silence.
+  const session::DriveRecording recording = session::read_drive_recording(file("drives.bin"));
+  const auto sounds = [](const session::RecordedDrive& d) {
+    return std::ranges::any_of(d.drive, [](const auto& t) { return t.amplitude > 0; });
+  };
+  EXPECT_FALSE(sounds(recording.drives.back()));
+  const auto last = std::find_if(recording.drives.rbegin(), recording.drives.rend(), sounds);
+  ASSERT_TRUE(last != recording.drives.rend());
+  const array::Layout own = array::load_layout("openmpd");
+  const array::SlotFocus slot{the_foci().back()};
+  const array::Drive expected =
+      array::drive_for(array::transformed(own, own.default_T_world_layout), std::span(&slot, 1));
+  ASSERT_EQ(last->drive.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_LT(std::abs(std::remainder(double{last->drive[i].phase} - expected[i].phase, 6.283185307)), 2e-3);
+}
+
+TEST_F(Registration, FociMayBeNudged) {
+  std::vector<Vec3> foci = the_foci();
+  foci[1] += Vec3(-2e-3, 1e-3, 0);
+  const Result result = nudge(touches(foci, std::vector<Vec3>(4, Vec3(0))),
+                              "wait*29 enter left*2 up wait*26 enter wait*29 enter wait*29 enter");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(*sensing::load_rig(file("registered.toml")).joints_residual_m, 0.1e-3);
+}
+
+TEST_F(Registration, RefusesTouchesThatSayNothing) {
+  const std::vector<Vec3> none(4, Vec3(0));
+  const std::vector<Vec3> line{{-0.04, 0, 0}, {-0.01, 0, 0}, {0.01, 0, 1e-3}, {0.04, 0, 0}};
+  std::vector<Vec3> off = none;
+  off[2] = Vec3(0.06, 0, 0);
+  const struct {
+    std::vector<sensing::TrackedFrame> film;
+    std::string keys;
+    const char* told;
+  } table[]{
+      {touches(line, none), four_, "nearly on a line"},
+      {touches(the_foci(), off), four_, "do not fit the foci"},
+      {touches(the_foci(), none), "wait*29 enter wait*10", "before Enter was pressed at focus 2 of 4"},
+      {touches(the_foci(), none, 8e-3), four_, "before Enter was pressed at focus 1 of 4"},
+      {touches({the_foci()[0]}, none), four_, "before Enter was pressed at focus 2 of 4"},
+  };
+  for (const auto& [film, keys, told] : table) {
+    expect_failure(nudge(film, keys), 1, told);
+    EXPECT_FALSE(std::filesystem::exists(file("registered.toml"))) << told;
+  }
+  const Result left = nudge(touches(the_foci(), none), "wait enter q");
+  EXPECT_EQ(left.exit_code, 0) << left.err;
+  EXPECT_CONTAINS(left.out, "nothing is saved");
+  EXPECT_EQ(json::parse(read_text(file("registered.json")))["saved"], false);
+}
+
+}  // namespace
+}  // namespace palpa::test

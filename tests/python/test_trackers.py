@@ -1,0 +1,107 @@
+"""Hands from a tracker, and the example programs that send them."""
+import math
+import socket
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import palpa
+from commands import ROOT, run
+
+sys.path.insert(0, str(ROOT / "examples/trackers"))
+import mediapipe_hands  # noqa: E402
+import palpa_lines  # noqa: E402
+
+TIP_RADIUS = 0.0065
+
+
+def pointing(index_tip):
+    """MediaPipe's 21 landmarks of a hand above its index finger, which points straight down; the others are shorter."""
+    landmarks = np.zeros((21, 3))
+    landmarks[0] = index_tip + [0.02, 0.17, 0]
+    for finger in range(5):
+        for joint in range(4):
+            above = 0 if finger == 1 else 0.05
+            landmarks[1 + 4 * finger + joint] = index_tip + [0.02 * (finger - 1), above + 0.025 * (3 - joint), 0]
+    return landmarks
+
+
+def hand_at(depth, x=0.0):
+    """A right hand whose index fingertip is so deep below y = 0."""
+    landmarks = pointing(np.array([x, TIP_RADIUS - depth, 0]))
+    return palpa_lines.hand("right", mediapipe_hands.openxr_joints(landmarks), mediapipe_hands.openxr_radii())
+
+
+def film(frames):
+    """A finger that dips 2 mm into the cube; it moves a little in every frame."""
+    return [palpa_lines.line(0.01 * n, [hand_at(2e-3 * math.sin(0.1 * n), 1e-5 * n)]) for n in range(frames)]
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    file = tmp_path / "hands.jsonl"
+    file.write_text("\n".join(film(30)) + "\n")
+    return f"joints:{file}"
+
+
+def test_an_export_is_the_commands(cube, recorded, tmp_path):
+    result = palpa.export(cube, recorded, backend="cpu")
+    file = tmp_path / "foci.csv"
+    json = run(["export", "--scene", "assets/cube.glb", "--source", recorded, "--foci", str(file), "--backend", "cpu",
+                "--json", "-"])
+    assert result.json() == json
+    table = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert len(table) == len(result.foci["x"]) > 100
+    thin = palpa.export(cube, recorded, backend="cpu", delta=1e-3)
+    assert np.abs(result.foci["y"]).max() > np.abs(thin.foci["y"]).max()  # the shell is 3 mm thick unless it is given
+
+
+def test_a_run_takes_what_a_program_sends(cube):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    fingers, ends = [], threading.Event()
+
+    def send():
+        sender = palpa_lines.Sender(port)
+        begin = time.monotonic()
+        while not ends.wait(0.01):
+            t = time.monotonic() - begin
+            sender.send(t, [hand_at(1.5e-3, 1e-4 * math.sin(t))])
+
+    def on_frame(frame):
+        fingers.append(len(frame.fingers))
+        return 1 not in fingers
+
+    session = palpa.Session(cube, backend="cpu", layout="openmpd", source=f"joints:udp:{port}", link="null")
+    sending = threading.Thread(target=send)
+    sending.start()
+    try:
+        session.run(frames=1000, on_frame=on_frame)
+    finally:
+        ends.set()
+        sending.join()
+    assert fingers[-1] == 1
+
+
+def test_what_a_tracker_cannot_do(cube, recorded, tmp_path):
+    with pytest.raises(ValueError, match="goes with depth cameras"):
+        palpa.Session(cube, backend="cpu", layout="openmpd", source=recorded, link="null", keep_boards=True)
+    with pytest.raises(ValueError, match="26"):
+        palpa_lines.hand("right", [(0, 0, 0)] * 21, [0.01] * 21)
+    (tmp_path / "bad.jsonl").write_text("{}\n")
+    with pytest.raises(palpa.BadInput, match="line 1"):
+        palpa.export(cube, f"joints:{tmp_path / 'bad.jsonl'}", backend="cpu")
+
+
+def test_the_axes_and_joints_of_the_example():
+    landmarks = pointing(np.zeros(3))
+    joints = mediapipe_hands.openxr_joints(landmarks)
+    assert joints.shape == (26, 3) and len(mediapipe_hands.openxr_radii()) == 26
+    assert np.array_equal(joints[10], landmarks[8]) and np.array_equal(joints[25], landmarks[20])
+    assert np.array_equal(joints[5], landmarks[4]) and np.array_equal(joints[1], landmarks[0])
+    # The image's right, down and forward are the tracker's right, minus up and minus backward.
+    assert np.array_equal(mediapipe_hands.to_tracker(np.array([[1, 2, 3]])), [[1, -2, -3]])

@@ -1,0 +1,98 @@
+// A scene that is saved while it runs. tests/python/test_live_control.py has the command.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "setup/scene_reload.hpp"
+#include "support/begins.hpp"
+#include "support/captured.hpp"
+#include "support/files.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::setup {
+namespace {
+
+/// A session of a cube, whose name is what the file says.
+std::unique_ptr<session::Session> session_of(const std::filesystem::path& file) {
+  const std::string text = test::read_text(file);
+  if (text.empty() || text == "broken") throw bad_input(file.string(), "is broken");
+  auto solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/cube.glb")));
+  solids[0].name = text;
+  return std::make_unique<session::Session>(session::SessionSetting{.solids = solids});
+}
+
+struct SceneReloadTest : testing::Test {
+  std::filesystem::path file = test::scratch_folder("scene_reload") / "scene.glb";
+  std::atomic<int> loads{0};
+  std::unique_ptr<session::Session> running;
+  std::unique_ptr<SceneReload> reload;
+
+  void SetUp() override {
+    test::write_text(file, "first");
+    running = session_of(file);
+    reload = std::make_unique<SceneReload>(file.string(), look_at_scene(file.string()), [this] {
+      ++loads;
+      return session_of(file);
+    });
+  }
+  /// As the loop does between two frames.
+  bool has(const std::string& name) {
+    if (reload->ready()) reload->take(*running);
+    return running->solid_names() == std::vector<std::string>{name};
+  }
+};
+
+TEST_F(SceneReloadTest, EverySavedSceneReplacesTheOneBefore) {
+  for (const char* name : {"second", "the third", "4"}) {
+    test::write_text(file, name);
+    EXPECT_TRUE(test::begins([&] { return has(name); }));
+  }
+  test::write_text(file.string() + ".new", "fifth");
+  std::filesystem::rename(file.string() + ".new", file);
+  EXPECT_TRUE(test::begins([&] { return has("fifth"); }));
+  EXPECT_EQ(reload->end().taken, 4U);
+  EXPECT_FALSE(reload->ready());
+}
+
+TEST_F(SceneReloadTest, OneThatTheLoopHasNotTakenIsReplaced) {
+  test::write_text(file, "second");
+  EXPECT_TRUE(test::begins([&] { return reload->ready(); }));
+  test::write_text(file, "the third");
+  EXPECT_TRUE(test::begins([&] { return loads == 2; }));
+  EXPECT_TRUE(test::begins([&] { return has("the third"); }));
+}
+
+TEST_F(SceneReloadTest, ABrokenOrMissingOneChangesNothingAndIsCounted) {
+  const std::string told = test::stderr_of([&] {
+    test::write_text(file, "broken");
+    EXPECT_TRUE(test::begins([&] { return loads == 1; }));
+    std::filesystem::remove(file);
+    EXPECT_TRUE(test::begins([&] { return loads == 2; }));
+    test::write_text(file, "good again");
+    EXPECT_TRUE(test::begins([&] { return has("good again"); }));
+    const session::ReloadStats stats = reload->end();
+    EXPECT_EQ(stats.taken, 1U);
+    EXPECT_EQ(stats.refused, 2U);
+  });
+  EXPECT_NE(told.find("the scene before goes on: " + file.string() + ": is broken; further"), std::string::npos)
+      << told;
+  EXPECT_NE(told.find("2 times, the scene could not be used"), std::string::npos) << told;
+}
+
+TEST_F(SceneReloadTest, AFileThatNobodySavesIsNotRead) {
+  test::write_text(file.string() + ".other", "other");
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_TRUE(has("first"));
+  EXPECT_EQ(loads, 0);
+}
+
+}  // namespace
+}  // namespace palpa::setup
