@@ -79,9 +79,9 @@ constexpr SolidAddress solid_addresses[] = {
 std::string known_addresses() {
   std::string known;
   for (const SessionAddress& of : session_addresses)
-    known += std::string(of.address) + ", ";
+    known += fmt::format("{}, ", of.address);
   for (const SolidAddress& of : solid_addresses)
-    known += std::string(of.address) + "NAME, ";
+    known += fmt::format("{}NAME, ", of.address);
   known.resize(known.size() - 2);
   return known;
 }
