@@ -356,7 +356,7 @@ TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
   SessionSetting setting = live.setting;
   setting.solids[0].name = "other";
   changes.next = std::make_unique<Session>(make(setting));
-  std::vector<std::string> frames;  // what each has: fingers, voices, and the name of the solid that the link is told
+  std::vector<std::string> frames;  // fingers, voices, and the name of the solid that the link gets
   bool changed = false;
   live.watcher.on_planned = [&](const FrameReport& report, const Plan& plan) {
     const auto& names = plan.schedule.solid_names;

@@ -105,7 +105,8 @@ TEST_F(Tracker, StandsWhereTheRigSays) {
     const Result result = exported("joints:" + file(hands), file("foci.json"), more);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<Vec3> foci;
-    for (const json& frame : json::parse(read_text(file("foci.json")))["frames"]) {
+    const json written = json::parse(read_text(file("foci.json")));
+    for (const json& frame : written["frames"]) {
       for (const json& finger : frame["fingers"]) {
         for (const json& focus : finger["foci_m"])
           foci.emplace_back(focus[0], focus[1], focus[2]);
@@ -237,7 +238,7 @@ TEST_F(Registration, FindsWhereTheTrackerStands) {
       array::drive_for(array::transformed(own, own.default_T_world_layout), std::span(&slot, 1));
   ASSERT_EQ(last->drive.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i)
-    EXPECT_LT(std::abs(std::remainder(double{last->drive[i].phase} - expected[i].phase, 6.283185307)), 2e-3);
+    EXPECT_LT(std::abs(std::remainder(double{last->drive[i].phase} - expected[i].phase, 6.283185307)), 5e-3);  // 3 um
 }
 
 TEST_F(Registration, FociMayBeNudged) {
