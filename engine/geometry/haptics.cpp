@@ -19,6 +19,17 @@ std::uint32_t usual_stride(std::uint32_t foci) {
   return best;
 }
 
+double force_at(std::span<const DepthForce> table, double depth_m) {
+  if (table.empty()) return 1;
+  if (depth_m <= table.front().depth_m) return table.front().force;
+  for (std::size_t row = 1; row < table.size(); ++row) {
+    const DepthForce &above = table[row - 1], &below = table[row];
+    if (depth_m > below.depth_m) continue;
+    return std::lerp(above.force, below.force, (depth_m - above.depth_m) / (below.depth_m - above.depth_m));
+  }
+  return table.back().force;
+}
+
 std::string stride_fault(std::uint32_t foci, std::uint32_t stride) {
   const std::uint32_t shared = std::gcd(foci, stride);
   if (foci == 1 || shared == 1) return {};
