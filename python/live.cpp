@@ -160,6 +160,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   if (setup::on_gpu(options.common)) device.emplace(setup::device_options(options.common));
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  setup::warn_of_feel(session);
   session::LinkSetting link_setting = session.link_setting();
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);

@@ -223,17 +223,19 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   return stats;
 }
 
-const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_s) {
+const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_s,
+                                   std::optional<std::uint64_t> first_slot) {
   std::vector<sensing::SkinPoint>& points = state_->skin;
   points.resize(skin.size());
   for (std::size_t i = 0; i < skin.size(); ++i)
     points[i] = {skin[i], static_cast<std::uint32_t>(i)};
-  return touch(points, time_s);
+  return touch(points, time_s, first_slot);
 }
 
-const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
+const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s,
+                                   std::optional<std::uint64_t> first_slot) {
   if (!state_->setting.cameras.empty()) throw bad_usage("a session with cameras takes depth frames, not skin points");
-  return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
+  return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {

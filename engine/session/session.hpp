@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,15 +59,17 @@ class Session {
   // ---- frame by frame ---------------------------------------------------------------------------------------------
 
   /// Processes the next frame: skin points in metres, world, and the time of their capture. Fingers keep their ids from
-  /// frame to frame. The result, and everything below, is valid until the next call. Throws bad_usage for the wrong
-  /// kind of skin.
-  const touch::Touch& touch(std::span<const glm::vec3> skin, double time_s);
+  /// frame to frame. If the first slot that plays the frame is known, gains change from slot to slot (plan/feel.hpp).
+  /// The result, and everything below, is valid until the next call. Throws bad_usage for the wrong kind of skin.
+  const touch::Touch& touch(std::span<const glm::vec3> skin, double time_s,
+                            std::optional<std::uint64_t> first_slot = {});
   /// The same for points with ascending indices.
-  const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s);
+  const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s,
+                            std::optional<std::uint64_t> first_slot = {});
   /// The same for depth frames, one per camera, as DepthSource::next returns them.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s);
-  /// The same if the first slot that plays the frame is known: with the setting's latency, its foci are predicted slot
-  /// by slot. Otherwise they are predicted for the middle of their cycle.
+  /// The same if the first slot that plays the frame is known: gains change from slot to slot, and with the setting's
+  /// latency, foci are predicted slot by slot. Otherwise they are predicted for the middle of their cycle.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s, std::uint64_t first_slot);
 
   /// The events of the frame.

@@ -263,6 +263,7 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   UsedDevice device(o.common);
   auto session = device.get() ? std::make_unique<session::Session>(*device.get(), std::move(setting))
                               : std::make_unique<session::Session>(std::move(setting));
+  warn_of_feel(*session);
   return {std::move(source), std::move(device), std::move(session)};
 }
 

@@ -84,11 +84,12 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
   TouchOptions& touch = options.touch;
-  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
   const std::string name = session::parse_spec(options.link).name;
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
   if (touch.dwell_s >= least_s) return;
+  touch.steady_gains = true;
+  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
   log::warning(fmt::format(
       "--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so palpa plays --method "
       "single-focus, whose focus does not move; give --method single-focus to avoid this warning, or --dwell {:g}ms",
