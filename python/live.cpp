@@ -155,7 +155,10 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   setup::take_method_of_link(options, links);
   setup::check(options.drive, o.scene->solids);
   std::optional<session::Osc> osc;
-  if (!options.osc.empty()) options.safety.gain_now = &osc.emplace(options.osc).gain();
+  if (!options.osc.empty()) {
+    options.safety.gain_now = &osc.emplace(options.osc).gain();
+    options.feel_may_change = true;
+  }
   array::Layout layout = setup::load_posed_rig(options.rig).layout;
   setup::warn_of_reach(layout, o.scene->solids);
   session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
@@ -163,12 +166,13 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   if (setup::on_gpu(options.common)) device.emplace(setup::device_options(options.common));
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
+  setup::warn_of_feel(session);
   session::LinkSetting link_setting = session.link_setting();
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
   o.run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, session);
-  if (osc) osc->listen(session.solid_names(), callbacks);
+  if (osc) osc->listen(session.solids(), callbacks);
   session::LoopStats stats =
       session::run_points(session, *o.run.points, *link, o.run.stop,
                           {.frames = options.frames, .observer = &callbacks, .changes = osc ? &*osc : nullptr});

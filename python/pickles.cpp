@@ -38,9 +38,14 @@ static void fields(python::Archive& a, Placement& o) {
 }  // namespace palpa::touch
 
 namespace palpa::array {
+static void fields(python::Archive& a, Course& o) {
+  auto& [from, to, first, slots, texture, begin, end, gains] = o;
+  a(from, to, first, slots, texture, begin, end, gains);
+}
 static void fields(python::Archive& a, Voice& o) {
-  auto& [id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, pressure, target, reached] = o;
-  a(id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, pressure, target, reached);
+  auto& [id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target, reached] =
+      o;
+  a(id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target, reached);
 }
 static void fields(python::Archive& a, Schedule& o) {
   auto& [slot, voices, count, time, advance, names] = o;  // a TouchObject has the names itself

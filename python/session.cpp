@@ -286,7 +286,8 @@ Touch)")
           "list of Event: ends the stream of frames; the releases of fingers that still touch.")
       .def_property_readonly("drives", &drives_of,
                              "ndarray of complex128, shape (slots, M), or None: the drives of the newest frame's "
-                             "schedule, slot by slot, if the session has a layout. They repeat.")
+                             "schedule, slot by slot, if the session has a layout. They repeat. They do not include a "
+                             "modulation or a texture that all fingers share. None if fingers differ in a texture.")
       .def(
           "push_points", &push_points, py::arg("points"), py::arg("time") = py::none(),
           R"(Give a run with source="points" its next frame. Any thread may call it; it does not wait. The newest frame wins.

@@ -198,6 +198,18 @@ py::dict haptics_of(const geometry::Haptics& haptics) {
   add("intensity", haptics.intensity);
   add("pressure", haptics.pressure_pa);
   add("press_depth", haptics.press_depth_m);
+  if (haptics.clicks()) values["click"] = py::make_tuple(haptics.click->burst_s, haptics.click->hz);
+  if (haptics.stiffness) {
+    py::list rows;
+    for (const geometry::DepthForce& row : *haptics.stiffness)
+      rows.append(py::make_tuple(row.depth_m, row.force));
+    values["stiffness"] = rows;
+  }
+  if (haptics.texture) {
+    const auto [steady, low, high] = *haptics.texture;
+    values["texture"] = py::make_tuple(steady, low, high);
+  }
+  add("grain", haptics.grain_m);
   return values;
 }
 
@@ -307,7 +319,8 @@ void add_scene(py::module_& m) {
           "int: the number of its convex parts; 0 if the mesh itself is its surface.")
       .def_property_readonly(
           "haptics", [](const SolidObject& o) { return haptics_of(o.solid().haptics); },
-          "dict: how its author wants it to be felt, in SI units; only what the model says.")
+          "dict: how its author wants it to be felt, in SI units; only what the model says. A click is its length and "
+          "frequency, a stiffness a list of depths with their forces, a texture three weights.")
       .def(
           "depth",
           [](const SolidObject& o, const py::object& points) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "assets/generators/objects.hpp"
 #include "assets/generators/shape.hpp"
 
 namespace palpa::assets {
@@ -28,14 +29,44 @@ geometry::Mesh disc(const Vec3& top, double radius, double height) {
   return mesh;
 }
 
+geometry::Mesh placed(geometry::Mesh mesh, const Vec3& size, const Vec3& centre) {
+  for (Vec3& position : mesh.positions)
+    position = position * size + centre;
+  round_to_float(mesh);
+  return mesh;
+}
+
+geometry::Haptics clicking() {
+  geometry::Haptics button;
+  button.intensity = 0.5;
+  button.press_depth_m = 0.003;
+  button.click.emplace();
+  return button;
+}
+
 }  // namespace
 
 std::vector<geometry::SceneMesh> make_button_and_knob() {
-  geometry::Haptics button, knob;
-  button.press_depth_m = 0.003;
+  const geometry::Haptics button = clicking();
+  geometry::Haptics knob;
   knob.foci = 8;
   knob.intensity = 0.7;
   return {{"button", disc({0, 0, 0}, 0.015, 0.012), button}, {"knob", disc({0.08, 0, 0}, 0.030, 0.020), knob}};
+}
+
+std::vector<geometry::SceneMesh> make_design() {
+  geometry::Haptics spring, rough, smooth;
+  spring.stiffness = {{0, 0.05}, {0.01, 1}};
+  rough.texture = {0.2, 1, 0.6};
+  rough.grain_m = 0.002;
+  smooth.texture = {1, 0, 0.15};
+  smooth.grain_m = 0.01;
+  const geometry::Mesh round = disc({0, 0, 0}, 0.015, 0.012), cube = make_cube();
+  const Vec3 flat(1, 0.25, 1);
+  return {{"button", round, clicking()},
+          {"spring", placed(round, Vec3(1), {0.05, 0, 0}), spring},
+          {"rough", placed(cube, flat, {-0.05, 0, 0}), rough},
+          {"smooth", placed(cube, flat, {0, 0, -0.05}), smooth}};
 }
 
 }  // namespace palpa::assets

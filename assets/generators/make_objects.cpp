@@ -1,5 +1,5 @@
 // make_objects FOLDER: writes the paper's four objects, cube.glb, semi-sphere.glb, pyramid.glb and prism.glb, and the
-// example's scene, button-and-knob.glb.
+// scenes of examples and docs, button-and-knob.glb and design.glb.
 #include <array>
 #include <filesystem>
 #include <string>
@@ -19,5 +19,6 @@ int main(int argc, char** argv) {
     for (const auto& object : objects)
       palpa::geometry::write_glb(folder / (object.name + ".glb"), {&object, 1});
     palpa::geometry::write_glb(folder / "button-and-knob.glb", palpa::assets::make_button_and_knob());
+    palpa::geometry::write_glb(folder / "design.glb", palpa::assets::make_design());
   });
 }

@@ -33,6 +33,8 @@ def fingers_of(datagram):
             need(number(finger["id"], 0, 2**32) and number(finger["gain"], 0, 1) and isinstance(finger["solid"], str))
             need(number(finger["dwell_s"], 1e-6, 10) and number(finger["modulation_hz"], 0, 1e6))
             need(finger["modulation_hz"] == 0 or finger["modulation"] in ("pressure-sine", "amplitude-sine"))
+            if "gains" in finger:  # where they change from slot to slot
+                need(all(number(gain, 0, 1) for gain in finger["gains"]) and number(finger["slot_s"], 1e-6, 10))
             need("pressure_pa" not in finger or number(finger["pressure_pa"], 0, 1e6))  # where one is asked for
             need(isinstance(finger["foci_m"], list) and isinstance(finger["order"], list) and finger["order"])
             for focus in finger["foci_m"]:
@@ -46,12 +48,16 @@ def fingers_of(datagram):
     return fingers
 
 
-def amplitude(finger, time_s):
-    """The amplitude of a finger's foci, 0 to 1: its gain, times its modulation if its foci stand still."""
+def amplitude(finger, time_s, since_s):
+    """The amplitude of a finger's foci, 0 to 1: its gain, times its modulation if its foci stand still, times the gain of
+    the slot if gains change since its line came."""
+    gain = finger["gain"]
+    if finger.get("gains"):
+        gain *= finger["gains"][min(int(since_s / finger["slot_s"]), len(finger["gains"]) - 1)]
     if finger["modulation_hz"] == 0:
-        return finger["gain"]
+        return gain
     raised = 0.5 * (1 + math.sin(2 * math.pi * finger["modulation_hz"] * time_s))
-    return finger["gain"] * (math.sqrt(raised) if finger["modulation"] == "pressure-sine" else raised)
+    return gain * (math.sqrt(raised) if finger["modulation"] == "pressure-sine" else raised)
 
 
 def show(text):
@@ -89,8 +95,9 @@ def main():
                 step = finger["order"][t_ns // round(finger["dwell_s"] * 1e9) % len(finger["order"])]
                 for focus in step if isinstance(step, list) else [step]:  # a list: foci that sound together
                     x, y, z = finger["foci_m"][focus]
+                    loud = amplitude(finger, t_ns * 1e-9, (now - heard) * 1e-9)
                     show(f"{t_ns} ns: finger {finger['id']} on {ascii(finger['solid'])[1:-1]}: amplitude "
-                         f"{amplitude(finger, t_ns * 1e-9):.3f} of focus {focus} at {x:.4f} {y:.4f} {z:.4f} m")
+                         f"{loud:.3f} of focus {focus} at {x:.4f} {y:.4f} {z:.4f} m")
             if sounding and not fingers:
                 show(f"{t_ns} ns: silent")
             sounding = bool(fingers)

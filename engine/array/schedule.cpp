@@ -77,7 +77,8 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     const Vec3 way = advance_s * voice.velocity;
     const std::uint64_t step = slot * slot_ns / nanoseconds(voice.dwell_s) % count;
     const double midpoint = (static_cast<double>(slot) + 0.5) * schedule.slot_s;
-    const double modulation = modulation_gain(voice.modulation, voice.modulation_hz, midpoint);
+    const double modulation = modulation_gain(voice.modulation, voice.modulation_hz, midpoint) *
+                              modulate(voice.course, slot, schedule.slot_s);
     const auto gain = static_cast<float>(voice.gain * modulation);
     const auto pressure =
         voice.reached_pa ? std::optional(voice.target_pa * std::max(modulation, least_modulation)) : std::nullopt;
@@ -101,8 +102,23 @@ bool shared_modulation(const Schedule& schedule) {
     const Voice &voice = schedule.voices[v], &first = schedule.voices[0];
     if (voice.modulation_hz != first.modulation_hz) return false;
     if (voice.modulation_hz != 0 && voice.modulation != first.modulation) return false;
+    if (voice.course != first.course) return false;
   }
   return true;
+}
+
+bool changes(const Schedule& schedule) {
+  return std::any_of(schedule.voices.begin(), schedule.voices.begin() + schedule.voice_count,
+                     [](const Voice& voice) { return voice.course.changes(); });
+}
+
+std::uint64_t first_changing_slot(const Schedule& schedule) {
+  std::uint64_t slot = 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const Course& course = schedule.voices[v].course;
+    if (course.changes()) slot = std::max(slot, course.first_slot);
+  }
+  return slot;
 }
 
 std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most) {
@@ -116,7 +132,7 @@ std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most) {
     cycle = std::lcm(cycle, slots);
     return cycle <= most;
   };
-  if (most == 0) return 0;
+  if (most == 0 || changes(schedule)) return 0;
   most = std::min<std::uint64_t>(most, 0xffffffffU);
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const Voice& voice = schedule.voices[v];

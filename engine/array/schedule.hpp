@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "array/course.hpp"
 #include "array/drive.hpp"
 #include "base/math.hpp"
 #include "base/words.hpp"
@@ -44,6 +45,7 @@ struct Voice {
   double modulation_hz = 0;          ///< see modulation_gain; 0: none
   Modulation modulation = Modulation::pressure_sine;
   double gain = 1;  ///< intensity, 0..1: an amplitude that the modulation multiplies
+  Course course;    ///< multiplies the gain, too
   /// Requested peak pressure at each focus, at the crest of the modulation and a gain of 1; 0: no request.
   double pressure_pa = 0;
   /// The part of the request, times the gain, that is played; loudness.hpp fills both values. `reached_pa` is the
@@ -107,9 +109,9 @@ struct VoiceOptions {
 };
 
 /// Replaces `out` by the foci of slot `slot`, at their places in it, voice after voice: the entry floor(slot slot_s /
-/// dwell) modulo its number of steps of each voice's order, with the voice's gain times its modulation. Counts in whole
-/// nanoseconds, so that rounding delays no step; exact for 10^13 slots of 1.5 ms. Empty without voices. The caller
-/// decides how long a schedule may play.
+/// dwell) modulo its number of steps of each voice's order, with the voice's gain times its modulation and its course
+/// (modulate). Counts in whole nanoseconds, so that rounding delays no step; exact for 10^13 slots of 1.5 ms. Empty
+/// without voices. The caller decides how long a schedule may play.
 void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<SlotFocus>& out);
 
 /// Amplitude of a finger modulated at `hz`, `time_s` after the start of slot 0: s = (1 + sin(2 pi hz t)) / 2 or its
@@ -121,11 +123,17 @@ double modulation_gain(Modulation modulation, double hz, double time_s);
 /// whatever is heard of others.
 inline constexpr double least_modulation = 0.01;
 
-/// Whether all voices have the same modulation, which is then one scalar over the whole drive. True without voices.
+/// Whether all voices have the same modulation and course, which are then one scalar over the whole drive. True without
+/// voices.
 bool shared_modulation(const Schedule& schedule);
 
-/// Number of slots after which foci and gains repeat, apart from places that advance. 0 if that exceeds `most` or
-/// 2^32 - 1. 1 without voices.
+/// Whether some voice has a course that changes its gain from slot to slot.
+bool changes(const Schedule& schedule);
+/// The newest first_slot of these courses; 0 if there is no such course.
+std::uint64_t first_changing_slot(const Schedule& schedule);
+
+/// Number of slots after which foci and gains repeat, apart from places that advance. 0 if they do not (changes()), and
+/// if that exceeds `most` or 2^32 - 1. 1 without voices.
 std::uint64_t cycle_length(const Schedule& schedule, std::uint64_t most);
 
 }  // namespace palpa::array

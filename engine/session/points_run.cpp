@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "session/loop/output.hpp"
 #include "session/newest.hpp"
 #include "session/plan/plan.hpp"
+#include "session/predict/slot_clock.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::session {
@@ -65,8 +67,9 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   Newest<Plan> plans;
   plans.each([&](Plan& plan) { reserve(plan, setting.layout.transducers.size()); });
   Ending ending{stop};
-  const OutputSetting output{setting.layout, setting.drive, session.scheduler().slot_s(), setting.hold_s,
-                             setting.safety};
+  SlotClock slots(clock, session.scheduler().slot_s());
+  const OutputSetting output{setting.layout, setting.drive,  session.scheduler().slot_s(),
+                             setting.hold_s, setting.safety, &slots};
   std::exception_ptr link_fault, fault;
   std::atomic<bool> output_over{false};
   std::thread player = start_thread("the link", [&] {
@@ -97,7 +100,8 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       alive = true;
       ++stats.captured;
       if (options.changes) options.changes->before_frame(session);
-      const touch::Touch& touch = session.touch(points, time_s);
+      const std::optional<FirstSlot> first = slots.first(captured_s);
+      const touch::Touch& touch = session.touch(points, time_s, first ? std::optional(first->slot) : std::nullopt);
       Plan& plan = plans.back();
       plan = session.plan();
       plan.captured_s = captured_s;

@@ -297,18 +297,20 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   return stats;
 }
 
-const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_s) {
+const touch::Touch& Session::touch(std::span<const glm::vec3> skin, double time_s,
+                                   std::optional<std::uint64_t> first_slot) {
   std::vector<sensing::SkinPoint>& points = state_->skin;
   points.resize(skin.size());
   for (std::size_t i = 0; i < skin.size(); ++i)
     points[i] = {skin[i], static_cast<std::uint32_t>(i)};
-  return touch(points, time_s);
+  return touch(points, time_s, first_slot);
 }
 
-const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s) {
+const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, double time_s,
+                                   std::optional<std::uint64_t> first_slot) {
   if (!state_->setting.cameras.empty()) throw bad_usage("a session with cameras takes depth frames, not skin points");
   if (state_->setting.tracked) throw bad_usage("a session with a tracker takes its frames, not skin points");
-  return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s});
+  return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
@@ -345,6 +347,12 @@ const FrameReport& Session::report() const {
 
 void Session::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
   state_->planner->set_pose(solid, T_world_rest);
+}
+
+void Session::change_feel(std::uint32_t solid, const FeelChange& change) {
+  if (!state_->setting.feel_may_change)
+    throw bad_usage("a session whose setting has no feel_may_change keeps the feel that its solids have");
+  state_->scheduler.change_feel(solid, change);
 }
 
 void Session::exchange_scene(Session& other) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,15 +59,17 @@ class Session {
   // ---- frame by frame ---------------------------------------------------------------------------------------------
 
   /// Processes the next frame: skin points in metres, world, and the time of their capture. Fingers keep their ids from
-  /// frame to frame. The result, and everything below, is valid until the next call. Throws bad_usage for the wrong
-  /// kind of skin.
-  const touch::Touch& touch(std::span<const glm::vec3> skin, double time_s);
+  /// frame to frame. If the first slot that plays the frame is known, gains change from slot to slot (plan/feel.hpp).
+  /// The result, and everything below, is valid until the next call. Throws bad_usage for the wrong kind of skin.
+  const touch::Touch& touch(std::span<const glm::vec3> skin, double time_s,
+                            std::optional<std::uint64_t> first_slot = {});
   /// The same for points with ascending indices.
-  const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s);
+  const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s,
+                            std::optional<std::uint64_t> first_slot = {});
   /// The same for depth frames, one per camera, as DepthSource::next returns them.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s);
-  /// The same if the first slot that plays the frame is known: with the setting's latency, its foci are predicted slot
-  /// by slot. Otherwise they are predicted for the middle of their cycle.
+  /// The same if the first slot that plays the frame is known: gains change from slot to slot, and with the setting's
+  /// latency, foci are predicted slot by slot. Otherwise they are predicted for the middle of their cycle.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s, std::uint64_t first_slot);
   /// The same for the hands of a tracker, as DepthSource::next returns them.
   const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot);
@@ -93,6 +96,10 @@ class Session {
   /// It must be a rigid transform; nothing is rebuilt. A solid that is moved by more than touch::out_of_reach_m is not
   /// touched, and costs nothing. During run(), call it only from RunObserver::planned and RunChanges::before_frame.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
+
+  /// Changes how a solid feels for the frames that follow. During run(), call it only as set_pose(). Throws bad_usage
+  /// for a setting without feel_may_change.
+  void change_feel(std::uint32_t solid, const FeelChange& change);
 
   /// The foci of the frames that follow sound at this offset from where they are seen, metres in the world. During
   /// run(), call it only from RunObserver::planned.

@@ -89,6 +89,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .own_solver = o.own_solver,
           .finger = finger_of(o),
           .events = o.events.empty() && !o.watched ? std::nullopt : std::optional(o.event),
+          .feel_may_change = o.feel_may_change,
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hysteresis = o.chosen_hysteresis(),
@@ -126,8 +127,10 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
 }
 
 std::unique_ptr<session::Session> make_session(const gpu::Device* device, session::SessionSetting setting) {
-  return device ? std::make_unique<session::Session>(*device, std::move(setting))
-                : std::make_unique<session::Session>(std::move(setting));
+  auto session = device ? std::make_unique<session::Session>(*device, std::move(setting))
+                        : std::make_unique<session::Session>(std::move(setting));
+  warn_of_feel(*session);
+  return session;
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ struct FrameOptions {
   bool noise_free = false;
   bool keep_boards = false;  ///< points on the array's boards count as skin
   std::string events;
-  bool watched = false;  ///< contacts and events are used, even if no events are written
+  bool watched = false;          ///< contacts and events are used, even if no events are written
+  bool feel_may_change = false;  ///< messages may change how solids feel
   session::EventOptions event;
   touch::Axes axes = touch::Axes::steady;
   touch::Smoothing smoothing = touch::Smoothing::one_euro;

@@ -34,11 +34,12 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   return options;
 }
 
-/// Opens the socket of --osc, and lets its gain multiply the ceiling.
+/// Opens the socket of --osc, lets its gain multiply the ceiling, and its messages change how solids feel.
 std::unique_ptr<session::Osc> open_osc(LiveOptions& options) {
   if (options.osc.empty()) return nullptr;
   auto osc = std::make_unique<session::Osc>(options.osc);
   options.safety.gain_now = &osc->gain();
+  options.feel_may_change = true;
   return osc;
 }
 
@@ -60,8 +61,8 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
              "writes every depth frame into a new folder, for --source recording:DIR [no recording]");
   group.flag("--overwrite", o.overwrite, "with --record: replaces the recording that is already in that folder");
   group.text("--osc", o.osc, "PORT|ADDRESS:PORT",
-             "takes gain, mute and poses of objects from other programs, as OSC messages by UDP; with a port alone, "
-             "from this machine (docs/live-control.md) [no messages]",
+             "takes gain, mute, and poses and feel of objects from other programs, as OSC messages by UDP; with a port "
+             "alone, from this machine (docs/live-control.md) [no messages]",
              [](const std::string& text) { session::parse_osc_address(text); });
 }
 
@@ -103,11 +104,12 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
   TouchOptions& touch = options.touch;
-  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
   const std::string name = session::parse_spec(options.link).name;
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
   if (touch.dwell_s >= least_s) return;
+  touch.steady_gains = true;
+  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
   log::warning(fmt::format(
       "--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so palpa plays --method "
       "single-focus, whose focus does not move; give --method single-focus to avoid this warning, or --dwell {:g}ms",
@@ -173,7 +175,7 @@ void LiveRun::before_frame(session::Session& session) {
 
 void LiveRun::take_scene(session::Session& session) {
   reload_->take(session);
-  if (osc_) osc_->set_solids(session.solid_names());
+  if (osc_) osc_->set_solids(session.solids());
 }
 
 void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
@@ -198,7 +200,7 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
     };
     options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
   }
-  if (osc_) osc_->listen(session().solid_names(), observer);
+  if (osc_) osc_->listen(session().solids(), observer);
   if (options_.reload) watch_scene();
   session::LoopStats stats;
   try {

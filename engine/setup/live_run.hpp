@@ -54,7 +54,8 @@ std::vector<Output> outputs_of(const LiveOptions& options, std::span<const sessi
 /// it (log::info). Throws as sensing::load_rig and the link do.
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
 
-/// If the command line names no method and the link cannot follow foci that move so fast, sets single-focus and warns.
+/// If the link cannot follow foci that move so fast, gains do not change from slot to slot either. If the command line
+/// names no method, also sets single-focus and warns.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun final : session::RunChanges {

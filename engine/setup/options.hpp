@@ -80,6 +80,7 @@ struct TouchOptions {
   bool method_given = false;    ///< --method is on the line; otherwise, a link may choose one that it can play
   array::Modulation modulation = array::Modulation::pressure_sine;
   double modulation_hz = 200;
+  bool steady_gains = false;         ///< the link cannot change gains from slot to slot; no option
   const char* foci_name = "--foci";  ///< name of the option for parameters.foci
   bool tune = false;                 ///< --tune: choose the stride, and for a single touch the foci, by the perimeter
   std::optional<double> spot_m;      ///< --spot: width of a Gaussian instead of an array's field

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/words.hpp"
+#include "session/links/slots.hpp"
 #include "setup/voice_json.hpp"
 #include "touch/types.hpp"
 
@@ -34,7 +35,22 @@ std::uint32_t solid_named(std::string name, std::vector<std::string>& solids) {
   return static_cast<std::uint32_t>(found - solids.begin());
 }
 
-void read_voice(const Item& finger, double slot_s, std::vector<std::string>& solids, array::Voice& voice) {
+/// Gains that change from slot to slot; empty if they do not.
+std::vector<float> read_gains(const Item& finger) {
+  std::vector<float> gains;
+  const Json* list = finger.array("gains");
+  if (!list) return gains;
+  for (const Json& gain : *list) {
+    const double value = gain.is_number() ? gain.get<double>() : -1;
+    if (!(value >= 0 && value <= 1) || gains.size() == session::most_cycle)
+      finger.fail(fmt::format("\"gains\" must be at most {} numbers from 0 to 1", session::most_cycle));
+    gains.push_back(static_cast<float>(value));
+  }
+  return gains;
+}
+
+void read_voice(const Item& finger, std::uint64_t slot, double slot_s, std::vector<std::string>& solids,
+                array::Voice& voice) {
   voice = {};
   voice.id = static_cast<std::uint32_t>(finger.needed_whole("id", 0, ~std::uint32_t{0}));
   voice.solid = solid_named(finger.string("solid").value_or(""), solids);
@@ -53,6 +69,8 @@ void read_voice(const Item& finger, double slot_s, std::vector<std::string>& sol
     voice.modulation = *modulation;
   }
   voice.gain = number(finger, "gain", 0, 1);
+  voice.course.first_slot = slot;
+  voice.course.gains = read_gains(finger);
   if (!finger.has("pressure_pa")) return;
   voice.pressure_pa = number(finger, "pressure_pa", 0, array::most_pressure_pa);
   if (voice.pressure_pa > 0) voice.gain = 1;
@@ -70,7 +88,7 @@ void read_frame(const Item& frame, session::PlayedFoci& played) {
     frame.fail(fmt::format("it has {} fingers; palpa plays at most {}", fingers->size(), touch::max_fingers));
   for (const Json& finger : *fingers) {
     const std::string where = fmt::format("{}, finger {}", frame.where(), schedule.voice_count);
-    read_voice(Item(frame.file(), finger, where), played.slot_s, played.solids, schedule.add_voice());
+    read_voice(Item(frame.file(), finger, where), out.slot, played.slot_s, played.solids, schedule.add_voice());
   }
   played.frames.push_back(std::move(out));
 }

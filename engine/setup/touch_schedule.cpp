@@ -9,7 +9,8 @@ session::ScheduleOptions schedule_options(const TouchOptions& options) {
                                               .modulation_hz = options.modulation_hz,
                                               .modulation = options.modulation},
                                     .tune = options.tune ? session::Tune::stride : session::Tune::nothing,
-                                    .spot_m = options.spot_m};
+                                    .spot_m = options.spot_m,
+                                    .steady = options.steady_gains};
   schedule.method.equal_arc = options.parameters.spacing == touch::Spacing::arc;
   return schedule;
 }

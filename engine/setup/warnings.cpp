@@ -40,6 +40,35 @@ void warn_of_dwell(std::span<const geometry::Solid> solids) {
   }
 }
 
+void warn_of_feel(const session::Session& session) {
+  const double slot_s = session.scheduler().slot_s();
+  for (std::size_t s = 0; s < session.solids().size(); ++s) {
+    const geometry::Solid& solid = session.solids()[s];
+    const geometry::Haptics& haptics = solid.haptics;
+    const bool vibrates = haptics.texture && (*haptics.texture)[1] + (*haptics.texture)[2] > 0;
+    if (!haptics.clicks() && !vibrates) continue;
+    const std::string where = fmt::format("{}: mesh \"{}\"", solid.file, printable(solid.name, 60));
+    if (session.setting().schedule.steady) {
+      log::warning(where + " has a click or a texture, but the link cannot change in every slot: palpa plays neither");
+      continue;
+    }
+    const double hz = haptics.clicks() ? haptics.click->hz : (*haptics.texture)[2] > 0 ? array::high_hz : array::low_hz;
+    if (slot_s * hz > 0.5) {
+      log::warning(
+          fmt::format("{} has vibrations of {:g} Hz, and drives of {:g} ms are too long for them: give a dwell "
+                      "of at most {:.3g} ms",
+                      where, hz, 1e3 * slot_s, 0.5e3 / hz));
+    }
+    if (!haptics.clicks()) continue;
+    const double gain = session::resting_gain(haptics, session.scheduler().solids()[s].voice.gain);
+    if (gain <= session::most_resting_gain) continue;
+    log::warning(
+        fmt::format("{} has a gain of {:.2g} at its press depth, so {:g} ms of silence come before each click; "
+                    "with an intensity that makes it at most {:g}, a click comes at once",
+                    where, gain, 1e3 * session::silence_before_click_s, session::most_resting_gain));
+  }
+}
+
 void warn_of_size(std::span<const geometry::Solid> solids) {
   for (const geometry::Solid& solid : solids) {
     if (const std::string odd = geometry::implausible_size(solid.bounds); !odd.empty())

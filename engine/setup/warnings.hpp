@@ -9,6 +9,7 @@
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/session.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::setup {
@@ -19,6 +20,10 @@ inline constexpr double longest_usual_dwell_s = 50e-3;
 /// For --dwell, and for solids with their own dwell.
 void warn_of_dwell(const TouchOptions& options);
 void warn_of_dwell(std::span<const geometry::Solid> solids);
+
+/// For solids whose clicks and textures are not felt as intended: a click that stands out only after silence, slots
+/// that are too long for their frequencies, and gains that do not change from slot to slot.
+void warn_of_feel(const session::Session& session);
 
 /// For solids in what is probably another unit than metres.
 void warn_of_size(std::span<const geometry::Solid> solids);

@@ -46,9 +46,17 @@ TEST(AssetFiles, Objects) {
   ASSERT_EQ(controls.size(), 2U);
   EXPECT_EQ(controls[0].name, "button");
   EXPECT_EQ(controls[0].haptics.press_depth_m, 0.003);
+  EXPECT_EQ(controls[0].haptics.click, geometry::Click());
   EXPECT_EQ(controls[1].name, "knob");
   EXPECT_EQ(controls[1].haptics.foci, 8U);
   EXPECT_EQ(controls[1].haptics.intensity, 0.7);
+  expect_as_committed(folder, "design.glb");
+  const auto design = geometry::load_gltf(folder / "design.glb").meshes;
+  ASSERT_EQ(design.size(), 4U);
+  EXPECT_TRUE(design[0].haptics.clicks());
+  EXPECT_EQ(design[1].haptics.stiffness->size(), 2U);
+  EXPECT_EQ(design[2].haptics.grain_m, 0.002);
+  EXPECT_EQ(design[3].haptics.texture, (std::array<double, 3>{1, 0, 0.15}));
 }
 
 TEST(AssetFiles, Finger) {

@@ -60,6 +60,27 @@ TEST_F(WriteGlb, GivesTheSameMeshesBackWithTheirNames) {
   }
 }
 
+TEST_F(WriteGlb, GivesHapticsBack) {
+  Haptics all;
+  all.intensity = 0.5;
+  all.press_depth_m = 0.003;
+  all.click = Click{0.04, 180};
+  all.stiffness = std::vector<DepthForce>{{0, 0.125}, {0.01, 1}};
+  all.texture = {1, 0.25, 0};
+  all.grain_m = 0.004;
+  Haptics usual_click, no_click;
+  usual_click.press_depth_m = 0.003;
+  usual_click.click.emplace();
+  no_click.click = Click{.burst_s = 0};
+  const std::vector<SceneMesh> meshes{
+      {"all", triangle(0), all}, {"usual", triangle(2), usual_click}, {"no", triangle(4), no_click}};
+  write_glb(file_, meshes);
+  const Scene scene = load_gltf(file_);
+  ASSERT_EQ(scene.meshes.size(), meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    EXPECT_EQ(scene.meshes[i].haptics, meshes[i].haptics) << i;
+}
+
 TEST_F(WriteGlb, UsesShortIndicesAsLongAsTheyReach) {
   for (const std::uint32_t vertices : {65535U, 65536U}) {
     const SceneMesh item{"strip", strip(vertices)};

@@ -328,6 +328,15 @@ TEST_F(CliExport, PlayedFociOfAnyFormAreReadOrRefusedWithTheirPlace) {
   expect_failure(frames(changed("0.0015", "0.0001")), 4, its_finger + "\"dwell_s\"");
   expect_failure(frames(changed(R"("modulation_hz": 0)", R"("modulation_hz": 200, "modulation": "triangle")")), 4,
                  its_finger + "\"modulation\"");
+  expect_failure(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": [0.5, 2])")), 4, its_finger + "\"gains\"");
+  expect_failure(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": 1)")), 4, its_finger);
+  // Gains that change begin with the frame's slot, and the last one stays.
+  ASSERT_EQ(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": [1, 0, 0.5])")).exit_code, 0);
+  const session::DriveRecording changing = session::read_drive_recording(in("d.bin"));
+  ASSERT_EQ(changing.drives.size(), 68u);
+  EXPECT_EQ(changing.drives[0].drive[7].amplitude, recording.drives[0].drive[7].amplitude);
+  EXPECT_TRUE(silent(changing.drives[1].drive));
+  EXPECT_NEAR(changing.drives[40].drive[7].amplitude, 0.5F * recording.drives[40].drive[7].amplitude, 1e-6);
   expect_failure(frames(first + R"(, {"slot": 999999, "time_s": 6, "fingers": []})"), 4, "frame 1");
   expect_failure(frames(""), 4, "no frame");
   std::ofstream(in("f.json")) << R"({"fingers": []})";

@@ -12,6 +12,7 @@
 #include "geometry/gltf/write.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -53,7 +54,8 @@ TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
     const json &button = touch["fingers"][0], &knob = touch["fingers"][1];
     EXPECT_EQ(button["solid"], "button");
     EXPECT_EQ(button["foci_m"].size(), 10U);
-    EXPECT_FALSE(button.contains("schedule") || button.contains("gain"));
+    EXPECT_FALSE(button.contains("schedule"));
+    EXPECT_EQ(button["gain"], 0.5);
     EXPECT_EQ(knob["solid"], "knob");
     EXPECT_EQ(knob["foci_m"].size(), 8U);
     EXPECT_EQ(knob["schedule"], (json{{"order", {0, 3, 6, 1, 4, 7, 2, 5}}, {"dwell_s", 0.002}}));
@@ -65,11 +67,45 @@ TEST(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
     const Result drive =
         palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "2", "--backend", backend, "--json", "-"});
     ASSERT_EQ(drive.exit_code, 0) << drive.err;
-    EXPECT_EQ(json::parse(drive.out)["gains"], (json{1, 0.7}));
+    EXPECT_EQ(json::parse(drive.out)["gains"], (json{0.5, 0.7}));
     using Place = std::array<float, 3>;
     EXPECT_EQ(json::parse(drive.out)["foci_m"].get<std::vector<Place>>(),
               (std::vector<Place>{button["foci_m"][6], knob["foci_m"][3]}));
   }
+}
+
+TEST(CliHaptics, WarnsOfClicksAndTexturesThatAreNotFeltAsIntended) {
+  const auto folder = scratch_folder("haptics-feel");
+  const std::string points = two_fingers(folder).string();
+  const auto warnings = [&](const geometry::Haptics& knob, const std::vector<std::string>& more = {}) {
+    const Result result = palpa_here(
+        with({"touch", "--scene", with_knob(folder, knob).string(), "--points", points, "--backend", "cpu"}, more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(warnings({}), "");
+  geometry::Haptics loud;
+  loud.press_depth_m = 0.003;
+  loud.click.emplace();
+  EXPECT_CONTAINS(warnings(loud),
+                  "scene.glb: mesh \"knob\" has a gain of 1 at its press depth, so 20 ms of silence come");
+  loud.intensity = 0.5;
+  EXPECT_EQ(warnings(loud), "");
+  EXPECT_CONTAINS(warnings(loud, {"--dwell", "4ms"}),
+                  "drives of 4 ms are too long for them: give a dwell of at most 2.5 ms");
+  geometry::Haptics rough;
+  rough.texture = {1, 1, 0};
+  EXPECT_EQ(warnings(rough, {"--dwell", "4ms"}).find("knob"), std::string::npos) << "30 Hz have room";
+}
+
+TEST(CliHaptics, StiffnessIsTheGainOfATouch) {
+  const auto folder = scratch_folder("haptics-stiffness");
+  geometry::Haptics soft;
+  soft.stiffness = std::vector<geometry::DepthForce>{{0, 0}, {0.004, 1}};
+  const Result result = palpa_here({"touch", "--scene", with_knob(folder, soft).string(), "--points",
+                                    two_fingers(folder).string(), "--backend", "cpu", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NEAR(json::parse(result.out)["fingers"][1]["gain"].get<double>(), 0.5, 0.01) << "1 mm of 4 mm: a quarter";
 }
 
 TEST(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {

@@ -33,9 +33,30 @@ std::string extras_warnings_of(const Json& extras) {
   return warnings_of(cube_with(extras));
 }
 
-const Json all{{"touchable", false}, {"delta_m", 0.002}, {"foci", 9},           {"stride", 4},
-               {"dwell_s", 0.0025},  {"intensity", 0.5}, {"pressure_pa", 8000}, {"press_depth_m", 0.003}};
-const Haptics all_values{false, 0.002, 0.0025, 0.5, 8000, 0.003, 9, 4};
+const Json all{{"touchable", false},
+               {"delta_m", 0.002},
+               {"foci", 9},
+               {"stride", 4},
+               {"dwell_s", 0.0025},
+               {"intensity", 0.5},
+               {"pressure_pa", 8000},
+               {"press_depth_m", 0.003},
+               {"click", Json::array({0.03, 150})},
+               {"stiffness", Json::array({0, 0.25, 0.002, 1, 0.004, 0.5})},
+               {"texture", Json::array({1, 0, 0.5})},
+               {"grain_m", 0.003}};
+const Haptics all_values{false,
+                         0.002,
+                         0.0025,
+                         0.5,
+                         8000,
+                         0.003,
+                         9,
+                         4,
+                         Click{0.03, 150},
+                         std::vector<DepthForce>{{0, 0.25}, {0.002, 1}, {0.004, 0.5}},
+                         std::array<double, 3>{1, 0, 0.5},
+                         0.003};
 
 TEST(Extras, AreReadFromAGroupAndFlat) {
   EXPECT_EQ(haptics_of({{"palpa", all}}), all_values);
@@ -66,6 +87,8 @@ TEST(Extras, WhatModellingProgramsMakeOfNumbers) {
   EXPECT_EQ(haptics_of({{"palpa_foci", 10.0}}).foci, 10U);
   EXPECT_EQ(haptics_of({{"palpa_intensity", 1}}).intensity, 1.0);
   EXPECT_EQ(haptics_of({{"palpa_delta_m", 0.001500000013038516}}).delta_m, 0.001500000013038516);
+  EXPECT_TRUE(haptics_of({{"palpa_click", Json::array({0.029999999329447746, 200.0})}, {"palpa_press_depth_m", 0.01}})
+                  .clicks());
 }
 
 TEST(Extras, WrongTypesAndRangesAreNamed) {
@@ -108,6 +131,79 @@ TEST(Extras, WrongTypesAndRangesAreNamed) {
   }
   EXPECT_CONTAINS(extras_fault_of({{"palpa", 3}}), "\"palpa\" is not a JSON object");
   EXPECT_CONTAINS(extras_fault_of({{"palpa", Json::array()}}), "\"palpa\" is not a JSON object");
+}
+
+TEST(Extras, WrongClicksTablesAndTexturesAreNamed) {
+  const auto list = [](const std::vector<double>& numbers) { return Json(numbers); };
+  struct Case {
+    const char* key;
+    Json value;
+    std::string fault;
+  };
+  const std::string click =
+      "it must be true, false, or the burst's length and frequency: [0.03 to 0.06 seconds, 150 to "
+      "200 Hz]";
+  const std::string table = "it must be a list of 1 to 32 pairs, a depth in metres and the force there";
+  const std::string weights = "it must be the weights of [steady, 30 Hz, 150 Hz], each from 0 to 1 and not all 0";
+  const std::vector<Case> cases{
+      {"click", 2, "is 2; " + click},
+      {"click", "yes", "is \"yes\"; " + click},
+      {"click", nullptr, click},
+      {"click", Json::object(), click},
+      {"click", list({}), click},
+      {"click", list({0.045}), click},
+      {"click", list({0.02, 200}), "is [0.02,200.0]; " + click},
+      {"click", list({0.07, 200}), click},
+      {"click", list({0.045, 149}), click},
+      {"click", list({0.045, 201}), click},
+      {"click", list({0.045, 1e300}), click},
+      {"click", Json::array({0.045, "200"}), click},
+      {"stiffness", 0.5, table},
+      {"stiffness", list({}), table},
+      {"stiffness", list({0, 0.1, 0.004}), table},
+      {"stiffness", list(std::vector<double>(66, 0.1)), table},
+      {"stiffness", Json::array({Json::array({0, 1}), Json::array({0.1, 1})}), table},
+      {"stiffness", list({0.004, 0.1, 0.002, 1}), "has the depth 0.002 after 0.004; depths must ascend"},
+      {"stiffness", list({0.004, 0.1, 0.004, 1}), "has the depth 0.004 after 0.004; depths must ascend"},
+      {"stiffness", list({-0.001, 0.1}), "has the depth -0.001; depths must be from 0 to 1 metres"},
+      {"stiffness", list({4, 0.1}), "has the depth 4; depths must be from 0 to 1 metres"},
+      {"stiffness", list({0, -0.1}), "has the force -0.1; forces must be from 0 to 1"},
+      {"stiffness", list({0, 1.1}), "has the force 1.1; forces must be from 0 to 1"},
+      {"texture", 1, weights},
+      {"texture", list({1, 1}), weights},
+      {"texture", list({1, 1, 1, 1}), weights},
+      {"texture", list({0, 0, 0}), "is [0.0,0.0,0.0]; " + weights},
+      {"texture", list({1, -0.1, 0}), weights},
+      {"texture", list({1, 0, 1.1}), weights},
+      {"texture", Json::array({1, nullptr, 0}), weights},
+      {"grain_m", 0, "is 0; it must be a number of at least 0.0001 and at most 0.1 metres"},
+      {"grain_m", 2, "at most 0.1 metres"},
+  };
+  for (const Case& c : cases) {
+    const std::string flat =
+        extras_fault_of({{std::string("palpa_") + c.key, c.value}, {"palpa_press_depth_m", 0.003}});
+    EXPECT_CONTAINS(flat, "node 0: extras: \"palpa_" + std::string(c.key) + "\" ");
+    EXPECT_CONTAINS(flat, c.fault);
+  }
+}
+
+TEST(Extras, AClickNeedsAPressDepthAndMayBeTurnedOff) {
+  for (const Json& on : {Json(true), Json(1), Json(1.0)}) {
+    EXPECT_EQ(haptics_of({{"palpa_click", on}, {"palpa_press_depth_m", 0.003}}).click, Click());
+    EXPECT_CONTAINS(extras_fault_of({{"palpa_click", on}}),
+                    "node 0: extras: a \"click\" plays when a finger presses, so \"press_depth_m\" must say");
+  }
+  for (const Json& off : {Json(false), Json(0)})
+    EXPECT_FALSE(haptics_of({{"palpa_click", off}}).clicks());
+  // A child of a button that has neither a depth of its own nor a click.
+  GltfBuilder builder;
+  builder.add_mesh(box(Vec3(0), Vec3(1)));
+  const int quiet = builder.add_node({{"mesh", 0}, {"extras", {{"palpa_click", false}}}}, false);
+  const int heir = builder.add_node({{"mesh", 0}}, false);
+  builder.add_node({{"children", {quiet, heir}}, {"extras", {{"palpa_click", true}, {"palpa_press_depth_m", 0.002}}}});
+  const Scene scene = load_extras(builder);
+  EXPECT_FALSE(scene.meshes.at(0).haptics.clicks());
+  EXPECT_TRUE(scene.meshes.at(1).haptics.clicks());
 }
 
 TEST(Extras, FociAndStrideMustVisitAll) {

@@ -115,6 +115,30 @@ def test_gain_and_mute_multiply_the_ceiling_and_never_raise_it(cube, finger, pro
 
 
 @needs_liblo
+def test_how_an_object_feels_changes_within_the_ceiling(finger, program, tmp_path):
+    file = tmp_path / "drives.bin"
+    session, push = pushed(palpa.Scene(ROOT / "assets/button-and-knob.glb"), program, link=f"record:{file}", ceiling=0.5)
+    with session:
+        skin = pressed(finger, 1e-3)
+        push(skin)
+        for packet in (message("/palpa/stiffness/button", "ff", 0, 0.25), message("/palpa/stiffness/button", "ff", 0, 1),
+                       message("/palpa/texture/button", "fff", 0.25, 1, 1), message("/palpa/texture/button", "fff", 1, 0, 0),
+                       message("/palpa/click/button", "ff", 0.06, 150), message("/palpa/stiffness/button", "ff", 0, 9),
+                       message("/palpa/click/knob", "i", 1)):
+            program.settle(packet)
+            push(skin)
+            time.sleep(SETTLED_S)
+        push(pressed(finger, 4e-3))  # it clicks, with all of the gain
+        time.sleep(SETTLED_S)
+        session.stop()
+        with pytest.warns(palpa.PalpaWarning, match="/palpa/stiffness/button: give 1 to 32 pairs"):
+            assert json.loads(session.wait().json())["osc"] == {"taken": 5, "refused": 2}
+    loudest = drives_in(file).max(axis=1)
+    assert 0.45 < loudest.max() <= 0.5 + 1e-6
+    assert {0.25, 0.125} <= set(np.round(loudest, 6))  # the button's intensity is 0.5
+
+
+@needs_liblo
 def test_what_is_refused_changes_nothing_and_is_counted(cube, finger, program):
     refused = [message("/palpa/loud", "f", 1), message("/palpa/gain"), message("/palpa/gain", "s", "1"), message("/palpa/gain", "ff", 0, 0),
                message("/palpa/gain", "f", 1.0001), message("/palpa/mute", "f", 0.5), message("/palpa/mute", "i", 2),

@@ -152,6 +152,9 @@ def test_texts(cube, finger, openmpd):
     with pytest.raises(IndexError):
         cube[1]
     assert [solid.name for solid in cube] == ["cube"] and cube["cube"].haptics == {}
+    assert [solid.haptics for solid in palpa.Scene("assets/design.glb")] == [
+        {"intensity": 0.5, "press_depth": 0.003, "click": (0.045, 200)}, {"stiffness": [(0, 0.05), (0.01, 1)]},
+        {"texture": (0.2, 1, 0.6), "grain": 0.002}, {"texture": (1, 0, 0.15), "grain": 0.01}]
 
 
 def test_a_mesh_reads_back(tmp_path):

@@ -169,11 +169,11 @@ TEST(RecordLink, BrokenFilesAreNamed) {
 TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
   const std::vector<std::string> names{"cube", "a \"b\"\n"};
   JsonWriter json;
-  write_foci_line({}, names, json);
+  write_foci_line({}, {}, names, json);
   EXPECT_EQ(json.finish(), "{\"time_s\":0,\"fingers\":[]}\n");
   const void* storage = nullptr;
   for (int frame = 0; frame < 3; ++frame) {
-    write_foci_line(one_finger(), names, json);
+    write_foci_line(one_finger(), {}, names, json);
     const std::string_view line = json.finish();
     EXPECT_EQ(line, R"({"time_s":12.5,"fingers":[{"id":4,"solid":"a \"b\"\u000a",)"
                     R"("foci_m":[[0.001,-0.002,0.003],[0,0,1e-09]],"order":[1,0],"dwell_s":0.0015,)"
@@ -182,6 +182,17 @@ TEST(FociLink, WritesTheSameBytesIntoTheSamePlace) {
     EXPECT_TRUE(frame == 0 || storage == line.data());
     storage = line.data();
   }
+}
+
+TEST(FociLink, GivesGainsThatChangeFromTheFirstSlotOn) {
+  array::Schedule schedule = one_finger();
+  schedule.voices[0].course = {.first_slot = 20, .gains = {1, 0.5F, 0.25F}};
+  JsonWriter json;
+  write_foci_line(schedule, {.from = 21, .until = 25}, {}, json);
+  EXPECT_CONTAINS(std::string(json.finish()), R"("gain":1,"slot_s":0.0015,"gains":[0.5,0.25,0.25,0.25]})");
+  write_foci_line(schedule, {.from = 0, .until = 1'000'000}, {}, json);
+  const std::string all(json.finish());
+  EXPECT_EQ(std::ranges::count(all.substr(all.find("gains")), ','), most_cycle - 1) << "as many as a plan lists";
 }
 
 /// The largest number of fingers and foci: about 160 kB of JSON.

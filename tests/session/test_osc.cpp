@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <initializer_list>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -27,7 +32,7 @@ std::string padded(std::string text) {
   return text;
 }
 
-std::string message(const std::string& address, std::initializer_list<float> numbers) {
+std::string message(const std::string& address, const std::vector<float>& numbers) {
   std::string bytes = padded(address) + padded("," + std::string(numbers.size(), 'f'));
   for (const float number : numbers) {
     std::uint32_t bits = 0;
@@ -44,6 +49,24 @@ std::vector<geometry::Solid> cube_called(const std::string& name) {
   return solids;
 }
 
+/// One that may be pressed.
+SessionSetting setting_of_button() {
+  SessionSetting setting{.solids = cube_called("cube"), .feel_may_change = true};
+  setting.solids[0].haptics.press_depth_m = 0.003;
+  return setting;
+}
+
+/// Skin 1 mm below the cube's top, and at this depth.
+std::vector<glm::vec3> fingertip(float depth_m) {
+  std::vector<glm::vec3> skin;
+  for (int n = 0; n < 49; ++n) {
+    const glm::vec2 at(1e-3F * static_cast<float>(n % 7 - 3), 1e-3F * static_cast<float>(n / 7 - 3));
+    skin.emplace_back(at.x, -1e-3F, at.y);
+    if (depth_m > 1e-3F) skin.emplace_back(at.x, -depth_m, at.y);
+  }
+  return skin;
+}
+
 /// Poses as the session gets them.
 struct Moves final : RunObserver {
   std::map<std::uint32_t, Transform> poses;
@@ -56,8 +79,10 @@ struct Moves final : RunObserver {
 
 struct OscTest : testing::Test {
   std::string address = test::UdpReceiver().address().substr(4);  // a free port
-  Session session{SessionSetting{.solids = cube_called("cube")}};
+  Session session{setting_of_button()};
   Moves moves;
+  double time_s = 0;
+  int sent = 0;
 
   void SetUp() override {
     try {
@@ -66,6 +91,20 @@ struct OscTest : testing::Test {
       GTEST_SKIP() << "skipped: " << error.what();
     }
   }
+  /// Sends it, and a gain that says that it was looked at.
+  void settle(const Osc& osc, const std::string& bytes) {
+    UdpSender sender(address, "test", "");
+    sender.send(bytes);
+    const float mark = ++sent % 2 == 0 ? 0.5F : 0.25F;
+    sender.send(message("/palpa/gain", {mark}));
+    EXPECT_TRUE(test::begins([&] { return osc.gain() == double{mark}; }));
+  }
+  /// The voice of the next frame's finger.
+  const array::Voice& felt(Osc& osc, float depth_m) {
+    osc.before_frame(session);
+    EXPECT_EQ(session.touch(fingertip(depth_m), time_s += 0.2).finger_count, 1U);
+    return session.schedule().voices.at(0);
+  }
 };
 
 TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
@@ -73,7 +112,7 @@ TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
   UdpSender sender(address, "test", "");
   sender.send(message("/palpa/gain", {0.5F}));  // it waits until somebody listens
   EXPECT_EQ(osc.gain(), 1.0);
-  osc.listen(session.solid_names(), moves);
+  osc.listen(session.solids(), moves);
   EXPECT_TRUE(test::begins([&] { return osc.gain() == 0.5; }));
   for (int n = 0; n < 10; ++n)
     sender.send(message("/palpa/pose/cube", {0, 0, 0.001F * static_cast<float>(n)}));
@@ -89,16 +128,92 @@ TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
   EXPECT_EQ(stats.refused, 0U);
 }
 
+TEST_F(OscTest, ASolidFeelsAsMessagesSay) {
+  Osc osc(address);
+  osc.listen(session.solids(), moves);
+  EXPECT_EQ(felt(osc, 1e-3F).gain, 1);
+  settle(osc, message("/palpa/stiffness/cube", {0, 0.25F}));
+  EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6);
+  settle(osc, message("/palpa/stiffness/cube", {0, 0, 0.002F, 1}));
+  EXPECT_NEAR(felt(osc, 1e-3F).gain, std::sqrt(0.5), 1e-3);
+  settle(osc, message("/palpa/stiffness/cube", {0, 1}));
+  settle(osc, message("/palpa/texture/cube", {0.25F, 0.75F, 0}));
+  EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6) << "the steady part of a finger at rest";
+  settle(osc, message("/palpa/texture/cube", {1, 0, 0}));
+  EXPECT_EQ(felt(osc, 4e-3F).gain, 1);
+  EXPECT_GT(felt(osc, 1e-3F).foci.size(), 1U);
+  settle(osc, message("/palpa/click/cube", {1}));
+  EXPECT_EQ(felt(osc, 4e-3F).modulation_hz, 200);
+  settle(osc, message("/palpa/click/cube", {0.05F, 150}));
+  EXPECT_EQ(felt(osc, 1e-3F).modulation_hz, 150);
+  settle(osc, message("/palpa/click/cube", {0}));
+  EXPECT_GT(felt(osc, 4e-3F).foci.size(), 1U);
+  EXPECT_EQ(moves.count, 0);
+  EXPECT_EQ(osc.end().refused, 0U);
+}
+
+TEST_F(OscTest, AFeelThatCannotBeIsRefusedAndChangesNothing) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::pair<const char*, std::vector<float>> table[]{
+      {"click", {}},
+      {"click", {2}},
+      {"click", {0.045F}},
+      {"click", {0.02F, 200}},
+      {"click", {0.045F, 250}},
+      {"click", {nan, 200}},
+      {"click", {0.045F, 200, 1}},
+      {"stiffness", {}},
+      {"stiffness", {0}},
+      {"stiffness", {0, 1, 0.001F}},
+      {"stiffness", {0, 2}},
+      {"stiffness", {0, -0.1F}},
+      {"stiffness", {0, nan}},
+      {"stiffness", {2, 1}},
+      {"stiffness", {0.002F, 1, 0.001F, 1}},
+      {"stiffness", {0.002F, 1, 0.002F, 1}},
+      {"stiffness", std::vector<float>(66, 0.1F)},
+      {"texture", {}},
+      {"texture", {1, 0}},
+      {"texture", {0, 0, 0}},
+      {"texture", {2, 0, 0}},
+      {"texture", {1, -1, 0}},
+      {"texture", {1, nan, 0}},
+      {"texture", {1, 0, 0, 0}},
+  };
+  Osc osc(address);
+  osc.listen(session.solids(), moves);
+  for (const auto& [what, numbers] : table)
+    settle(osc, message("/palpa/" + std::string(what) + "/cube", numbers));
+  settle(osc, message("/palpa/texture/sphere", {0, 1, 1}));
+  EXPECT_EQ(felt(osc, 1e-3F).gain, 1);
+  EXPECT_GT(felt(osc, 4e-3F).foci.size(), 1U);
+  // Without a press depth, nothing can click. That it does not is no fault.
+  Session other{SessionSetting{.solids = cube_called("cube"), .feel_may_change = true}};
+  session.exchange_scene(other);
+  osc.set_solids(session.solids());
+  settle(osc, message("/palpa/click/cube", {1}));
+  settle(osc, message("/palpa/click/cube", {0}));
+  EXPECT_GT(felt(osc, 4e-3F).foci.size(), 1U);
+  const MessageStats stats = osc.end();
+  EXPECT_EQ(stats.refused, std::size(table) + 2);
+  EXPECT_EQ(stats.taken, std::size(table) + 3 + 1);
+}
+
+TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {
+  Session plain{SessionSetting{.solids = cube_called("cube")}};
+  EXPECT_ERROR(plain.change_feel(0, {.click = geometry::Click()}), Exit::usage, "no feel_may_change");
+}
+
 TEST_F(OscTest, ValuesStayWhenTheSceneIsReadAgain) {
   Osc osc(address);
-  osc.listen(session.solid_names(), moves);
+  osc.listen(session.solids(), moves);
   UdpSender sender(address, "test", "");
   sender.send(message("/palpa/pose/cube", {0, 0.01F, 0}));
   EXPECT_TRUE(test::begins([&] { return osc.before_frame(session), moves.count == 1; }));
   Session other{SessionSetting{.solids = cube_called("other")}}, again{SessionSetting{.solids = cube_called("cube")}};
   for (Session* next : {&other, &again}) {
     session.exchange_scene(*next);
-    osc.set_solids(session.solid_names());
+    osc.set_solids(session.solids());
     osc.before_frame(session);
     EXPECT_EQ(moves.count, next == &other ? 1 : 2);
   }
@@ -107,7 +222,7 @@ TEST_F(OscTest, ValuesStayWhenTheSceneIsReadAgain) {
 
 TEST_F(OscTest, AFloodBlocksNobody) {
   Osc osc(address);
-  osc.listen(session.solid_names(), moves);
+  osc.listen(session.solids(), moves);
   std::atomic<bool> over{false};
   std::thread flood([&] {
     UdpSender sender(address, "test", "");

@@ -77,9 +77,7 @@ class Tracked : public testing::TestWithParam<bool> {
 };
 
 TEST_P(Tracked, AFingertipIsAFinger) {
-  SessionSetting watched = setting();
-  watched.events.emplace();
-  Session session = make(std::move(watched));
+  Session session = make(setting());
   EXPECT_EQ(session.touch(bones_of({pressing(-1e-3)}), 0.00, 0).finger_count, 0U);
   const std::vector<sensing::Capsule> bones = bones_of({pressing(2e-3, 4e-3)});
   const touch::Touch& touch = session.touch(bones, 0.01, 7);

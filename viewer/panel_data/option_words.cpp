@@ -39,7 +39,7 @@ constexpr Entry entries[] = {
      "Writes every depth frame into a new folder, which can be played as a recording"},
     {"--overwrite", "replace a recording"},
     {"--osc", "messages by OSC", "", FieldKind::plain,
-     "Takes gain, mute and poses of objects from other programs, as OSC messages by UDP: a number such as 9000 for "
+     "Takes gain, mute, and poses and feel of objects from other programs, by OSC: a number such as 9000 for "
      "those of this machine, or an address and a number, such as 0.0.0.0:9000"},
     {"--parts", "most parts"},
     {"--internal-faces", "cuts between parts"},

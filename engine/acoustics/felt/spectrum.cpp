@@ -210,6 +210,7 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
   array::Schedule alone;
   alone.slot_s = slot_s;
   alone.add_voice() = voice;
+  alone.voices[0].course = {};
   const std::uint64_t cycle = array::cycle_length(alone, most_slots);
   if (cycle == 0) {
     throw bad_usage(

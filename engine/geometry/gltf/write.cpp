@@ -129,6 +129,15 @@ void add_parts(Document& document, std::span<const SceneMesh> parts, const std::
   document.roots.push_back(add_node(document, {first.part->solid, {}, std::move(children), &first.haptics, nullptr}));
 }
 
+void write_click(JsonWriter& json, const Click& click) {
+  json.key("click");
+  if (click == Click{} || click.burst_s == 0) {
+    json.value(click.burst_s > 0);
+  } else {
+    json.begin_array().value(click.burst_s).value(click.hz).end_array();
+  }
+}
+
 /// Writes a node's `extras` as load_gltf() reads them; nothing if there are none.
 void write_extras(JsonWriter& json, const Node& node) {
   if (node.haptics && *node.haptics == Haptics{}) return;
@@ -147,6 +156,15 @@ void write_extras(JsonWriter& json, const Node& node) {
     add("intensity", haptics.intensity);
     add("pressure_pa", haptics.pressure_pa);
     add("press_depth_m", haptics.press_depth_m);
+    if (haptics.click) write_click(json, *haptics.click);
+    if (haptics.stiffness) {
+      json.key("stiffness").begin_array();
+      for (const DepthForce& row : *haptics.stiffness)
+        json.value(row.depth_m).value(row.force);
+      json.end_array();
+    }
+    if (haptics.texture) json.member("texture", std::span<const double>(*haptics.texture));
+    add("grain_m", haptics.grain_m);
   }
   json.end_object().end_object();
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +15,9 @@
 namespace palpa::geometry::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 10> keys{"touchable", "delta_m",     "foci",          "stride",  "dwell_s",
-                                                "intensity", "pressure_pa", "press_depth_m", "part_of", "seam_m"};
+constexpr std::array<std::string_view, 14> keys{"touchable", "delta_m",     "foci",          "stride", "dwell_s",
+                                                "intensity", "pressure_pa", "press_depth_m", "click",  "stiffness",
+                                                "texture",   "grain_m",     "part_of",       "seam_m"};
 
 struct Range {
   double low, high;
@@ -51,6 +53,45 @@ struct Entry {
     return static_cast<std::uint32_t>(x);
   }
 
+  // The numbers of a list; empty if it is not one.
+  std::vector<double> numbers() const {
+    std::vector<double> list;
+    if (!value.is_array()) return list;
+    for (const Json& number : value) {
+      if (!number.is_number()) return {};
+      list.push_back(number.get<double>());
+    }
+    return list;
+  }
+
+  [[noreturn]] void refuse(const char* right) const { fail(fmt::format("is {}; it must be {}", shown(), right)); }
+
+  Click click() const {
+    if (value.is_boolean() || value == 0 || value == 1) return truth() ? Click{} : Click{.burst_s = 0};
+    const std::optional<Click> click = click_of(numbers());
+    if (!click) refuse("true, false, or the burst's length and frequency: [0.03 to 0.06 seconds, 150 to 200 Hz]");
+    return *click;
+  }
+
+  std::vector<DepthForce> stiffness() const {
+    const std::vector<double> list = numbers();
+    std::vector<DepthForce> table;
+    if (list.empty() || list.size() % 2 != 0 || list.size() > 2 * most_stiffness_rows)
+      refuse("a list of 1 to 32 pairs, a depth in metres and the force there, such as [0, 0.1, 0.004, 1]");
+    for (std::size_t i = 0; i < list.size(); i += 2) {
+      const DepthForce row{list[i], list[i + 1]};
+      if (const std::string fault = row_fault(table, row); !fault.empty()) fail(fault);
+      table.push_back(row);
+    }
+    return table;
+  }
+
+  std::array<double, 3> texture() const {
+    const std::optional<std::array<double, 3>> weights = texture_of(numbers());
+    if (!weights) refuse("the weights of [steady, 30 Hz, 150 Hz], each from 0 to 1 and not all 0");
+    return *weights;
+  }
+
   std::string name_of_solid() const {
     if (!value.is_string() || value.get_ref<const std::string&>().empty())
       fail(fmt::format("is {}; it must be the name of the solid that this is a part of", shown()));
@@ -84,6 +125,14 @@ bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
     h.pressure_pa = entry.number({0, 1e5, true}, " pascals");
   } else if (key == "press_depth_m") {
     h.press_depth_m = entry.number({0, 1, true}, " metres");
+  } else if (key == "click") {
+    h.click = entry.click();
+  } else if (key == "stiffness") {
+    h.stiffness = entry.stiffness();
+  } else if (key == "texture") {
+    h.texture = entry.texture();
+  } else if (key == "grain_m") {
+    h.grain_m = entry.number({1e-4, 0.1, false}, " metres");
   } else if (key == "part_of") {
     into.part_of = entry.name_of_solid();
   } else if (key == "seam_m") {
@@ -153,9 +202,18 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
                   either(v.pressure_pa, parent.pressure_pa),
                   either(v.press_depth_m, parent.press_depth_m),
                   either(v.foci, parent.foci),
-                  either(v.stride, parent.stride)};
+                  either(v.stride, parent.stride),
+                  either(v.click, parent.click),
+                  either(v.stiffness, parent.stiffness),
+                  either(v.texture, parent.texture),
+                  either(v.grain_m, parent.grain_m)};
   if (h.foci && h.stride) {
     if (const std::string fault = stride_fault(*h.foci, *h.stride); !fault.empty()) node.fail("extras: " + fault);
+  }
+  if (h.clicks() && !h.press_depth_m) {
+    node.fail(
+        "extras: a \"click\" plays when a finger presses, so \"press_depth_m\" must say how deep that is, such as "
+        "0.003");
   }
   return h;
 }

@@ -28,7 +28,8 @@ using UnknownKeys = std::map<std::string, std::string>;
 NodeHaptics read_extras(const Item& node, UnknownKeys& unknown);
 
 /// A child's haptics: each value is the child's own, else its parent's (which may be inherited itself). `parent` is
-/// Haptics{} for a root. Throws bad_input naming the node if foci and stride then have a common divisor.
+/// Haptics{} for a root. Throws bad_input naming the node if foci and stride then have a common divisor, or if there is
+/// a click without a press depth.
 Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent);
 
 /// Whether an object has keys that read_extras() would read or warn about.

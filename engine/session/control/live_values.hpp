@@ -1,4 +1,5 @@
-// Values of a running session that another thread may change at any time: how loud it is, and where its solids are.
+// Values of a running session that another thread may change at any time: how loud it is, where its solids are, and how
+// they feel.
 #pragma once
 
 #include <atomic>
@@ -11,8 +12,10 @@
 #include <vector>
 
 #include "base/math.hpp"
+#include "geometry/solid.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
+#include "session/plan/feel.hpp"
 #include "session/session.hpp"
 
 namespace palpa::session {
@@ -20,6 +23,7 @@ namespace palpa::session {
 /// What may change about a solid; what is empty is as the scene says.
 struct SolidValues {
   std::optional<Transform> T_world_rest{};  ///< see Session::set_pose
+  FeelChange feel{};                        ///< see Session::change_feel
 };
 
 /// One thread writes, and the loop's thread takes the newest values at the start of a frame. Neither waits for the
@@ -37,36 +41,30 @@ class LiveValues {
     muted_ = muted;
     factor_ = muted_ ? 0.0 : gain_;
   }
-  /// Changes the values of the solids of that name: `change` returns whether it has changed any. Returns false if the
-  /// scene has no such solid.
-  template <typename Change>
-  bool change(std::string_view solid, Change change) {
-    if (!knows(solid)) return false;
-    Named& named = values_of(solid);
-    if (!change(named.values)) return true;
-    named.change = ++changes_;
-    newest_.back() = values_;
-    newest_.publish();
-    return true;
-  }
+  /// Changes the values of the solids of that name; what is empty in `values` stays. Returns why they cannot change, as
+  /// the end of a sentence about them; empty if they do.
+  std::string_view change(std::string_view solid, const SolidValues& values);
 
   // ---- the loop's
 
   /// For Safety::gain_now: the gain, and 0 while it is muted. The next drive follows it.
   const std::atomic<double>& factor() const { return factor_; }
   /// The scene has these solids from now on: all values hold for them. To be called before the first change().
-  void set_solids(std::span<const std::string> names);
+  void set_solids(std::span<const geometry::Solid> solids);
   /// Gives the session what has changed, and reports it to the observer.
   void apply(Session& session, RunObserver& observer = no_observer);
 
  private:
   struct Named {
     std::string solid;
-    std::uint64_t change = 0;  ///< the number of the last one
+    std::uint64_t moved = 0, felt = 0;  ///< the numbers of the last changes of its pose and of its feel
     SolidValues values;
   };
+  struct Known {
+    std::string solid;
+    bool may_press = false;  ///< has a press depth
+  };
 
-  bool knows(std::string_view solid);
   Named& values_of(std::string_view solid);
 
   // The writing thread's.
@@ -78,7 +76,7 @@ class LiveValues {
   std::atomic<double> factor_{1};
   Newest<std::vector<Named>> newest_;
   std::mutex mutex_;
-  std::vector<std::string> names_;
+  std::vector<Known> known_;  ///< the solids of the scene
 
   std::uint64_t applied_ = 0;  ///< the loop's: the newest change that the session has
   bool again_ = false;         ///< the loop's: the session has another scene

@@ -14,6 +14,7 @@
 #include "base/log.hpp"
 #include "base/start_thread.hpp"
 #include "base/text.hpp"
+#include "geometry/haptics.hpp"
 #include "session/control/osc_message.hpp"
 #include "session/threads.hpp"
 
@@ -62,18 +63,57 @@ constexpr SessionAddress session_addresses[] = {
      }},
 };
 
-/// A message for one solid, whose name follows the address.
+std::optional<geometry::Click> click_of(Numbers n) {
+  if (n.size() == 1 && n[0] == 0) return geometry::Click{.burst_s = 0};
+  if (n.size() == 1 && n[0] == 1) return geometry::Click();
+  return geometry::click_of(n);
+}
+
+/// Depths and forces by turns.
+std::optional<Stiffness> stiffness_of(Numbers n) {
+  if (n.empty() || n.size() % 2 != 0 || n.size() > 2 * geometry::most_stiffness_rows) return std::nullopt;
+  Stiffness table;
+  for (std::size_t i = 0; i < n.size(); i += 2) {
+    const geometry::DepthForce row{n[i], n[i + 1]};
+    if (!geometry::row_fault(table, row).empty()) return std::nullopt;
+    table.push_back(row);
+  }
+  return table;
+}
+
+std::optional<array::Texture> texture_of(Numbers n) {
+  const auto weights = geometry::texture_of(n);
+  return weights ? std::optional(array::Texture{(*weights)[0], (*weights)[1], (*weights)[2]}) : std::nullopt;
+}
+
+/// The value alone, where there is one.
+template <typename Value>
+std::optional<SolidValues> alone(std::optional<Value> SolidValues::*which, const std::optional<Value>& value) {
+  SolidValues values;
+  values.*which = value;
+  return value ? std::optional(values) : std::nullopt;
+}
+template <typename Value>
+std::optional<SolidValues> alone(std::optional<Value> FeelChange::*which, const std::optional<Value>& value) {
+  SolidValues values;
+  values.feel.*which = value;
+  return value ? std::optional(values) : std::nullopt;
+}
+
+/// A message for one solid, whose name follows the address. `read` returns nullopt for arguments that it cannot have.
 struct SolidAddress {
   std::string_view address, wants;
-  bool (*set)(Numbers, SolidValues&);
+  std::optional<SolidValues> (*read)(Numbers);
 };
 constexpr SolidAddress solid_addresses[] = {
     {"/palpa/pose/", "x y z in metres, at most 1000, or these and a unit quaternion x y z w",
-     [](Numbers n, SolidValues& values) {
-       const std::optional<Transform> pose = pose_of(n);
-       if (pose) values.T_world_rest = pose;
-       return pose.has_value();
-     }},
+     [](Numbers n) { return alone(&SolidValues::T_world_rest, pose_of(n)); }},
+    {"/palpa/click/", "1 or 0, or the burst's length and frequency, 0.03 to 0.06 s and 150 to 200 Hz",
+     [](Numbers n) { return alone(&FeelChange::click, click_of(n)); }},
+    {"/palpa/stiffness/", "1 to 32 pairs, a depth in metres, which ascends, and the force there, 0 to 1",
+     [](Numbers n) { return alone(&FeelChange::stiffness, stiffness_of(n)); }},
+    {"/palpa/texture/", "the weights of steady, 30 Hz and 150 Hz, each from 0 to 1 and not all 0",
+     [](Numbers n) { return alone(&FeelChange::texture, texture_of(n)); }},
 };
 
 std::string known_addresses() {
@@ -109,8 +149,8 @@ Osc::~Osc() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Osc::listen(std::span<const std::string> solid_names, RunObserver& observer) {
-  values_.set_solids(solid_names);
+void Osc::listen(std::span<const geometry::Solid> solids, RunObserver& observer) {
+  values_.set_solids(solids);
   observer_ = &observer;
   thread_ = start_thread("--osc", [this] { work(); });
 }
@@ -171,11 +211,10 @@ void Osc::take_message(std::span<char> bytes) {
   }
   for (const SolidAddress& of : solid_addresses) {
     if (!address.starts_with(of.address)) continue;
-    bool taken = false;
-    const bool known = values_.change(address.substr(of.address.size()),
-                                      [&](SolidValues& values) { return taken = of.set(message->values(), values); });
-    if (!known) return refuse(fmt::format("{}: the scene has no object of that name", printable(address, 80)));
-    return answer(taken, of.wants);
+    const std::optional<SolidValues> values = of.read(message->values());
+    const std::string_view fault = values ? values_.change(address.substr(of.address.size()), *values) : "";
+    if (!fault.empty()) return refuse(fmt::format("{}: {}", printable(address, 80), fault));
+    return answer(values.has_value(), of.wants);
   }
   refuse(fmt::format("{}: is unknown; known: {}", printable(address, 80), known_addresses()));
 }

@@ -18,7 +18,7 @@ namespace palpa::session {
 /// form.
 UdpAddress parse_osc_address(const std::string& text);
 
-/// Give it to the run as RunOptions::changes, and its gain to the session as Safety::gain_now.
+/// Give it to the run as RunOptions::changes, and to the session its gain as Safety::gain_now, and feel_may_change.
 class Osc final : public RunChanges {
  public:
   /// Opens the socket. Messages wait there until listen(). Throws as parse_osc_address and UdpReceiver do, and
@@ -30,9 +30,9 @@ class Osc final : public RunChanges {
 
   const std::atomic<double>& gain() const { return values_.factor(); }
   /// Messages count from now on, and `observer`, which must outlive the run, hears of solids that move.
-  void listen(std::span<const std::string> solid_names, RunObserver& observer);
+  void listen(std::span<const geometry::Solid> solids, RunObserver& observer);
   /// The scene was replaced. To be called from RunChanges::take_scene.
-  void set_solids(std::span<const std::string> names) { values_.set_solids(names); }
+  void set_solids(std::span<const geometry::Solid> solids) { values_.set_solids(solids); }
   void before_frame(Session& session) override { values_.apply(session, *observer_); }
 
   /// No message counts any more. If several were refused, logs how many.

@@ -11,7 +11,7 @@
 namespace palpa::session {
 
 struct OscMessage {
-  static constexpr std::size_t most = 8;
+  static constexpr std::size_t most = 64;
   std::string_view address;  ///< within the datagram
   /// The arguments: numbers of any type, and true and false as 1 and 0. nullopt: there are others, or more of them.
   std::optional<std::array<double, most>> numbers;

@@ -23,7 +23,7 @@ class JsonFile final : public FociFile {
     out_.write(fmt::format("{{\"slot_s\":{},\"frames\":[", setting.slot_s));
   }
   void plan(const PlayedPlan& plan) override {
-    write_foci_line(plan.schedule, solid_names_, json_);
+    write_foci_line(plan.schedule, plan.slots, solid_names_, json_);
     std::string_view line = json_.finish();
     line.remove_prefix(1);  // its brace
     line.remove_suffix(1);  // and its newline

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -24,7 +25,8 @@ class FociLink : public Link {
       : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
 
   void plan(const PlayedPlan& plan) override {
-    write_foci_line(plan.schedule, plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_, json_);
+    const std::vector<std::string>& names = plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_;
+    write_foci_line(plan.schedule, plan.slots, names, json_);
     last_s_ = plan.schedule.time_s;
     ++lines_;
     heard_ = sender_.send(json_.finish());
@@ -58,7 +60,7 @@ class FociLink : public Link {
   void send_silence() {
     array::Schedule nothing;
     nothing.time_s = last_s_;
-    write_foci_line(nothing, {}, json_);
+    write_foci_line(nothing, {}, {}, json_);
     sender_.send(json_.finish());
   }
 
@@ -85,7 +87,21 @@ void write_order(const array::Voice& voice, JsonWriter& json) {
   json.end_array();
 }
 
-void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json) {
+namespace {
+
+/// At most most_cycle of them, because a datagram has to hold the line.
+void write_gains(const array::Course& course, const Slots& slots, double slot_s, JsonWriter& json) {
+  json.member("slot_s", slot_s).key("gains").begin_array();
+  const std::uint64_t count = std::min<std::uint64_t>(slots.count(), most_cycle);
+  for (std::uint64_t slot = slots.from; slot < slots.from + count; ++slot)
+    json.rounded(array::modulate(course, slot, slot_s), 6);
+  json.end_array();
+}
+
+}  // namespace
+
+void write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
+                     JsonWriter& json) {
   json.clear();
   json.begin_object(JsonWriter::Style::compact).member("time_s", schedule.time_s);
   json.key("fingers").begin_array();
@@ -102,6 +118,7 @@ void write_foci_line(const array::Schedule& schedule, std::span<const std::strin
     json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
     if (voice.modulation_hz != 0) json.member("modulation", word_of(array::modulation_words, voice.modulation));
     json.member("gain", voice.gain);
+    if (voice.course.changes() && slots.count() > 0) write_gains(voice.course, slots, schedule.slot_s, json);
     if (voice.reached_pa) json.member("pressure_pa", *voice.reached_pa);
     json.end_object();
   }

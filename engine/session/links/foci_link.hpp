@@ -6,10 +6,11 @@
 //
 // Foci that sound together are a list within `order`: [[0,1,2]]. If `modulation_hz` is not 0, `modulation` says which
 // quantity is a sine: "pressure-sine" or "amplitude-sine". Positions are in the world. If a pressure is requested,
-// "pressure_pa" is the part of it that sounds. No fingers mean silence. Silence is also sent when foci expire, and
-// instead of a line that cannot be sent (a datagram holds 65,507 bytes). At the end, it is sent a few times, because a
-// datagram may get lost. A receiver that hears nothing for the hold time must go silent. `time_s` is the frame's
-// capture time on the source's clock.
+// "pressure_pa" is the part of it that sounds. If a gain changes from slot to slot, "gains" has a factor of it for each
+// slot of "slot_s" from the first one on that plays the line; the last one stays. No fingers mean silence. Silence is
+// also sent when foci expire, and instead of a line that cannot be sent (a datagram holds 65,507 bytes). At the end, it
+// is sent a few times, because a datagram may get lost. A receiver that hears nothing for the hold time must go silent.
+// `time_s` is the frame's capture time on the source's clock.
 #pragma once
 
 #include <memory>
@@ -17,6 +18,7 @@
 
 #include "base/json_writer.hpp"
 #include "session/links/link.hpp"
+#include "session/links/slots.hpp"
 
 namespace palpa::session {
 
@@ -26,7 +28,9 @@ std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSett
 /// The order in which a voice's foci play: [0,3,...], or [[0,1,...]] if several sound together.
 void write_order(const array::Voice& voice, JsonWriter& json);
 
-/// Writes the line as a complete document; `json` is cleared first and keeps its storage.
-void write_foci_line(const array::Schedule& schedule, std::span<const std::string> solid_names, JsonWriter& json);
+/// Writes the line as a complete document; `json` is cleared first and keeps its storage. `slots`: those that play it,
+/// for gains that change.
+void write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
+                     JsonWriter& json);
 
 }  // namespace palpa::session

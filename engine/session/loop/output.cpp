@@ -58,11 +58,11 @@ std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uin
     return scratch.drive;
   }
   const auto drive = plan.drive(slot, transducers);
-  if (plan.cycle.modulation_hz == 0) return drive;
+  if (plan.cycle.modulation_hz == 0 && !plan.course.changes()) return drive;
   scratch.drive.assign(drive.begin(), drive.end());
   const double midpoint_s = (static_cast<double>(slot) + 0.5) * setting.slot_s;
-  const auto gain =
-      static_cast<float>(array::modulation_gain(plan.cycle.modulation, plan.cycle.modulation_hz, midpoint_s));
+  const double modulation = array::modulation_gain(plan.cycle.modulation, plan.cycle.modulation_hz, midpoint_s);
+  const auto gain = static_cast<float>(modulation * array::modulate(plan.course, slot, setting.slot_s));
   for (array::TransducerDrive& transducer : scratch.drive)
     transducer.amplitude *= gain;
   return scratch.drive;

@@ -52,8 +52,8 @@ struct SlotScratch {
   void reserve(const OutputSetting& setting);
 };
 
-/// The drive of one slot: the plan's drive with its modulation, or all zero if the plan has expired at `now_s` or
-/// touches nothing. If it must be computed, it is in `scratch`.
+/// The drive of one slot: the plan's drive with its modulation and course, or all zero if the plan has expired at
+/// `now_s` or touches nothing. If it must be computed, it is in `scratch`.
 std::span<const array::TransducerDrive> drive_of_slot(const Plan& plan, std::uint64_t slot, double now_s,
                                                       const OutputSetting& setting, SlotScratch& scratch);
 

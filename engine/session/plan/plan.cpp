@@ -31,15 +31,19 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
   array::Schedule& schedule = plan.schedule;
   Cycle& cycle = plan.cycle;
   const bool silent = schedule.voice_count == 0;
-  cycle.modulation_hz = !silent && array::shared_modulation(schedule) ? schedule.voices[0].modulation_hz : 0.0;
+  const bool one_gain = !silent && array::shared_modulation(schedule);
+  cycle.modulation_hz = one_gain ? schedule.voices[0].modulation_hz : 0.0;
+  plan.course = one_gain ? schedule.voices[0].course : array::Course();
   if (cycle.modulation_hz != 0) cycle.modulation = schedule.voices[0].modulation;
   plan.standing = 0;
   if (silent || loudness != nullptr) schedule.advance = {};
   array::Schedule* planned = &schedule;
-  if (cycle.modulation_hz != 0) {
+  if (cycle.modulation_hz != 0 || plan.course.changes()) {
     work.unmodulated = schedule;
-    for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
+    for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v) {
       work.unmodulated.voices[v].modulation_hz = 0;
+      work.unmodulated.voices[v].course = {};
+    }
     planned = &work.unmodulated;
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
@@ -50,12 +54,19 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
     planned->advance = schedule.advance;
   }
   if (loudness == nullptr) return *planned;
-  // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots determine their
-  // loudness.
-  loudness->solve(*planned, cycle.slots_to_look_at());
+  // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots, with the full gains
+  // of all voices, determine their loudness.
+  array::Schedule* loudest = planned;
+  if (array::changes(*planned)) {
+    work.unmodulated = schedule;
+    for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
+      work.unmodulated.voices[v].course = {};
+    loudest = &work.unmodulated;
+  }
+  loudness->solve(*loudest, cycle.slots_to_look_at());
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
-    schedule.voices[v].target_pa = planned->voices[v].target_pa;
-    schedule.voices[v].reached_pa = planned->voices[v].reached_pa;
+    schedule.voices[v].target_pa = loudest->voices[v].target_pa;
+    schedule.voices[v].reached_pa = loudest->voices[v].reached_pa;
   }
   return *planned;
 }
@@ -81,7 +92,7 @@ void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOpt
 }
 
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until) {
-  if (plan.schedule.advance.moves() && plan.standing == 0) {
+  if ((plan.schedule.advance.moves() && plan.standing == 0) || array::changes(plan.schedule)) {
     Cycle unlisted = plan.cycle;
     unlisted.length = 0;
     unlisted.too_long = true;
@@ -95,6 +106,7 @@ PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from,
 void list_nothing(Plan& plan) {
   plan.cycle.length = 0;
   plan.cycle.too_long = false;
+  plan.course = {};
   plan.standing = 0;
 }
 

@@ -18,8 +18,9 @@ namespace palpa::session {
 
 /// The schedule of one frame, solved for a layout.
 ///
-/// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation,
-/// the output applies it as one gain per slot. If the cycle is too_long, the output computes each slot's drive itself.
+/// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation and
+/// a course, the output applies both as one gain per slot. If the cycle is too_long, the output computes each slot's
+/// drive itself.
 ///
 /// If its foci advance, a plan lists more: the drives of all slots that differ (array::Advance), and before them, for a
 /// link that plays plans by its own clock, one cycle of foci that stand where they are in the middle of the first
@@ -29,6 +30,7 @@ struct Plan {
   double captured_s = 0;   ///< on the loop's clock
   double more_hold_s = 0;  ///< extra time beyond the usual hold that it may sound after captured_s
   Cycle cycle;
+  array::Course course;        ///< of all fingers, if they share one: the listed drives do not include it
   std::uint32_t standing = 0;  ///< the drives of the cycle of standing foci, if foci advance: cycle.length or 0
   std::vector<array::TransducerDrive> drives;  ///< listed() * transducers
 
@@ -45,7 +47,8 @@ struct Plan {
 };
 
 /// The plan in the form that a link gets, for the slots from `from` up to but not including `until`. Foci that advance
-/// are where they are in the middle of the first cycle; their drives are listed only for a link that plays them.
+/// are where they are in the middle of the first cycle; their drives are listed only for a link that plays them. Drives
+/// are not listed if gains change from slot to slot, because they do not repeat.
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until);
 
 /// Resets it to a plan that has nothing to drive, before its slots are planned.
@@ -81,14 +84,23 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
   const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
   array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
   const array::Advance advance = planned.advance;
+  const auto add_slot = [&](std::uint64_t slot, std::uint32_t number) {
+    array::foci_of_slot(planned, slot, work.foci);
+    add(work.foci, asked ? loudness->factors(number) : std::span<const std::complex<double>>());
+  };
   const auto add_slots = [&](std::uint64_t first, std::uint32_t count) {
-    for (std::uint32_t slot = 0; slot < count; ++slot) {
-      array::foci_of_slot(planned, first + slot, work.foci);
-      add(work.foci, asked ? loudness->factors(slot) : std::span<const std::complex<double>>());
-    }
+    for (std::uint32_t number = 0; number < count; ++number)
+      add_slot(first + number, number);
   };
   if (!plan.cycle.is_listed()) return;
-  if (!advance.moves()) return add_slots(0, plan.cycle.length);
+  if (!advance.moves()) {
+    // If gains change, each drive is that of the first slot that plays it from then on.
+    const std::uint32_t length = plan.cycle.length;
+    const std::uint64_t first = array::first_changing_slot(planned), turned = length - first % length;
+    for (std::uint32_t number = 0; number < length; ++number)
+      add_slot(first + (number + turned) % length, number);
+    return;
+  }
   planned.advance = {};
   add_slots(0, plan.standing);
   planned.advance = advance;

@@ -142,7 +142,10 @@ class FramePlanner : public Planner {
     if (drive_passes_) flights_.front()->drives->warm_up(slot_work_);
   }
 
-  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override { stage_.set_pose(solid, T_world_rest); }
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) override {
+    stage_.set_pose(solid, T_world_rest);
+    scheduler_.set_pose(solid, T_world_rest);
+  }
 
   void list_standing(bool lists) override { slot_work_.lists_standing = lists; }
 
@@ -182,9 +185,10 @@ class FramePlanner : public Planner {
 
   void make_schedule(Flight& flight) {
     const double time_s = flight.report.time_s;
-    const touch::Touch& touch =
-        predictor_ ? predictor_->see(flight.touch, time_s, flight.frame.first(), flight.kept) : flight.touch;
-    scheduler_.make(touch, time_s, flight.plan.schedule);
+    const std::optional<FirstSlot> first = flight.frame.first();
+    const touch::Touch& touch = predictor_ ? predictor_->see(flight.touch, time_s, first, flight.kept) : flight.touch;
+    scheduler_.make(touch, time_s, flight.plan.schedule,
+                    {setting_.follow, first ? std::optional(first->slot) : std::nullopt});
     if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
   }
 
@@ -265,7 +269,7 @@ touch::StageSetting stage_setting(const SessionSetting& setting) {
     stage.most_points = sensing::most_hand_points;
   }
   stage.most_contacts = setting.live() || setting.cameras.empty() ? 0 : most_contacts_of_one;
-  if (setting.events) stage.parameters.deep = true;
+  if (setting.events || setting.feel_may_change || needs_depths(setting.solids)) stage.parameters.deep = true;
   return stage;
 }
 

@@ -97,7 +97,7 @@ void reserve(touch::Touch& touch);
 PredictorSetting predictor_setting(const SessionSetting& setting, const Scheduler& scheduler, const CameraView& view,
                                    const touch::PreparedSolids& solids);
 
-/// The setting of the stage. Events get deep points.
+/// The setting of the stage. Events, clicks and stiffness, also those that may come, get deep points.
 touch::StageSetting stage_setting(const SessionSetting& setting);
 
 }  // namespace palpa::session

@@ -19,6 +19,7 @@ static_assert(acoustics::most_ring_foci >= touch::max_foci);
 Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
                      const ScheduleOptions& options, const acoustics::FocusField* field)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
+      feel_(solids, solids_),
       foci_(touch.foci),
       options_(options),
       slot_s_(slot_length(solids_, options.voice)) {
@@ -43,7 +44,7 @@ void Scheduler::tune_beside(const acoustics::ArrayField* field) {
   beside_ = field && options_.tune == Tune::stride ? std::make_unique<TuningThread>(*field) : nullptr;
 }
 
-void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& schedule) {
+void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& schedule, const Following& following) {
   schedule.clear();
   schedule.slot_s = slot_s_;
   schedule.time_s = time_s;
@@ -78,6 +79,7 @@ void Scheduler::make(const touch::Touch& touch, double time_s, array::Schedule& 
     }
     schedule.slot_s = std::min(schedule.slot_s, options.dwell_s);
   }
+  feel_.shape(touch, time_s, options_.steady ? Following() : following, aim_, schedule);
   if (beside_) beside_->end();
 }
 

@@ -12,6 +12,7 @@
 #include "acoustics/field/array_field.hpp"
 #include "array/schedule.hpp"
 #include "base/math.hpp"
+#include "session/plan/feel.hpp"
 #include "session/plan/solid_haptics.hpp"
 #include "touch/foci/method.hpp"
 #include "touch/types.hpp"
@@ -40,6 +41,8 @@ struct ScheduleOptions {
   acoustics::TuneOptions tuning;  ///< for Tune::all; callers must not set the field of its spectrum
   /// Width of a Gaussian spot that represents a focus. Empty: the array's field is used if there is an array.
   std::optional<double> spot_m;
+  /// Gains do not change from slot to slot, and nothing clicks: for a link that is too slow.
+  bool steady = false;
 };
 
 /// How a finger got its voice.
@@ -69,7 +72,11 @@ class Scheduler {
 
   /// Turns the fingers of a frame captured at `time_s` into the voices of `schedule`, one per finger, in the same
   /// order. Allocates nothing once `schedule` has enough memory (reserve).
-  void make(const touch::Touch& touch, double time_s, array::Schedule& schedule);
+  void make(const touch::Touch& touch, double time_s, array::Schedule& schedule, const Following& following = {});
+  /// From the next make() on; see Feel::set_pose.
+  void set_pose(std::uint32_t solid, const Transform& T_world_rest) { feel_.set_pose(solid, T_world_rest); }
+  /// From the next make() on; see Feel::change.
+  void change_feel(std::uint32_t solid, const FeelChange& change) { feel_.change(solid, change); }
   /// From the next make() on, foci sound at this offset from where they are seen, metres in the world. This helps to
   /// find the real place of an array that stands elsewhere than assumed.
   void aim(const Vec3& offset) { aim_ = offset; }
@@ -95,6 +102,7 @@ class Scheduler {
             array::VoiceOptions& voice, ScheduledFinger& out);
 
   std::vector<SolidHaptics> solids_;
+  Feel feel_;
   std::uint32_t foci_;
   ScheduleOptions options_;
   double slot_s_;

@@ -49,8 +49,10 @@ struct SessionSetting {
   /// run() computes foci from the sound on the fingers that touch, each of which is assumed to be this one. Empty: from
   /// the free field.
   std::optional<FollowedFinger> finger;
-  /// Empty: events are not requested. Fingers are then never deeper than delta, which saves looking at the deeper skin.
+  /// Empty: events are not requested. Fingers are then never deeper than delta, which saves looking at the deeper skin,
+  /// unless a solid needs their depths (needs_depths), or may.
   std::optional<EventOptions> events = EventOptions{};
+  bool feel_may_change = false;  ///< by Session::change_feel
   /// Fingers keep their ids from frame to frame, and also their axes and foci as the next two members say. False: each
   /// frame stands alone.
   bool follow = true;

@@ -19,6 +19,7 @@ void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32
   voice.reached_pa.reset();
   voice.modulation_hz = placement.still() ? options.modulation_hz : 0;
   voice.modulation = options.modulation;
+  voice.course = {};
   voice.velocity = Vec3(0);
   voice.foci.clear();
   const auto count = static_cast<std::uint32_t>(placement.foci.size());

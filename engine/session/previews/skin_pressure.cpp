@@ -13,16 +13,21 @@
 namespace palpa::session {
 namespace {
 
-/// The time average of the squared gain of a modulation, sampled at slots.
-double mean_square(const Cycle& cycle, double slot_s) {
-  if (cycle.modulation_hz == 0) return 1;
-  constexpr int slots = 4000;  // whole periods of every usual modulation, six seconds
+/// The time average of the squared gain of the modulation and the newest values of the course, sampled at slots.
+double mean_square(const Plan& plan) {
+  const Cycle& cycle = plan.cycle;
+  if (cycle.modulation_hz == 0 && !plan.course.changes()) return 1;
+  const array::Course course{.from = plan.course.to, .to = plan.course.to, .texture = plan.course.texture};
+  const double slot_s = plan.schedule.slot_s;
+  constexpr std::uint64_t slots = 4000;  // whole periods of every usual modulation, six seconds
   double sum = 0;
-  for (int slot = 0; slot < slots; ++slot) {
-    const double gain = array::modulation_gain(cycle.modulation, cycle.modulation_hz, (slot + 0.5) * slot_s);
+  for (std::uint64_t slot = 0; slot < slots; ++slot) {
+    const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s;
+    const double gain = array::modulation_gain(cycle.modulation, cycle.modulation_hz, midpoint_s) *
+                        array::modulate(course, slot, slot_s);
     sum += gain * gain;
   }
-  return sum / slots;
+  return sum / static_cast<double>(slots);
 }
 
 /// Number of sounds solved together; their incident waves are all in memory at the same time.
@@ -32,14 +37,15 @@ constexpr std::size_t together = 16;
 
 Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& options) {
   const std::uint64_t slots = plan.cycle.slots_to_look_at();
-  const double modulated = plan.cycle.is_listed() ? mean_square(plan.cycle, plan.schedule.slot_s) : 1;
+  const double modulated = plan.cycle.is_listed() ? mean_square(plan) : 1;
+  const std::uint64_t first = array::first_changing_slot(plan.schedule);
   const double weight = modulated / static_cast<double>(slots);
   const OutputSetting output{.layout = layout, .drive = options, .slot_s = plan.schedule.slot_s, .safety = {}};
   SlotScratch scratch;
   Sounds sounds;
   for (std::uint64_t slot = 0; slot < slots; ++slot) {
     const auto drive = plan.cycle.is_listed() ? plan.drive(slot, layout.transducers.size())
-                                              : drive_of_slot(plan, slot, plan.captured_s, output, scratch);
+                                              : drive_of_slot(plan, first + slot, plan.captured_s, output, scratch);
     const acoustics::Strengths strengths = acoustics::strengths_of(drive);
     sounds.strengths.insert(sounds.strengths.end(), strengths.begin(), strengths.end());
     sounds.weights.push_back(weight);

@@ -15,15 +15,15 @@
 namespace palpa::session {
 
 /// The drives of a plan's cycle, in order. The weight of a drive is the part of the time that it sounds, times the mean
-/// square of the shared modulation.
+/// square of the shared modulation and course.
 struct Sounds {
   acoustics::Strengths strengths;
   std::vector<double> weights;
 };
 
 /// Each slot of the cycle, so that foci are weighted by their dwell and modulation. If a plan's drives are not listed,
-/// its first most_cycle slots are used. `plan` must have at least one voice and be made for this layout with these
-/// options.
+/// most_cycle slots are used: the first ones, or if gains change, those from their first slot on. `plan` must have at
+/// least one voice and be made for this layout with these options.
 Sounds sounds_of(const Plan& plan, const array::Layout& layout, const array::DriveOptions& drive);
 inline Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {
   return sounds_of(plan, setting.layout, setting.drive);

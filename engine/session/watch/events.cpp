@@ -112,13 +112,9 @@ void EventTracker::follow(Held& held, const touch::Finger& finger, double time_s
     tell(EventKind::move, held, time_s);
   }
   if (held.solid >= press_depth_m_.size() || !press_depth_m_[held.solid]) return;
-  const double press_m = *press_depth_m_[held.solid];
-  if (held.armed && held.depth >= press_m) {
-    held.armed = false;
-    tell(EventKind::press, held, time_s);
-  } else if (held.depth < options_.rearm * press_m) {
-    held.armed = true;
-  }
+  const bool pressed = presses(held.pressed, held.depth, *press_depth_m_[held.solid], options_.rearm);
+  if (pressed && !held.pressed) tell(EventKind::press, held, time_s);
+  held.pressed = pressed;
 }
 
 void EventTracker::tell(EventKind kind, Held& held, double time_s) {

@@ -21,6 +21,7 @@
 #include "base/json_writer.hpp"
 #include "base/words.hpp"
 #include "geometry/solid.hpp"
+#include "session/watch/press.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -42,8 +43,8 @@ struct Event {
 };
 
 struct EventOptions {
-  double move_m = 0.5e-3;  ///< 0: every frame is a move
-  double rearm = 0.8;      ///< of the press depth
+  double move_m = 0.5e-3;      ///< 0: every frame is a move
+  double rearm = usual_rearm;  ///< of the press depth: above it, a finger that presses still does
 };
 
 class EventTracker {
@@ -71,7 +72,7 @@ class EventTracker {
     double seen_s = 0;
     float depth = 0, told_depth = 0;
     glm::vec3 centroid{}, told_centroid{};
-    bool armed = true;
+    bool pressed = false;
     bool seen = false;  ///< in this frame
   };
 

@@ -75,6 +75,7 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   bool warned = false;
   warn_of_left_out_fingers(result.touch(), warned);
   const session::Session& session = result.session();
+  warn_of_feel(session);
   if (options.felt.spectrum) result.spectra = spectra_of(session);
   if (!options.array.layout.empty()) result.pressures = session::foci_pressures(session.plan(), session.setting());
   result.unreached = session::unreached(session.schedule(), session.solid_names());
