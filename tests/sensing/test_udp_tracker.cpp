@@ -137,7 +137,8 @@ TEST(UdpTracker, AFloodNeitherBlocksNorGrows) {
 TEST(UdpTracker, ListensOnTheLoopbackUnlessItIsToldOtherwise) {
   const std::uint16_t port = test::free_udp_port();
   const auto own = open_tracker("udp:" + std::to_string(port), true);
-  EXPECT_ERROR(open_tracker("udp:127.0.0.1:" + std::to_string(port), true), Exit::failed, "cannot listen on port");
+  EXPECT_ERROR(open_tracker("udp:127.0.0.1:" + std::to_string(port), true), Exit::failed,
+               "cannot listen on 127.0.0.1:");
   // The loopback has more than one address.
   EXPECT_NO_THROW(open_tracker("udp:127.0.0.2:" + std::to_string(port), true));
   for (const char* bad : {"udp:", "udp:port", "udp:0", "udp:65536", "udp:-1", "udp::9000", "udp:127.0.0.1:"})

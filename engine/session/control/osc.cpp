@@ -137,8 +137,7 @@ std::uint32_t number_at(std::span<const char> bytes) {
 }  // namespace
 
 UdpAddress parse_osc_address(const std::string& text) {
-  return parse_udp_address(text.find(':') == std::string::npos ? "127.0.0.1:" + text : text,
-                           "--osc takes PORT or ADDRESS:PORT, for example 9000 or 0.0.0.0:9000");
+  return parse_listening_address(text, "--osc takes PORT or ADDRESS:PORT, for example 9000 or 0.0.0.0:9000");
 }
 
 Osc::Osc(const std::string& address)

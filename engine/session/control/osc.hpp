@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
+#include "base/udp.hpp"
 #include "session/control/live_values.hpp"
-#include "session/links/udp.hpp"
 #include "session/loop/run_options.hpp"
 #include "session/watch/stats.hpp"
 

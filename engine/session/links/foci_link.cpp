@@ -12,7 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "session/links/udp.hpp"
+#include "base/udp.hpp"
 
 namespace palpa::session {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/stream_writer.hpp"
-#include "session/links/udp.hpp"
+#include "base/udp.hpp"
 
 namespace palpa::session {
 namespace {

@@ -1,4 +1,4 @@
-#include "session/links/udp.hpp"
+#include "base/udp.hpp"
 
 #include <fmt/core.h>
 #include <netdb.h>
@@ -6,14 +6,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
 
-namespace palpa::session {
+namespace palpa {
 namespace {
 
 /// A socket that is connected or bound to an address, as `attach` does: ::connect or ::bind.
@@ -56,6 +58,10 @@ UdpAddress parse_udp_address(const std::string& text, const std::string& form) {
   return {std::move(host), port};
 }
 
+UdpAddress parse_listening_address(const std::string& text, const std::string& form) {
+  return parse_udp_address(text.find(':') == std::string::npos ? "127.0.0.1:" + text : text, form);
+}
+
 UdpSender::UdpSender(const std::string& address, const std::string& what, const std::string& form)
     : what_(what), socket_(open_socket(parse_udp_address(address, form), what, "send to", ::connect)) {}
 
@@ -87,7 +93,7 @@ UdpReceiver::~UdpReceiver() {
 
 bool UdpReceiver::wait(double most_s) const {
   pollfd look{.fd = socket_, .events = POLLIN, .revents = 0};
-  return ::poll(&look, 1, static_cast<int>(most_s * 1e3)) > 0;
+  return ::poll(&look, 1, static_cast<int>(std::ceil(std::clamp(most_s, 0.0, 1e6) * 1e3))) > 0;
 }
 
 std::optional<std::size_t> UdpReceiver::receive(std::span<char> into) const {
@@ -95,4 +101,4 @@ std::optional<std::size_t> UdpReceiver::receive(std::span<char> into) const {
   return size < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(size));
 }
 
-}  // namespace palpa::session
+}  // namespace palpa

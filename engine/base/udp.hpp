@@ -7,13 +7,15 @@
 #include <string>
 #include <string_view>
 
-namespace palpa::session {
+namespace palpa {
 
 struct UdpAddress {
   std::string host, port;
 };
 /// HOST:PORT, or [HOST]:PORT for IPv6. Throws bad_usage for another form: `form` is the message.
 UdpAddress parse_udp_address(const std::string& text, const std::string& form);
+/// The same, or PORT of this computer's loopback.
+UdpAddress parse_listening_address(const std::string& text, const std::string& form);
 
 class UdpSender {
  public:
@@ -56,4 +58,4 @@ class UdpReceiver {
   int socket_;
 };
 
-}  // namespace palpa::session
+}  // namespace palpa
