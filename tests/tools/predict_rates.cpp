@@ -26,7 +26,7 @@ void print(const char* name, const std::vector<TipPath>& tips, double noise_m, d
     const PredictionError error = error_of(
         tips,
         [&]() -> TipPredictor {
-          const auto filter = std::make_shared<session::MotionFilter>(session::MotionNoise{.place_m = assumed_m});
+          const auto filter = std::make_shared<session::MotionFilter>(assumed_m);
           return {[filter](double t, const Vec3& place) { filter->see(t, place); },
                   [filter](double ahead) { return filter->at(ahead); }};
         },

@@ -53,9 +53,8 @@ class SurfaceFit {
   FaceSound at(std::size_t face, const Vec3& point, const Vec3& normal,
                std::span<const std::complex<float>> solution) const;
 
-  /// Adds to `row`, one entry per vertex, the factors of the unknowns that give the face's pressure at its centroid, or
-  /// at a point of its patch.
-  void add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const;
+  /// Adds to `row`, one entry per vertex, the factors of the unknowns that give the pressure at a point of the face's
+  /// patch.
   void add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const;
 
  private:
