@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive_pass.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "gpu/commands.hpp"
 
@@ -27,10 +27,6 @@ constexpr std::uint32_t sets = 100;       // slots of a batch
 constexpr std::uint32_t far_judged = 10;  // number of slots that are compared and evaluated
 constexpr std::size_t foci_per_set = 10;
 constexpr double cube_m = 0.06, apart_m = 8e-3;
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::vector<array::SlotFocus> random_set(std::mt19937& random, const Vec3& centre) {
   std::uniform_real_distribution<double> place(-cube_m / 2, cube_m / 2);

@@ -46,15 +46,9 @@ std::optional<CacheKey> cache_key(const Mesh& mesh, SurfaceKind kind) {
   CacheHash hash;
   hash.add(solid_version);
   hash.add(static_cast<std::uint32_t>(kind));
-  hash.add(mesh.positions.size());
-  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.positions);
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
   return hash.key();
-}
-
-template <typename T>
-std::span<const std::byte> bytes_of(const T& values) {
-  return std::as_bytes(std::span(values.data(), values.size()));
 }
 
 void store(const CacheKey& key, const SolidMesh& solid) {

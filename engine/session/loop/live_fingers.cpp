@@ -22,13 +22,6 @@ using Complex = std::complex<double>;
 
 constexpr std::size_t most_known = 16;
 
-Vec3 mean_of(std::span<const Vec3> points) {
-  Vec3 mean(0);
-  for (const Vec3& p : points)
-    mean += p / static_cast<double>(points.size());
-  return mean;
-}
-
 Box around(const Vec3& centre, double reach) {
   return {centre - Vec3(reach), centre + Vec3(reach)};
 }
