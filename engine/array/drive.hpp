@@ -25,7 +25,7 @@
 // the foci on each other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G
 // (gs_pat.hpp); `greedy` chooses the phases of the transducers directly, all at amplitude g (greedy.hpp). `eigenvalue`
 // and `back_propagation` find factors as the literature does, to compare (eigenvalue.hpp, back_propagation.hpp). A slot
-// with more than most_solved_foci foci is solved by `naive` under every solver, or by crowd.hpp if foci request a
+// with more than most_solved_foci foci is solved by `naive` under every solver, or by many_foci.hpp if foci request a
 // pressure.
 //
 // With nulls (DriveOptions::nulls), every slot that sounds is solved as null_drive.hpp says, whatever the solver.

@@ -8,7 +8,7 @@
 
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/reach.hpp"
+#include "array/farthest.hpp"
 #include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
@@ -105,7 +105,7 @@ class DriveMemory {
  private:
   Layout layout_;
   DriveOptions options_;
-  Reach reach_{Layout{}};
+  FarthestTransducer farthest_{Layout{}};
   std::uint32_t most_slots_ = 0, most_foci_ = 0;
   gpu::Upload transducers_, foci_, slots_, factors_;
   gpu::TexelView transducer_texels_, focus_texels_, slot_texels_, factor_texels_;

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "array/drive_pass.hpp"
-#include "array/reach.hpp"
+#include "array/farthest.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"

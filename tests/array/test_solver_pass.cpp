@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "array/drive_pass.hpp"
-#include "array/reach.hpp"
+#include "array/farthest.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
 #include "gpu/barrier.hpp"
@@ -60,7 +60,7 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
   const SolverPass& pass = solver == Solver::greedy ? greedy_pass : gs_pat_pass;
   const Medium air;
   const double turns = air.turns_per_metre();
-  const Reach reach(layout);
+  const FarthestTransducer farthest(layout);
   std::vector<shader::DrivePoint> points;
   std::vector<shader::vec4> axes;
   for (const Transducer& t : layout.transducers) {
@@ -79,7 +79,7 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
     for (const SlotFocus& focus : slot) {
       const shader::DrivePoint point = drive_point(focus.position, turns);
       foci.push_back({point.coarse, point.fine});
-      foci.back().coarse.w = static_cast<float>(1 / (reach.farthest(focus.position) * turns));
+      foci.back().coarse.w = static_cast<float>(1 / (farthest.distance_from(focus.position) * turns));
       foci.back().fine.w = focus.gain;
     }
   }
@@ -126,7 +126,7 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
       for (const Transducer& t : layout.transducers) {
         const double d = glm::distance(t.position, at), other = glm::distance(t.position, asks);
         const double loud = directivity(Directivity::t4010a1, (at.z - t.position.z) / d, 3.3) / (d * turns);
-        const double asked = other / reach.farthest(asks);
+        const double asked = other / farthest.distance_from(asks);
         sum += loud * asked * std::exp(std::complex<double>(0, k * (d - other)));
         size += loud * asked;
       }

@@ -16,7 +16,7 @@ std::vector<FocusSource> some_foci(const Layout& layout) {
   std::vector<FocusSource> foci{{{0.01, 0.02, 0.15}, 0, 1}, {{-0.03, 0, 0.1}, 0, 1}, {{0.02, -0.01, 0.2}, 0, 1}};
   for (FocusSource& focus : foci) {
     for (const Transducer& t : layout.transducers)
-      focus.reach = std::max(focus.reach, glm::distance(t.position, focus.position));
+      focus.farthest = std::max(focus.farthest, glm::distance(t.position, focus.position));
   }
   return foci;
 }
@@ -41,7 +41,7 @@ TEST(FreeField, ColumnsAreTheFormula) {
             directivity(kind, glm::dot(way, layout.transducers[n].axis) / d, k * layout.transducer_radius_m) / d;
         const std::size_t entry = n * foci.size() + j;
         ASSERT_LE(std::abs(columns.transfer(entry) - std::polar(loud, k * d)), 5e-5 / d);
-        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / foci[j].reach, -k * d)), 1e-10);
+        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / foci[j].farthest, -k * d)), 1e-10);
       }
     }
   }
