@@ -8,8 +8,8 @@
 #include <iterator>
 #include <numbers>
 
-#include "array/many_foci.hpp"
 #include "array/free_drives.hpp"
+#include "array/many_foci.hpp"
 #include "array/solvers/back_propagation.hpp"
 #include "array/solvers/greedy.hpp"
 #include "base/error.hpp"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layouts/layout.hpp"
 #include "array/farthest.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"

@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "array/drive.hpp"
+#include "array/farthest.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
-#include "array/farthest.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_pressures.hpp"
 

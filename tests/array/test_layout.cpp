@@ -7,9 +7,9 @@
 #include <set>
 #include <tuple>
 
+#include "array/farthest.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/farthest.hpp"
 #include "base/error.hpp"
 #include "support/csv.hpp"
 #include "support/shared_data.hpp"

@@ -21,10 +21,10 @@ BEGIN {
   # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the room's top.
   order("array", "constraint medium directivity layouts transfer split_rows turns free_field solvers .")
-  order("touch", "types stage_setting room pass_watch contacts points fingers foci .")
+  order("touch", "types stage_setting capacity pass_watch contacts points fingers foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
-  order("session", "clock newest threads beside links watch predict plan loop previews .")
+  order("session", "clock newest threads answer_thread links watch predict plan loop previews .")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
   order("setup", ". experiment tasks")

@@ -12,8 +12,8 @@
 
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive.hpp"
-#include "array/layouts/layout.hpp"
 #include "array/farthest.hpp"
+#include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {
