@@ -136,9 +136,9 @@ class DriveMemory {
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
-  /// Whether the host solves slots of so many foci, whatever the foci.
+  /// Whether the host solves every slot of this many foci.
   bool is_of_host_with(std::size_t foci) const;
-  /// Whether the solver seeks the phases of such slots, if foci are near each other.
+  /// Whether the solver searches for phases if foci are near each other.
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);
   bool add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);

@@ -100,7 +100,7 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   return solid;
 }
 
-/// `mesh`, assembled in the same way as `made` was from `first`, of which it is a rigid copy.
+/// Assembles `mesh` as `made` was assembled from a rigid copy of it.
 Mesh put_together(const Mesh& mesh, const std::vector<std::uint32_t>& vertices, const Mesh& made) {
   Mesh out{{}, made.triangles};
   out.positions.reserve(vertices.size());

@@ -42,7 +42,7 @@ struct ClimbEffort {
   std::uint32_t soft_steps = 0;   ///< maximum number of steps of each soft stage, including those not kept
   std::uint32_t steps = 0;        ///< maximum number of steps up after them, including those not kept
   std::uint32_t lowerings = 0;    ///< maximum number of steps that lower, including those not kept
-  std::uint32_t transducers = 0;  ///< about so many transducers are used for K
+  std::uint32_t transducers = 0;  ///< K comes from about this many of them
   double enough = 1e-3;           ///< ends a stage once a step raises its goal by a smaller part
   double keep = 0.996;            ///< the part of its loudness that the weakest keeps while others are lowered
 };
@@ -57,7 +57,7 @@ struct ClimbScratch {
   ShareScratch step;
 };
 
-/// Room for so many transducers and foci.
+/// Reserves memory.
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci);
 
 /// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j; foci whose target is 0 are

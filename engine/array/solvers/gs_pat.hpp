@@ -30,7 +30,7 @@ inline constexpr double gs_pat_most_help = 4;         ///< the 4 in t_j: for a f
 inline constexpr std::uint32_t gs_pat_steps = 100;    ///< maximum for the plain factors; as many again for the gains
 inline constexpr double gs_pat_still = 1e-5;          ///< stops once no factor changes by more
 inline constexpr std::uint32_t gs_pat_refinings = 6;  ///< over the whole array, under `uniform` and `clamp`
-inline constexpr std::size_t gs_pat_few = 10;         ///< so many foci are evened out after the steps
+inline constexpr std::size_t gs_pat_few = 10;         ///< up to this many foci are evened out after the steps
 
 // Limits of heard_part().
 inline constexpr double gs_pat_crowded = 0.5;  ///< from here on, the array does not resolve the two foci

@@ -50,7 +50,7 @@ struct SearchScratch {
 void take_part(const Columns& columns, std::size_t count, Columns& part);
 Layout spread_over(const Layout& layout, std::size_t count);
 
-/// Room for so many transducers and foci, with any effort.
+/// Reserves memory for any effort.
 void reserve(SearchScratch& scratch, std::size_t transducers, std::size_t foci);
 
 /// Replaces `factors`. `claims` are t_j of the foci; one whose claim is 0 is ignored.

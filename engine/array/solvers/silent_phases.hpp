@@ -52,9 +52,9 @@ struct SilentScratch {
 struct SilentGoal {
   const SplitRows& foci;             ///< G of the foci
   std::span<const double> targets;   ///< t of each focus; one with 0 is ignored
-  const SplitRows& nulls;            ///< Q,
-  std::size_t null_rows;             ///< of which the first ones are used,
-  std::span<const double> loudness;  ///< and l of each
+  const SplitRows& nulls;            ///< Q
+  std::size_t null_rows;             ///< only the first `null_rows` rows of Q are used
+  std::span<const double> loudness;  ///< l of each of these rows
 };
 
 /// The result.

@@ -52,8 +52,8 @@ class ContactsPass {
   explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() uses for these arguments; existing pipelines are kept. `solids` may move
-  /// afterwards. On a device that counts a kernel's iterations, throws bad_input with the solids' file (bad_usage if
-  /// there is no file) if the device could not look one point up among so many solids.
+  /// afterwards. Throws bad_input with the solids' file (bad_usage if there is no file) if there are too many solids
+  /// for a device that counts a kernel's iterations.
   void prepare(const PreparedSolids& solids, const Parameters& parameters);
 
   static std::vector<gpu::ScratchBuffer> scratch(const Capacity& capacity);
