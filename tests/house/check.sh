@@ -87,7 +87,7 @@ help_pages() {
   ((pages > 20)) && return "$found"
 }
 
-# Which room may include which: tests/house/arrows.awk.
+# Which library may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
 # The walks of docs/notes/walks.md match the sources: tests/house/walks.py.
@@ -149,7 +149,7 @@ shaders() {
   while read -r shader; do
     name=${shader##*/}
     if ! grep -rqw --include=CMakeLists.txt "${name//./\\.}" engine viewer driver tests; then
-      echo "   no room compiles $shader"
+      echo "   no library compiles $shader"
       found=1
     fi
   done < <(files 'shaders/*.comp' 'shaders/*.vert' 'shaders/*.frag')
@@ -236,7 +236,7 @@ step "tree of folders" tree
 step "walks" walks
 step "docs" docs
 step "words" words
-step "arrows between rooms" arrows
+step "arrows between libraries" arrows
 step "includes" includes
 step "register of files" registered
 step "file sizes" sizes

@@ -12,11 +12,11 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PAGE = "docs/notes/walks.md"
-ROOMS = ["", "engine", "driver"]
+ROOTS = ["", "engine", "driver"]
 
 
 def source_of(name):
-    found = [path for path in (os.path.join(room, name) for room in ROOMS) if os.path.isfile(os.path.join(ROOT, path))]
+    found = [path for path in (os.path.join(root, name) for root in ROOTS) if os.path.isfile(os.path.join(ROOT, path))]
     return found[0] if len(found) == 1 else None
 
 

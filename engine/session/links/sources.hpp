@@ -1,4 +1,4 @@
-// The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, and those that other rooms add (real cameras).
+// The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, and those that the driver adds (real cameras).
 #pragma once
 
 #include <cstdint>
