@@ -38,9 +38,9 @@ struct PhaseScratch {
   std::vector<double> normal, rest, miss, tried_miss;
 };
 
-/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci.
+/// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci.
 /// Ends once no focus misses by more than `most_miss`, or after `tries` tries.
 Evened even_phases(const Columns& columns, std::span<const double> targets, double most_miss, std::uint32_t tries,
-                   std::span<std::complex<double>> does, PhaseScratch& scratch);
+                   std::span<std::complex<double>> drive, PhaseScratch& scratch);
 
 }  // namespace palpa::array

@@ -40,7 +40,7 @@ struct SearchScratch {
   Columns part;
   SinglePart single;
   std::vector<std::complex<double>> starts;  ///< factors of each start's loudest moment, [start * foci + focus]
-  std::vector<std::complex<double>> does;
+  std::vector<std::complex<double>> drive;
   std::vector<double> merits, shares;
   ClimbScratch climb;
 };

@@ -64,7 +64,7 @@ struct Silenced {
   std::uint32_t tries = 0;  ///< passes over the transducers, including those of undone steps
 };
 
-/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1.
-Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> does, SilentScratch& scratch);
+/// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1.
+Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> drive, SilentScratch& scratch);
 
 }  // namespace palpa::array
