@@ -89,7 +89,6 @@ std::shared_ptr<ScatterObject> scatter(const py::object& mesh, const py::object&
                                        const py::kwargs& kwargs) {
   refuse_fork();
   const ScatterArguments o = scatter_options().read(kwargs);
-  setup::refuse_idle_humidity(o.air);
   const setup::IncidentSound sound = sound_of(plane_wave, point_source, layout, drive, o.drive.directivity,
                                               kwargs.contains("directivity") && !kwargs["directivity"].is_none());
   const NamedMesh body = mesh_of("mesh", mesh);

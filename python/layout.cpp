@@ -19,6 +19,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "layout_doc.hpp"
+#include "line/together.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "own.hpp"
@@ -59,6 +60,7 @@ struct FieldArguments {
 void add_field_options(CLI::App& app, FieldArguments& o) {
   setup::add_drive_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
+  line::exclude(app, "--no-absorption", {"--air-pressure"});
   setup::add_spread_options(app, o.task.spread);
   setup::add_common(app, o.common);
 }
@@ -249,7 +251,6 @@ std::shared_ptr<FieldObject> field(const LayoutPtr& self, const py::object& driv
   refuse_other_frame("where", where, *self);
   PlacesObject places = places_of("where", where);
   setup::check(o.task.spread, o.task.drive.medium);
-  setup::refuse_idle_air(o.task.air);
   const acoustics::Air air = setup::air(o.task.drive.medium, o.task.air);
   return on_device(o.common, [&](const gpu::Device* device) {
     auto made = owned(FieldObject{

@@ -17,11 +17,12 @@
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
+#include "line/option_table.hpp"
+#include "line/together.hpp"
 #include "module.hpp"
 #include "own.hpp"
 #include "placed.hpp"
 #include "running.hpp"
-#include "setup/option_table.hpp"
 #include "shapes.hpp"
 #include "touch_object.hpp"
 
@@ -96,9 +97,9 @@ std::map<std::string, py::list>& tables() {
   return *all;
 }
 
-py::list table_of(const std::vector<setup::OptionInfo>& infos) {
+py::list table_of(const std::vector<line::OptionInfo>& infos) {
   py::list rows;
-  for (const setup::OptionInfo& info : infos) {
+  for (const line::OptionInfo& info : infos) {
     py::list words;
     for (const std::string& word : info.words)
       words.append(word);
@@ -144,7 +145,7 @@ OptionTable::OptionTable(std::string function, const std::function<void(CLI::App
     const int most = option->get_expected_max();
     if (!is_hidden(name)) options_.emplace(keyword_of(name), Known{name, most == 0, most > 1});
   }
-  for (setup::OptionInfo& info : setup::option_table(*app_)) {
+  for (line::OptionInfo& info : line::option_table(*app_)) {
     if (!is_hidden(info.name)) infos_.push_back(std::move(info));
   }
   tables()[function_] = table_of(infos_);
@@ -152,8 +153,8 @@ OptionTable::OptionTable(std::string function, const std::function<void(CLI::App
 
 OptionTable::~OptionTable() = default;
 
-setup::Given OptionTable::given_by(const py::kwargs& arguments) const {
-  setup::Given given;
+line::Given OptionTable::given_by(const py::kwargs& arguments) const {
+  line::Given given;
   for (const auto& [key, value] : arguments) {
     const auto keyword = key.cast<std::string>();
     const auto found = options_.find(keyword);
@@ -173,13 +174,14 @@ setup::Given OptionTable::given_by(const py::kwargs& arguments) const {
   return given;
 }
 
-void OptionTable::read(const setup::Given& given) {
-  setup::read_given(*app_, given);
+void OptionTable::read(const line::Given& given) {
+  if (const std::string fault = line::misfit(*app_, given); !fault.empty()) throw bad_usage(fault);
+  line::read_given(*app_, given);
 }
 
 std::string OptionTable::documented(const std::string& doc) const {
   std::string text = doc + "\n\nOther Parameters\n----------------\n";
-  for (const setup::OptionInfo& info : infos_) {
+  for (const line::OptionInfo& info : infos_) {
     std::string type = info.flag ? "bool" : info.type;
     if (!info.words.empty()) type = fmt::format("{{\"{}\"}}", fmt::join(info.words, "\", \""));
     text += fmt::format("{} : {}, optional\n    {}{}\n", keyword_of(info.name), type, in_python(info.help),

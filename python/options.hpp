@@ -1,5 +1,5 @@
 // Keyword arguments as options of the command line: the same names with _ instead of -, the same ranges, defaults and
-// messages, because they are read by the same tables (setup/values.hpp). Numbers are SI; texts such as "1.5mm" are read
+// messages, because they are read by the same tables (line/values.hpp). Numbers are SI; texts such as "1.5mm" are read
 // as on the command line.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "setup/option_table.hpp"
+#include "line/option_table.hpp"
 
 namespace CLI {
 class App;
@@ -35,16 +35,16 @@ class OptionTable {
 
   /// The options that these keyword arguments give; None means that an option is not given. May run Python code. Throws
   /// bad_usage for an unknown keyword, naming the nearest one.
-  setup::Given given_by(const py::kwargs& arguments) const;
+  line::Given given_by(const py::kwargs& arguments) const;
   /// Reads them into the targets. Throws bad_usage for values that the command line would refuse.
-  void read(const setup::Given& given);
+  void read(const line::Given& given);
   /// `doc` with the options at its end, as "Other Parameters".
   std::string documented(const std::string& doc) const;
 
  private:
   std::string function_;
   std::unique_ptr<CLI::App> app_;
-  std::vector<setup::OptionInfo> infos_;  ///< those with a keyword
+  std::vector<line::OptionInfo> infos_;  ///< those with a keyword
   /// An option with a keyword.
   struct Known {
     std::string name;      ///< "--finger-gap"
@@ -66,7 +66,7 @@ class Declared {
   /// The values of these keyword arguments; without any, the defaults.
   Values read(const py::kwargs& arguments) {
     if (arguments.empty()) return usual_;
-    const setup::Given given = table_.given_by(arguments);
+    const line::Given given = table_.given_by(arguments);
     values_ = usual_;  // no Python code runs from here on, so that no other thread comes between
     table_.read(given);
     return values_;

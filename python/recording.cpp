@@ -18,12 +18,12 @@
 #include "base/text.hpp"
 #include "driver/sources.hpp"
 #include "exported.hpp"
+#include "line/values.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "running.hpp"
 #include "setup/options.hpp"
 #include "setup/tasks/export.hpp"
-#include "setup/values.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
 
@@ -61,7 +61,7 @@ struct ExportArguments {
   setup::ExportTask task;
 };
 void add_export_options(CLI::App& app, ExportArguments& o) {
-  const setup::Group group(app, "What to export");
+  const line::Group group(app, "What to export");
   setup::add_frame_options(group, o.task, "number of frames to export; 0 exports all until the source ends");
   group.text("--foci", o.task.foci, "FILE", "writes the foci of each frame, as .csv or .json");
   group.text("--drives", o.task.drives, "FILE", "writes the drive of every slot, as palpa run --link record:FILE does");

@@ -45,7 +45,7 @@ struct SessionArguments {
   SessionArguments() { live.source.clear(); }
 };
 void add_options_of_session(CLI::App& app, SessionArguments& o) {
-  const setup::Group group(app, "Session");
+  const line::Group group(app, "Session");
   setup::add_frame_options(group, o.live, "number of frames");
   setup::add_link_options(group, o.live);
   setup::add_session_options(app, o.live, setup::FingerMesh::known);

@@ -17,12 +17,12 @@
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/haptics.hpp"
+#include "line/values.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "placed.hpp"
 #include "running.hpp"
 #include "setup/load.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::python {
 
@@ -111,7 +111,7 @@ struct SceneOptions {
   setup::CommonOptions common;
 };
 void add_scene_options(CLI::App& app, SceneOptions& o) {
-  const setup::Group group(app, "Scene");
+  const line::Group group(app, "Scene");
   setup::add_gltf_scene(group, o.gltf_scene);
   setup::add_solid_options(app, o.solids);
   setup::add_allow_outside(group, o.common);

@@ -13,6 +13,7 @@
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
+#include "line/values.hpp"
 #include "options.hpp"
 #include "placed.hpp"
 #include "running.hpp"
@@ -20,7 +21,6 @@
 #include "setup/options.hpp"
 #include "setup/spread.hpp"
 #include "setup/tasks/export_played.hpp"
-#include "setup/values.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
 
@@ -226,8 +226,8 @@ struct PlayedArguments {
   setup::ExportTask task;
 };
 void add_played_options(CLI::App& app, PlayedArguments& o) {
-  const setup::Group group(app, "What to export");
-  setup::add_hold(group, o.task);
+  const line::Group group(app, "What to export");
+  setup::add_hold(group, o.task.hold_s, o.task.hold_auto);
   setup::add_safety(group, o.task.safety);
   setup::add_rig_options(app, o.task.rig);
   setup::add_drive_options(app, o.task.drive);

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "base/text.hpp"
 #include "driver/sources.hpp"
 #include "geometry/gltf/write.hpp"
+#include "line/values.hpp"
 #include "module.hpp"
 #include "options.hpp"
 #include "running.hpp"
@@ -26,7 +26,6 @@
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
-#include "setup/values.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
 
@@ -42,18 +41,12 @@ struct PartsObject {
 struct DecomposeArguments {
   setup::CommonOptions common;
   setup::DecomposeTask task;
-  std::optional<double> error_percent;
 };
 void add_decompose_options(CLI::App& app, DecomposeArguments& o) {
-  const setup::Group group(app, "How");
+  const line::Group group(app, "How");
   setup::add_gltf_scene(group, o.task.gltf_scene);
   setup::add_allow_outside(group, o.common);
-  geometry::DecomposeOptions& options = o.task.options;
-  group.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
-  group.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
-              "number of voxels that V-HACD divides a mesh into");
-  group.number("--error", o.error_percent, {0, 100, true}, "PERCENT",
-               "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
+  setup::add_decompose_options(group, o.task.options);
   group.integer("--seed", o.common.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
 }
 
@@ -72,7 +65,6 @@ std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs
   } else {
     o.task.scene = file_of("scene", scene);
   }
-  o.task.options.error_percent = o.error_percent.value_or(o.task.options.error_percent);
   o.task.seed = o.common.seed;
   allow_outside_references(o.common.allow_outside);
   return owned(cancellable([&] { return PartsObject{setup::decompose(o.task)}; }));
@@ -126,7 +118,7 @@ struct CalibrationObject {
   setup::CalibrateResult result;
 };
 
-void add_place(const setup::Group& group, setup::TargetPlace& place) {
+void add_place(const line::Group& group, setup::TargetPlace& place) {
   group.point("--at", place.at, "where the middle of the target's underside is, in the layout's own frame");
   group.number("--turn", place.turn_deg, {-360, 360}, "DEGREES",
                "how the target is turned about its own z, counter-clockwise seen from above");
@@ -137,7 +129,7 @@ struct CalibrateArguments {
   setup::CalibrateTask task;
 };
 /// The frames of a calibration's task.
-void add_frames(const setup::Group& group, auto& task, std::uint64_t most, const char* frames) {
+void add_frames(const line::Group& group, setup::StillTask& task, std::uint64_t most, const char* frames) {
   group.text("--source", task.source, "SOURCE",
              "where depth frames come from [a rehearsal: the rig's own cameras, rendered]");
   group.integer("--frames", task.frames, 0, most, frames);
@@ -146,7 +138,7 @@ void add_frames(const setup::Group& group, auto& task, std::uint64_t most, const
 }
 
 void add_calibrate_options(CLI::App& app, CalibrateArguments& o) {
-  const setup::Group group(app, "What to calibrate");
+  const line::Group group(app, "What to calibrate");
   add_frames(group, o.task, 100, "number of frames that are combined; 0 means 30");
   add_place(group, o.task.target);
   setup::add_allow_outside(group, o.common);
@@ -184,7 +176,7 @@ struct TargetArguments {
   setup::RigOptions rig;
 };
 void add_target_options(CLI::App& app, TargetArguments& o) {
-  add_place(setup::Group(app, "Where the target is"), o.place);
+  add_place(line::Group(app, "Where the target is"), o.place);
   setup::add_rig_options(app, o.rig);
 }
 
@@ -223,7 +215,7 @@ struct BackgroundArguments {
   setup::BackgroundTask task;
 };
 void add_background_options(CLI::App& app, BackgroundArguments& o) {
-  const setup::Group group(app, "What is seen");
+  const line::Group group(app, "What is seen");
   add_frames(group, o.task, 1000, "number of frames; 0 means two seconds of them");
   setup::add_allow_outside(group, o.common);
   setup::add_rig_options(app, o.task.rig);

@@ -13,13 +13,13 @@
 #include "driver/autd3/emulate.hpp"
 #include "driver/openmpd/emulate.hpp"
 #include "driver/sonicsurface/emulate.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 
 namespace palpa::driver::emulate {
 namespace {
 
 void add_options(CLI::App& app, Options& o) {
-  const setup::Group board(app, "Which board");
+  const line::Group board(app, "Which board");
   std::string names;
   for (const Kind& kind : kinds())
     names += (names.empty() ? "" : ", ") + kind.name + ": " + kind.help;
@@ -32,7 +32,7 @@ void add_options(CLI::App& app, Options& o) {
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",
              "folder with the boards' own files, board_NAME.pat, which say how their transducers differ [none]");
-  const setup::Group shown(app, "What it tells");
+  const line::Group shown(app, "What it tells");
   shown.text("--trace", o.trace, "FILE", "writes all that comes over the wire, as lines of JSON [no trace]");
   shown.flag("--view", o.view, "shows the focus that the bytes on the wire make, twice a second");
 }
@@ -53,7 +53,6 @@ void check(const Options& o, const Kind& kind) {
   if (!o.files.empty() && !o.view) throw bad_usage("--board-files goes with --view, which shows what the boards play");
   if (!o.layout.empty() && kind.name == "openmpd" && !o.view)
     throw bad_usage("--layout goes with --view: --serial sets the number of OpenMPD boards");
-  setup::refuse_gpu_options(o.common, "palpa emulate uses no GPU");
 }
 
 void run(const Options& o) {
@@ -115,7 +114,7 @@ void add_emulate(cli::Program& program) {
                                 "autd3:127.0.0.1:8080 in another terminal, with the same --layout if you give one. "
                                 "Ctrl-C ends it.",
                                 "BOARD"},
-                               add_options, run);
+                               add_options, run, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::driver::emulate

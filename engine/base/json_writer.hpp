@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +57,12 @@ class JsonWriter {
   template <typename T>
   JsonWriter& value(const std::vector<T>& numbers) {
     return value(std::span<const T>(numbers));
+  }
+
+  /// Null if there is none.
+  template <typename T>
+  JsonWriter& value(const std::optional<T>& number) {
+    return number ? value(*number) : null();
   }
 
   template <typename T>

@@ -11,13 +11,14 @@
 #include "base/error.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "experiment/afferents_picture.hpp"
+#include "experiment/afferents_task.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/afferents_picture.hpp"
-#include "setup/experiment/afferents_task.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::cli {
@@ -28,22 +29,21 @@ struct AfferentsCommand {
   std::string scene, finger, csv, times, png;
   std::optional<double> crest_mn;
   double yaw_deg = 0;
-  setup::AfferentsTask task;
+  experiment::AfferentsTask task;
 };
 
 void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   study::PlanMethod& m = o.task.method;
-  const setup::Group group(app, "What touches what");
+  const line::Group group(app, "What touches what");
   group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
+  setup::add_finger(group, o.finger, " [the paper's]");
   setup::add_allow_outside(group, o.common);
   group.quantity("--penetration", o.task.penetration_m, Quantity::length, {1e-6, 1},
                  "how far the finger's lowest point is below the solids' top");
   group.quantity("--x", o.task.place.x_m, Quantity::length, {-1, 1}, "where the finger is, along x");
   group.quantity("--z", o.task.place.z_m, Quantity::length, {-1, 1}, "where the finger is, along z");
   group.number("--yaw", o.yaw_deg, {-180, 180}, "DEGREES", "how far the finger is turned about its own axis");
-  const setup::Group foci(app, "Foci");
+  const line::Group foci(app, "Foci");
   foci.choice("--method", m.method, touch::method_words, "how contacts become foci");
   foci.integer("--foci", m.foci, 1, touch::max_foci, "foci per finger");
   foci.integer("--stride", m.stride, 1, 1u << 20, "step from each focus to the next [the usual one]");
@@ -52,11 +52,12 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
                 "frequency of the modulation of foci that stand still");
   foci.quantity("--delta", m.delta_m, Quantity::length, {1e-5, 0.1}, "thickness of the shell");
   foci.text("--layout", m.layout, "NAME|FILE", "the array: a built-in name or a layout's file");
-  const setup::Group level(app, "Level of pressure");
+  const line::Group level(app, "Level of pressure");
   level.number("--crest", o.crest_mn, {0.1, 1000}, "NUMBER",
                "force in mN on the finger at the crest of a single focus on the paper's cube, 3 mm deep [16]");
   level.flag("--linear", o.task.linear, "the array's linear pressures, which are not physical if they are loud");
-  const setup::Group results(app, "Results");
+  line::exclude(app, "--linear", {"--crest"});
+  const line::Group results(app, "Results");
   results.quantity("--duration", o.task.duration_s, Quantity::time, {0.01, 10}, "how long the touch lasts");
   results.quantity("--bin", o.task.bin_s, Quantity::time, {2e-4, 10}, "the step in which spikes are counted over time");
   results.text("--csv", o.csv, "FILE|-", "writes the map: site,x,y,z,area_cm2,sa1_hz,ra_hz,pc_hz");
@@ -64,14 +65,14 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
   results.text("--png", o.png, "FILE", "draws both");
 }
 
-std::string summary_of_afferents(const setup::AfferentsResult& result, double duration_s) {
+std::string summary_of_afferents(const experiment::AfferentsResult& result, double duration_s) {
   std::string text = fmt::format("level {:.3g} of the linear pressures, crest of the force {:.3g} mN\n", result.factor,
                                  result.crest_n * 1e3);
   for (std::size_t kind = 0; kind < observer::afferent_classes; ++kind) {
     double spikes = 0, most = 0;
-    for (const setup::ByClass& bin : result.spikes)
+    for (const experiment::ByClass& bin : result.spikes)
       spikes += bin[kind];
-    for (const setup::ByClass& site : result.rates_hz)
+    for (const experiment::ByClass& site : result.rates_hz)
       most = std::max(most, site[kind]);
     text += fmt::format(
         "{:<3}: {:.0f} afferents, {:.0f} % fire; {:.0f} spikes per second in all, at most {:.0f} at a site\n",
@@ -82,19 +83,17 @@ std::string summary_of_afferents(const setup::AfferentsResult& result, double du
 
 void run_afferents(const AfferentsCommand& given) {
   AfferentsCommand o = given;
-  setup::refuse_gpu_options(o.common, "palpa afferents computes on the processor");
   if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched");
-  if (o.task.linear && o.crest_mn) throw bad_usage("--crest sets the level that --linear leaves out: give one of them");
   if (o.task.method.method == touch::Method::single_focus && o.task.method.stride)
     throw bad_usage("--stride: a single focus has no order");
   if (o.crest_mn) o.task.crest_n = *o.crest_mn * 1e-3;
   o.task.place.yaw_rad = o.yaw_deg * std::numbers::pi / 180;
-  setup::check(o.task);
+  check(o.task);
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--times", o.times}, {"--png", o.png}});
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const std::vector<geometry::Solid> solids = setup::load_solids(o.scene);
-  setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
-  const setup::AfferentsResult result = setup::afferents(o.task, finger, o.scene, solids);
+  experiment::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
+  const experiment::AfferentsResult result = experiment::afferents(o.task, finger, o.scene, solids);
   progress.reset();
   if (!o.csv.empty()) write_file(o.csv, sites_csv(result));
   if (!o.times.empty()) write_file(o.times, times_csv(result));
@@ -114,7 +113,7 @@ void add_afferents(Program& program) {
        "--scene --penetration --method --foci --layout --crest --duration --csv --times --png",
        "The afferents are those of TouchSim, with the densities of a fingertip. Positions are the finger's own: its "
        "tip is the origin. docs/afferents.md explains the model."},
-      add_options_of_afferents, run_afferents);
+      add_options_of_afferents, run_afferents, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

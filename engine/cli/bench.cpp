@@ -11,9 +11,9 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -28,7 +28,7 @@ struct BenchCommand {
 };
 
 void add_options_of_bench(CLI::App& app, BenchCommand& o) {
-  const setup::Group group(app, "What to measure");
+  const line::Group group(app, "What to measure");
   group.choice("--suite", o.suite,
                {{"all", Suite::all},
                 {"touch", Suite::touch},

@@ -12,10 +12,11 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 
 void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
-  const setup::Group target(app, "The target");
+  const line::Group target(app, "The target");
   target.text("--target", o.target, "FILE",
               "only writes the model of the target: .stl for a printer (millimetres), or .glb for a viewer (on its "
               "mount, in the world)");
@@ -31,7 +32,7 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
                "place of the middle of the target's underside, in the array's frame [its mount on the layout]");
   target.number("--turn", o.turn_deg, {-360, 360}, "DEGREES",
                 "angle of the target about its own z axis, counter-clockwise as seen from above");
-  const setup::Group frames(app, "What is seen, and where it goes");
+  const line::Group frames(app, "What is seen, and where it goes");
   frames.text("--source", o.source, "SOURCE",
               "where depth frames come from: synthetic[:MESH] (a rehearsal), recording:DIR, v4l2:/dev/videoN[,...], "
               "realsense:SERIAL[,...] or bag:FILE [synthetic]");
@@ -47,6 +48,9 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
               "writes the rig with the poses that were found; must differ from --rig [no file]");
   setup::add_rig_options(app, o.rig);
   add_nudge_options(app, o);
+  line::exclude(app, "--target", {"--source", "--frames", "--background", "--noise-free", "--out", "--nudge"});
+  line::exclude(app, "--background", {"--at", "--turn", "--nudge"});
+  line::exclude(app, "--nudge", {"--at", "--turn"});
 }
 
 /// What was written for a printer, and the next steps.
@@ -63,13 +67,7 @@ std::string after_printing(const CalibrateCommand& o, const array::Layout& layou
 void write_target(const CalibrateCommand& o) {
   const setup::TargetPlace place{o.at, o.turn_deg};
   setup::check_target_file(o.target, place);
-  if (!o.out.empty() || o.nudge || o.background)
-    throw bad_usage("--target only writes the model: leave out --out, --background and --nudge");
-  refuse_nudge_options(o);
-  if (!o.source.empty() || o.frames != 0 || o.noise_free || !o.common.json.empty()) {
-    throw bad_usage("--target only writes the model: leave out --source, --frames, --noise-free and --json");
-  }
-  setup::refuse_gpu_options(o.common, "palpa calibrate --target uses no GPU");
+  if (!o.common.json.empty()) throw bad_usage("--target only writes the model: leave out --json");
   const Outputs outputs({{"--target", o.target}});
   const bool prints = setup::shows_summary(o.common, outputs);
   const setup::PlacedLayout placed = setup::load_placed_layout(o.rig);
@@ -93,27 +91,29 @@ std::string summary_of_calibrate(const CalibrateCommand& o, const std::vector<se
   return text + (o.out.empty() ? "nothing written: give --out\n" : fmt::format("written to {}\n", o.out));
 }
 
+setup::StillTask frames_of(const CalibrateCommand& o) {
+  return {.source = o.source, .frames = o.frames, .noise_free = o.noise_free, .seed = o.common.seed, .rig = o.rig};
+}
+
+/// A bar for the frames that are taken.
+setup::CalibrateWatch shown_in(std::optional<setup::Progress>& progress, bool quiet) {
+  return {.opened =
+              [&progress, quiet](std::uint64_t frames) {
+                log::release_warnings();
+                progress.emplace("frames", frames, quiet);
+              },
+          .taken = [&progress](std::uint64_t done) { progress->set(done); },
+          .all_taken = [&progress] { progress.reset(); }};
+}
+
 void find_poses(const Extensions& extensions, const CalibrateCommand& o) {
-  const setup::CalibrateTask task{.source = o.source,
-                                  .frames = o.frames,
-                                  .noise_free = o.noise_free,
-                                  .seed = o.common.seed,
-                                  .rig = o.rig,
-                                  .target = {o.at, o.turn_deg}};
+  const setup::CalibrateTask task{frames_of(o), {o.at, o.turn_deg}};
   check(task);
   if (!o.out.empty() && o.source.empty())
     throw bad_usage("--out needs --source: a rehearsal finds the poses that the rig already has");
-  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, except with --nudge");
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   std::optional<setup::Progress> progress;
-  const auto opened = [&](std::uint64_t frames) {
-    log::release_warnings();
-    progress.emplace("frames", frames, o.common.quiet);
-  };
-  const setup::CalibrateResult result = calibrate(task, extensions.sources,
-                                                  {.opened = opened,
-                                                   .taken = [&](std::uint64_t done) { progress->set(done); },
-                                                   .all_taken = [&] { progress.reset(); }});
+  const setup::CalibrateResult result = calibrate(task, extensions.sources, shown_in(progress, o.common.quiet));
   if (!o.out.empty()) setup::write_rig(o.out, result.rig);
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_calibrate(o, result.cameras));
@@ -131,41 +131,25 @@ std::string summary_of_background(const CalibrateCommand& o, const setup::Backgr
 }
 
 void learn_background(const Extensions& extensions, const CalibrateCommand& o) {
-  refuse_nudge_options(o);
-  if (o.nudge) throw bad_usage("--background and --nudge are two calibrations: run one after the other");
-  if (!o.at.empty() || o.turn_deg != 0)
-    throw bad_usage("--at and --turn place the target, which must not be in sight of --background");
-  const setup::BackgroundTask task{.source = o.source,
-                                   .frames = o.frames,
-                                   .noise_free = o.noise_free,
-                                   .seed = o.common.seed,
-                                   .rig = o.rig,
-                                   .out = o.out};
+  const setup::BackgroundTask task{frames_of(o), o.out};
   check(task);
-  setup::refuse_gpu_options(o.common, "palpa calibrate computes on the processor, except with --nudge");
   std::vector<Output> files{{"--json", o.common.json}, {"--out", o.out}};
   for (const std::string& image : setup::images_of(task))
     files.push_back({"--out", image});
   const Outputs outputs(files);
   std::optional<setup::Progress> progress;
-  const auto opened = [&](std::uint64_t frames) {
-    log::release_warnings();
-    progress.emplace("frames", frames, o.common.quiet);
-  };
   const setup::BackgroundResult result =
-      setup::learn_background(task, extensions.sources,
-                              {.opened = opened,
-                               .taken = [&](std::uint64_t done) { progress->set(done); },
-                               .all_taken = [&] { progress.reset(); }});
+      setup::learn_background(task, extensions.sources, shown_in(progress, o.common.quiet));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_background(o, result));
 }
 
 void run_calibrate(const Extensions& extensions, const CalibrateCommand& o) {
+  if (o.nudge) return run_nudge(extensions, o);
+  if (!o.common.gpu.empty() || o.common.validation)
+    throw bad_usage("--gpu and --validation go with --nudge: all else of palpa calibrate uses the processor");
   if (!o.target.empty()) return write_target(o);
   if (o.background) return learn_background(extensions, o);
-  if (o.nudge) return run_nudge(extensions, o);
-  refuse_nudge_options(o);
   find_poses(extensions, o);
 }
 

@@ -22,10 +22,8 @@ struct CalibrateCommand : setup::LiveOptions {
   std::string keys;
 };
 
-/// `palpa calibrate --nudge`.
+/// `palpa calibrate --nudge`. Without it, the others of these options are refused.
 void add_nudge_options(CLI::App& app, CalibrateCommand& options);
-/// Throws bad_usage if one of these options is given without --nudge.
-void refuse_nudge_options(const CalibrateCommand& options);
 void run_nudge(const Extensions& extensions, const CalibrateCommand& options);
 
 }  // namespace palpa::cli

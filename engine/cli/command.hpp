@@ -38,7 +38,7 @@ struct Extensions {
 /// Does a subcommand's work; throws Error for every failure. Returning means exit code 0.
 using Action = std::function<void()>;
 
-/// The texts of a subcommand in its help (setup/help.hpp). No line may have more than setup::help_columns.
+/// The texts of a subcommand in its help (line/help.hpp). No line may have more than line::help_columns.
 struct CommandText {
   const char* name;            ///< "touch", or "study analyse" for a subcommand of the group "study"
   const char* summary;         ///< one line, also in `palpa --help`
@@ -64,16 +64,18 @@ void add_group(Program& program, const char* name, const char* summary);
 /// `CommonOptions common`, which lives as long as the program. Call `finish_command` after adding the command's own
 /// options, so that the common ones come last in the help.
 CLI::App& add_command(Program& program, const CommandText& text);
-void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action);
+void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action,
+                    setup::Computes computes = setup::Computes::anywhere);
 
 /// Adds one subcommand: `add` adds the members of a new Options to the command line, `run` does the work with them.
 template <typename Options>
 void add_subcommand(Program& program, const CommandText& text, void (*add)(CLI::App&, Options&),
-                    std::function<void(const Options&)> run) {
+                    std::function<void(const Options&)> run, setup::Computes computes = setup::Computes::anywhere) {
   const auto options = std::make_shared<Options>();
   CLI::App& command = add_command(program, text);
   add(command, *options);
-  finish_command(program, command, options->common, [options, run = std::move(run)] { run(*options); });
+  finish_command(
+      program, command, options->common, [options, run = std::move(run)] { run(*options); }, computes);
 }
 
 }  // namespace palpa::cli

@@ -14,9 +14,9 @@
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "geometry/gltf/write.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -25,23 +25,15 @@ struct DecomposeCommand {
   setup::CommonOptions common;
   setup::DecomposeTask task;
   std::string out;
-  std::optional<double> error_percent;
 };
 
 void add_options_of_decompose(CLI::App& app, DecomposeCommand& o) {
-  const setup::Group group(app, "What to take apart");
+  const line::Group group(app, "What to take apart");
   group.text("--scene", o.task.scene, "FILE", "glTF model; each mesh that can be touched is cut into parts");
   setup::add_gltf_scene(group, o.task.gltf_scene);
   add_allow_outside(group, o.common);
   group.text("--out", o.out, "FILE.glb|-", "writes the parts as glTF, which other commands read as --scene");
-  const setup::Group how(app, "How");
-  geometry::DecomposeOptions& options = o.task.options;
-  how.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
-  how.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
-            "number of voxels that V-HACD divides a mesh into");
-  o.error_percent = options.error_percent;
-  how.number("--error", o.error_percent, {0, 100, true}, "PERCENT",
-             "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
+  setup::add_decompose_options(line::Group(app, "How"), o.task.options);
 }
 
 std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<setup::Decomposed>& all) {
@@ -65,9 +57,7 @@ std::string summary_of_decompose(const DecomposeCommand& o, const std::vector<se
 void run_decompose(const DecomposeCommand& o) {
   if (o.task.scene.empty()) throw bad_usage("--scene is missing: give a glTF model");
   if (o.out.empty()) throw bad_usage("--out is missing: give a file such as parts.glb");
-  setup::refuse_gpu_options(o.common, "palpa decompose computes on the processor");
   setup::DecomposeTask task = o.task;
-  task.options.error_percent = o.error_percent.value_or(task.options.error_percent);
   task.seed = o.common.seed;
   const Outputs outputs({{"--json", o.common.json}, {"--out", o.out}});
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
@@ -87,7 +77,7 @@ void add_decompose(Program& program) {
        "  palpa decompose --scene assets/cube.glb --parts 32 --out parts.glb\n"
        "  palpa touch --scene parts.glb --points assets/finger.ply --penetration 3mm",
        "", "V-HACD cuts the model. The report says how far the parts' surface and the model's are from each other."},
-      add_options_of_decompose, run_decompose);
+      add_options_of_decompose, run_decompose, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -12,8 +12,9 @@
 #include "geometry/parts/vhacd.hpp"
 #include "gpu/device.hpp"
 #include "gpu/software.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/study_options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -24,11 +25,12 @@ struct DoctorOptions {
 };
 
 void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
-  const setup::Group group(app, "Cameras");
+  const line::Group group(app, "Cameras");
   group.text("--write-rig", o.write_rig, "FILE",
              "writes a rig with the depth cameras that are plugged in; palpa calibrate then finds their poses");
   group.text("--source", o.source, "SOURCE",
              "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
+  line::need(app, {"--source"}, "--write-rig");
 }
 
 std::string driver_advice() {
@@ -149,8 +151,6 @@ std::string conclusion(bool ok, const setup::UsedBackend& computes) {
 }
 
 void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
-  if (options.write_rig.empty() && !options.source.empty()) throw bad_usage("--source goes with --write-rig");
-  setup::refuse_gpu_options(options.common, "palpa doctor looks at every GPU");
   const Outputs outputs({{"--json", options.common.json}, {"--write-rig", options.write_rig}});
   const std::string written = options.write_rig.empty() ? std::string() : write_found_rig(options, extensions);
   std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation(), look_at_features()};
@@ -180,7 +180,8 @@ void add_doctor(Program& program) {
        "  palpa doctor\n"
        "  palpa doctor --write-rig rig.toml",
        "", "The exit code is 0 if there is a GPU that palpa can use, else 3. Mesa's driver for the processor counts."},
-      add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); });
+      add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); },
+      setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,17 +15,50 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/drive_file.hpp"
+#include "setup/nulls.hpp"
 #include "setup/options.hpp"
+#include "setup/pattern_file.hpp"
 #include "setup/progress.hpp"
-#include "setup/tasks/lines.hpp"
-#include "setup/values.hpp"
+#include "setup/tasks/foci.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-using DriveCommand = setup::DriveLine;
+struct DriveCommand {
+  setup::CommonOptions common;
+  setup::DriveTask task;
+  std::string csv;
+};
+
+void add_options_of_drive(CLI::App& app, DriveCommand& o) {
+  const line::Group group(app, "What to drive");
+  setup::add_layout(group, o.task.layout, "the array");
+  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", setup::focus_help, setup::check_focus_text);
+  setup::add_null_option(group, o.task.drive, "the layout's own frame");
+  group.text(
+      "--pattern", o.task.pattern, "NAME|FILE",
+      fmt::format("control points with wanted amplitudes, silent ones too, instead of --focus: {} (for the layout "
+                  "paper) or a TOML",
+                  setup::known_patterns()));
+  group.text("--touch", o.task.touch, "FILE",
+             "drives the foci of a touch that palpa touch --json wrote, instead of --focus");
+  group.integer("--slot", o.task.slot, 0, std::numeric_limits<std::int32_t>::max(),
+                "with --touch: slot of the schedule, counted from 0 [0]");
+  group.text("--rig", o.task.rig, "FILE", "with --touch: TOML file with the array's pose [the layout's default pose]");
+  group.text("--mesh", o.task.mesh, "FILE",
+             "with --transfer finger: the finger, a closed PLY or glTF mesh in the layout's frame");
+  setup::add_allow_outside(group, o.common);
+  group.flag("--force", o.task.force, "also takes a finger whose faces are too coarse for the wavelength");
+  group.text("--csv", o.csv, "FILE|-", "writes every transducer: index,x,y,z,nx,ny,nz,amplitude,phase");
+  setup::add_spread_options(app, o.task.spread);
+  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
+  line::need(app, {"--slot", "--rig"}, "--touch");
+  line::exclude(app, "--pattern", {"--focus", "--null", "--touch"});
+}
 
 /// A message about foci that are closer than the array resolves. It names the two that affect each other the most.
 std::string unresolved_line(const setup::DriveResult& result) {
@@ -115,7 +149,7 @@ void add_drive(Program& program) {
        "  palpa drive --layout paper --focus 0,0,0 --focus 20mm,0,0,0.5 --solver gs-pat --json -",
        "--layout --focus --null --touch --slot --solver --constraint --pressure --frequency --csv",
        "Phases are delays in radians (time factor e^-iwt). Amplitudes are 0 to 1."},
-      setup::add_options, run_drive);
+      add_options_of_drive, run_drive);
 }
 
 }  // namespace palpa::cli

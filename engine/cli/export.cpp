@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/App.hpp>
+#include <algorithm>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
@@ -10,16 +13,44 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
+#include "line/option_table.hpp"
+#include "line/values.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/export_played.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
+/// Throws bad_usage for the first given option that has no effect.
+void refuse_idle(const line::Given& given) {
+  constexpr std::string_view used[] = {
+      "--played",    "--drives",        "--json",   "--hold",       "--ceiling",     "--ramp",        "--rig",
+      "--layout",    "--amplitude",     "--solver", "--constraint", "--directivity", "--temperature", "--sound-speed",
+      "--frequency", "--allow-outside", "--quiet",  "--log-level",  "--backend"};
+  for (const auto& [name, values] : given) {
+    if (std::ranges::find(used, name) == std::end(used)) {
+      throw bad_usage(
+          fmt::format("{} has no effect with --played: the foci, their order and their times are those of "
+                      "the file",
+                      name));
+    }
+  }
+}
+
+/// Adds --played. The line is refused if it also has an option without an effect on such foci.
+void add_played(CLI::App& app, const line::Group& group, setup::ExportTask& task) {
+  group.text(
+      "--played", task.played, "FILE",
+      "instead of --scene and --source: foci that palpa export --foci FILE.json or a study wrote, whose --drives "
+      "are computed again");
+  app.parse_complete_callback([&app, &task] {
+    if (!task.played.empty()) refuse_idle(line::given_on(app));
+  });
+}
+
 void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
-  const setup::Group group(app, "What to export");
+  const line::Group group(app, "What to export");
   add_frame_options(group, o, "number of frames to export; 0 exports all until the recording ends");
   group.text("--foci", o.foci, "FILE",
              "writes the foci of each frame, as .csv or .json; --foci-count sets their number");

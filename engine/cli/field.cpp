@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <complex>
 #include <cstdint>
 #include <iterator>
@@ -16,17 +15,45 @@
 #include "cli/commands.hpp"
 #include "cli/field_picture.hpp"
 #include "geometry/files/vtu.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
+#include "setup/nulls.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/progress.hpp"
-#include "setup/tasks/lines.hpp"
-#include "setup/values.hpp"
+#include "setup/tasks/foci.hpp"
+#include "setup/touch_run.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-using FieldCommand = setup::FieldLine;
+struct FieldCommand {
+  setup::CommonOptions common;
+  setup::FieldTask task;
+  std::string csv, vtu, png;
+};
+
+void add_options_of_field(CLI::App& app, FieldCommand& o) {
+  const line::Group group(app, "What sounds");
+  setup::add_layout(group, o.task.layout, "the array");
+  group.text("--drive", o.task.drive_file, "FILE", "the array's drive, as palpa drive --csv writes it");
+  group.texts("--focus", o.task.foci, "X,Y,Z[,A]", fmt::format("instead of --drive: {}", setup::focus_help),
+              setup::check_focus_text);
+  setup::add_null_option(group, o.task.drive, "the layout's own frame");
+  setup::add_place_options(app, o.task.place);
+  const line::Group results(app, "Results");
+  results.text("--csv", o.csv, "FILE|-",
+               "writes every point: x,y,z,re,im in metres and Pa; with --spread also p05,p50,p95 of |p|");
+  results.text("--vtu", o.vtu, "FILE", "writes the same for ParaView, with amplitude and phase");
+  results.text("--png", o.png, "FILE",
+               "draws |p|: on a plane with a bar in Pa, along a line as a curve; axes are in mm");
+  setup::add_drive_options(app, o.task.drive);
+  setup::add_air_options(app, o.task.air);
+  setup::add_spread_options(app, o.task.spread);
+  line::exclude(app, "--drive", {"--amplitude", "--solver", "--constraint", "--pressure", "--null"});
+  line::exclude(app, "--no-absorption", {"--air-pressure"});
+}
 
 /// Values computed in single precision are printed in single precision.
 void write_csv(const std::string& file, const setup::FieldResult& field) {
@@ -120,8 +147,7 @@ std::string summary_of_field(const setup::FieldResult& field) {
 }
 
 void run_field(const FieldCommand& o) {
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
+  setup::Stopwatch watch;
   check(o.task, !o.png.empty());
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--vtu", o.vtu}, {"--png", o.png}});
   std::optional<setup::Preparing> progress;
@@ -134,7 +160,7 @@ void run_field(const FieldCommand& o) {
   if (!o.csv.empty()) write_csv(o.csv, field);
   if (!o.vtu.empty()) write_vtu(o.vtu, field);
   if (!o.png.empty()) draw_field(o.png, field, o.task);
-  field.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  field.total_ms = watch.lap_ms();
   if (!o.common.json.empty()) write_file(o.common.json, to_json(field));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_field(field));
 }
@@ -151,7 +177,7 @@ void add_field(Program& program) {
        "--layout --drive --focus --plane --centre --size --line --points --csv --png",
        "Coordinates are in the layout's own frame. Pressures are peak values in free air, without a finger in the "
        "way (time factor e^-iwt)."},
-      setup::add_options, run_field);
+      add_options_of_field, run_field);
 }
 
 }  // namespace palpa::cli

@@ -6,18 +6,22 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
-#include "setup/completion.hpp"
-#include "setup/option_table.hpp"
-#include "setup/parse.hpp"
+#include "line/completion.hpp"
+#include "line/help.hpp"
+#include "line/option_table.hpp"
+#include "line/parse.hpp"
+#include "line/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
-using setup::HelpLength;
+using line::HelpLength;
 
 constexpr const char* summary = "feel a 3-D model in mid-air, from depth images to a driven ultrasound array";
 
@@ -41,7 +45,7 @@ std::string group_page(const CLI::App& group) {
   std::string page = fmt::format("palpa {0}: {1}\n\nUsage: palpa {0} SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", name,
                                  group.get_description());
   for (const CLI::App* command : inside(group))
-    page += setup::help_row(command->get_name(), command->get_description());
+    page += line::help_row(command->get_name(), command->get_description());
   return page + fmt::format("\nMore help: palpa help {} {}\n", name, inside(group).front()->get_name());
 }
 
@@ -70,48 +74,59 @@ constexpr const char* last_lines =
     "  docs/glossary.md explains slot, dwell, stride, shell, contacts, finger, focus, drive, layout and\n"
     "  link.\n";
 
-}  // namespace
+/// The options that every command has.
+std::vector<line::OptionInfo> common_options() {
+  setup::CommonOptions options;
+  CLI::App app;
+  setup::add_common(app, options);
+  setup::add_allow_outside(line::Group(app, "Common options"), options);
+  return line::option_table(app);
+}
 
-namespace {
-
-setup::HelpText text_of(const Program& program, const CLI::App& command) {
-  const CommandText& text = program.texts.at(setup::command_name(command));
-  return {.name = "palpa " + setup::command_name(command),
+line::HelpText text_of(const Program& program, const CLI::App& command) {
+  const CommandText& text = program.texts.at(line::command_name(command));
+  return {.name = "palpa " + line::command_name(command),
           .arguments = text.arguments,
           .summary = text.summary,
           .usual = text.usual,
           .examples = text.examples,
           .notes = text.notes,
-          .common = "palpa help all"};
+          .common = common_options(),
+          .common_page = "palpa help all"};
 }
 
 /// `palpa help bash`, `zsh` and `fish`; empty for other words.
 std::optional<std::string> completion_asked(const Program& program, const std::vector<std::string>& words) {
-  const std::optional<setup::Shell> shell = words.size() == 1 ? setup::shell_of(words.front()) : std::nullopt;
+  const std::optional<line::Shell> shell = words.size() == 1 ? line::shell_of(words.front()) : std::nullopt;
   if (!shell) return std::nullopt;
-  std::vector<setup::CompletedCommand> commands;
+  std::vector<line::CompletedCommand> commands;
   for (const CLI::App* command : commands_of(program))
-    commands.push_back({text_of(program, *command), setup::option_table(*command)});
-  return setup::completion(*shell, "palpa", commands);
+    commands.push_back({text_of(program, *command), line::option_table(*command)});
+  return line::completion(*shell, "palpa", commands);
 }
 
-}  // namespace
-
+/// The page of the whole program: its subcommands; with all, also what they share.
 std::string overview(const Program& program, HelpLength length) {
   std::string page = fmt::format("palpa: {}\n\nUsage: palpa SUBCOMMAND [OPTION ...]\n\nSubcommands:\n", summary);
   for (const CLI::App* command : commands_of(program))
-    page += setup::help_row(setup::command_name(*command), command->get_description());
+    page += line::help_row(line::command_name(*command), command->get_description());
   page += "\n";
   page += fmt::format("Examples:\n{}\n{}", first_examples, more_help);
   if (length == HelpLength::usual) return page;
-  page += "\nCommon options (most subcommands take them; --allow-outside if they read scenes or recordings):\n";
-  return page + setup::common_help() + "\n" + last_lines;
+  page +=
+      "\nCommon options (--gpu and --validation of subcommands that use a GPU, --allow-outside of those that\n"
+      "read scenes or recordings):\n";
+  return page + line::help_rows(common_options()) + "\n" + last_lines;
 }
 
+/// The page of the program or of a subcommand. That of a group lists its subcommands.
 std::string page_of(const Program& program, const CLI::App& command, HelpLength length) {
+  if (&command == &program.app) return overview(program, length);
   if (!inside(command).empty()) return group_page(command);
-  return setup::help_page(command, text_of(program, command), length);
+  return line::help_page(command, text_of(program, command), length);
 }
+
+}  // namespace
 
 std::optional<std::string> help_asked(const Program& program, int argc, const char* const* argv) {
   if (argc < 2) return overview(program, HelpLength::usual);
@@ -123,27 +138,23 @@ std::optional<std::string> help_asked(const Program& program, int argc, const ch
   if (!all) {
     if (std::optional<std::string> script = completion_asked(program, words)) return script;
   }
-  if (words.empty()) return overview(program, length);
-  const std::string name = fmt::format("{}", fmt::join(words, " "));
-  const CLI::App* group = nullptr;
-  for (const CLI::App* command : inside(program.app)) {
-    if (command->get_name() == name) return page_of(program, *command, length);
-    if (command->get_name() == words.front() && !inside(*command).empty()) group = command;
+  const CLI::App* found = &program.app;
+  std::istringstream names(fmt::format("{}", fmt::join(words, " ")));
+  for (std::string name; names >> name;) {
+    const std::vector<const CLI::App*> known = inside(*found);
+    const auto next = std::ranges::find(known, name, [](const CLI::App* command) { return command->get_name(); });
+    if (next == known.end()) {
+      const std::string fault = known.empty() ? "give palpa help one subcommand, and the word all or nothing"
+                                              : line::unknown_subcommand(*found, name);
+      throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
+    }
+    found = *next;
   }
-  for (const CLI::App* command : commands_of(program)) {
-    if (setup::command_name(*command) == name) return page_of(program, *command, length);
-  }
-  const std::string fault = words.size() == 1 ? setup::unknown_subcommand(program.app, words.front())
-                            : group && words.size() == 2
-                                ? setup::unknown_subcommand(*group, words.back())
-                                : "give palpa help one subcommand, and the word all or nothing";
-  throw bad_usage(fmt::format("{}{} see palpa --help", fault, fault.ends_with('?') ? "" : ";"));
+  return page_of(program, *found, length);
 }
 
 std::string help_of_line(const Program& program, int argc, const char* const* argv) {
-  const HelpLength length = setup::help_length(argc, argv);
-  const CLI::App& chosen = setup::chosen_command(program.app);
-  return &chosen == &program.app ? overview(program, length) : page_of(program, chosen, length);
+  return page_of(program, line::chosen_command(program.app), line::help_length(argc, argv));
 }
 
 }  // namespace palpa::cli

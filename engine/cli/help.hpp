@@ -5,14 +5,8 @@
 #include <string>
 
 #include "cli/command.hpp"
-#include "setup/help.hpp"
 
 namespace palpa::cli {
-
-/// The page of the whole program: its subcommands; with all, also what they share.
-std::string overview(const Program& program, setup::HelpLength length);
-/// The page of a subcommand. That of a group lists its subcommands.
-std::string page_of(const Program& program, const CLI::App& command, setup::HelpLength length);
 
 /// The page that a line asks for before any option is read: `palpa` alone, and `palpa help [SUBCOMMAND] [all]`. Empty
 /// for all other lines. "study analyse" may be one word or two. Throws bad_usage for a subcommand that does not exist.

@@ -16,13 +16,13 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -38,17 +38,16 @@ struct LinkCommand {
 };
 
 void add_options_of_link(CLI::App& app, LinkCommand& o) {
-  const setup::Group group(app, "What to try out");
+  const line::Group group(app, "What to try out");
   group.text("what", o.what, "test",
              "the word test: sounds one transducer after the other, so that you can see, hear or measure each");
   group.text("--link", o.link, "LINK", "the board or other link to test, as for palpa run");
-  group.text("--layout", o.layout, "NAME|FILE",
-             fmt::format("the link's array: {} or a TOML [the board's own]", array::known_layouts()));
+  setup::add_layout(group, o.layout, "the link's array", " [the board's own]");
   setup::add_board_files(group, o.board_files);
   constexpr std::uint32_t most = array::max_transducers - 1;
   group.integer("--first", o.first, 0, most, "first transducer to sound, by its number in the layout");
   group.integer("--last", o.last, 0, most, "last transducer to sound [the layout's last]");
-  group.quantity("--each", o.each_s, Quantity::time, setup::positive(3600), "how long each transducer sounds");
+  group.quantity("--each", o.each_s, Quantity::time, line::positive(3600), "how long each transducer sounds");
   group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "how long it is silent after each transducer");
   group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "time from one drive to the next");
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "amplitude of the transducer that sounds, 0 to 1");
@@ -96,7 +95,6 @@ class Sweep {
 void run_link(const Extensions& extensions, const LinkCommand& o) {
   if (o.what != "test") throw bad_usage("give palpa link test, which is the only form of this command");
   if (o.link.empty()) throw bad_usage("--link is missing: give a link of palpa run, such as null or a board");
-  setup::refuse_gpu_options(o.common, "palpa link uses no GPU");
   const std::vector<session::LinkKind> links = setup::with_builtin(extensions.links);
   std::string layout_name = o.layout;
   if (layout_name.empty()) {
@@ -147,12 +145,14 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
 
 void add_link(Program& program) {
   const Extensions& extensions = program.extensions;
-  add_subcommand<LinkCommand>(program,
-                              {"link", "try a link out: one transducer after the other",
-                               "  palpa link test --link openmpd:FT43NK5M --each 1s\n"
-                               "  palpa link test --link openmpd:EMU1 --first 16 --last 31",
-                               "", "", "test"},
-                              add_options_of_link, [&extensions](const LinkCommand& o) { run_link(extensions, o); });
+  add_subcommand<LinkCommand>(
+      program,
+      {"link", "try a link out: one transducer after the other",
+       "  palpa link test --link openmpd:FT43NK5M --each 1s\n"
+       "  palpa link test --link openmpd:EMU1 --first 16 --last 31",
+       "", "", "test"},
+      add_options_of_link, [&extensions](const LinkCommand& o) { run_link(extensions, o); },
+      setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -13,7 +13,7 @@
 #include "base/version.hpp"
 #include "cli/commands.hpp"
 #include "cli/help.hpp"
-#include "setup/parse.hpp"
+#include "line/parse.hpp"
 #include "setup/program.hpp"
 
 namespace palpa::cli {
@@ -49,7 +49,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
     return;
   }
   try {
-    setup::parse(app, argc, argv);
+    line::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
     write_file("-", help_of_line(program, argc, argv));
     return;
@@ -77,8 +77,9 @@ CLI::App& add_command(Program& program, const CommandText& text) {
   return *program.app.get_subcommand(name.substr(0, space))->add_subcommand(name.substr(space + 1), text.summary);
 }
 
-void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action) {
-  setup::add_common(command, common);
+void finish_command(Program& program, CLI::App& command, setup::CommonOptions& common, Action action,
+                    setup::Computes computes) {
+  setup::add_common(command, common, computes);
   command.callback([&program, &common, action = std::move(action)] {
     program.action = action;
     program.common = &common;

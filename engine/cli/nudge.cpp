@@ -20,15 +20,16 @@
 #include "base/output_file.hpp"
 #include "base/start_thread.hpp"
 #include "cli/calibrate.hpp"
+#include "cli/keys.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "session/threads.hpp"
 #include "setup/assets.hpp"
 #include "setup/interrupt.hpp"
-#include "setup/keys.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/calibrate.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -42,8 +43,7 @@ class Nudge {
  public:
   enum class End { none, save, leave };
 
-  void press(const setup::KeyPress& press) {
-    using setup::Key;
+  void press(const KeyPress& press) {
     switch (press.key) {
       case Key::left:
         move({-1, 0, 0}, press.fine);
@@ -121,8 +121,7 @@ class Shown {
 class Hand final : public session::RunObserver {
  public:
   /// Of `script`, one key is pressed with each frame that has a finger.
-  Hand(session::Session& session, Nudge& nudge, std::vector<setup::KeyPress> script, std::atomic<bool>& stop,
-       bool quiet)
+  Hand(session::Session& session, Nudge& nudge, std::vector<KeyPress> script, std::atomic<bool>& stop, bool quiet)
       : session_(&session), script_(std::move(script)), nudge_(&nudge), stop_(&stop), shown_(quiet) {}
 
   void planned(const session::FrameReport& frame, const session::Plan&) override {
@@ -135,10 +134,10 @@ class Hand final : public session::RunObserver {
     const Vec3 wanted = offset();
     if (wanted != std::exchange(aim_, wanted)) session_->set_aim(wanted);
   }
-  void press(const setup::KeyPress& press) {
+  void press(const KeyPress& press) {
     const std::lock_guard lock(mutex_);
     if (nudge_->end() != Nudge::End::none) return;  // the first decision counts
-    if (!begun_ && press.key != setup::Key::leave) return;
+    if (!begun_ && press.key != Key::leave) return;
     nudge_->press(press);
     if (nudge_->end() != Nudge::End::none) *stop_ = true;
   }
@@ -160,7 +159,7 @@ class Hand final : public session::RunObserver {
   }
 
   session::Session* session_;
-  std::vector<setup::KeyPress> script_;
+  std::vector<KeyPress> script_;
   std::size_t next_ = 0;  ///< key of the script
   Vec3 aim_{0};           ///< of the session
   mutable std::mutex mutex_;
@@ -188,18 +187,18 @@ class Typing {
   void listen() {
     session::take_no_signals();
     constexpr std::chrono::milliseconds between(20);
-    setup::KeyReader reader;
-    std::vector<setup::KeyPress> pressed;
+    KeyReader reader;
+    std::vector<KeyPress> pressed;
     for (; !ends_; std::this_thread::sleep_for(between)) {
       pressed.clear();
       reader.feed(terminal_.read(), pressed);
-      for (const setup::KeyPress& press : pressed)
+      for (const KeyPress& press : pressed)
         hand_->press(press);
       hand_->show();
     }
   }
 
-  setup::RawTerminal terminal_;
+  RawTerminal terminal_;
   Hand* hand_;
   std::atomic<bool> ends_{false};
   std::thread thread_;
@@ -207,17 +206,14 @@ class Typing {
 
 void check_nudge(const CalibrateCommand& o) {
   if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
-  if (!o.at.empty() || o.turn_deg != 0) throw bad_usage("--at and --turn place the target, which --nudge does not use");
   if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
 }
 
 std::string nudge_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
   JsonWriter json;
-  json.begin_object().member("offset_m", offset).member("saved", saved).key("T_world_layout").begin_array();
-  const Transform& T = *rig.array->T_world_layout;
-  for (int row = 0; row < 4; ++row)
-    json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
-  json.end_array().end_object();
+  json.begin_object().member("offset_m", offset).member("saved", saved);
+  setup::add_pose(json, "T_world_layout", *rig.array->T_world_layout);
+  json.end_object();
   return json.take();
 }
 
@@ -226,8 +222,8 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   const log::Relay relay;
   const setup::Interrupt interrupt(
       "ended without finishing, one second after the signal: a link, device or file did not answer");
-  std::vector<setup::KeyPress> script;
-  if (!o.keys.empty()) script = setup::parse_keys("--keys", o.keys);
+  std::vector<KeyPress> script;
+  if (!o.keys.empty()) script = parse_keys("--keys", o.keys);
   Hand hand(live.session(), nudge, std::move(script), stop, o.common.quiet);
   std::optional<Typing> typing;
   if (o.keys.empty()) typing.emplace(hand);
@@ -238,7 +234,7 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
 }  // namespace
 
 void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
-  const setup::Group group(app, "With --nudge");
+  const line::Group group(app, "With --nudge");
   group.flag("--nudge", o.nudge,
              "plays a focus at the fingertip that cameras see; move it with the arrows, PageUp and PageDown until you "
              "feel it there, and --out gets the array's corrected place");
@@ -247,29 +243,18 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
   setup::add_board_files(group, o.board_files);
   group.text("--keys", o.keys, "KEYS",
              "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
-  group.quantity("--hold", o.hold_s, Quantity::time, setup::positive(10),
+  group.quantity("--hold", o.hold_s, Quantity::time, line::positive(10),
                  "how long the newest frame sounds if no other comes");
   setup::add_safety(group, o.safety);
   setup::add_medium_options(app, o.drive.medium);
-}
-
-void refuse_nudge_options(const CalibrateCommand& o) {
-  const CalibrateCommand usual;
-  for (const auto& [name, given] :
-       {std::pair("--scene", !o.scene.empty()), std::pair("--link", o.link != usual.link),
-        std::pair("--board-files", !o.board_files.empty()), std::pair("--keys", !o.keys.empty()),
-        std::pair("--hold", o.hold_s != usual.hold_s), std::pair("--ceiling", o.safety.ceiling != usual.safety.ceiling),
-        std::pair("--ramp", o.safety.ramp_s != usual.safety.ramp_s),
-        std::pair("--temperature, --sound-speed or --frequency", !(o.drive.medium == usual.drive.medium))}) {
-    if (given) throw bad_usage(fmt::format("{} goes with --nudge", name));
-  }
+  line::need(app, line::under(app, {"With --nudge", "Air and tone"}), "--nudge");
 }
 
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   CalibrateCommand o = given;
   check_nudge(o);
   // Before anything is opened.
-  if (!o.keys.empty() && setup::parse_keys("--keys", o.keys).empty())
+  if (!o.keys.empty() && parse_keys("--keys", o.keys).empty())
     throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
   if (o.source.empty()) o.source = "synthetic";
   if (o.scene.empty()) o.scene = setup::find_asset("cube.glb");

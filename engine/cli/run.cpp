@@ -11,13 +11,13 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "cli/run_line.hpp"
+#include "line/values.hpp"
 #include "session/session.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
-#include "setup/run_line.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
@@ -30,7 +30,7 @@ struct RunCommand : setup::LiveOptions {
 };
 
 void add_options_of_run(CLI::App& app, RunCommand& o) {
-  const setup::Group group(app, "What to run");
+  const line::Group group(app, "What to run");
   add_frame_options(group, o, "number of frames to run; 0 runs until the source ends or Ctrl-C");
   add_link_options(group, o);
   setup::add_stats_option(group, o.stats);
@@ -84,7 +84,7 @@ class ShownRun final : public session::RunObserver {
 
  private:
   std::optional<setup::Preparing> preparing_;
-  setup::RunLine line_;
+  RunLine line_;
   bool warned_ = false;  ///< of fingers that were left out
 };
 
@@ -92,7 +92,7 @@ void run_live(const Extensions& extensions, const RunCommand& given) {
   check(given);
   RunCommand o = given;
   const bool no_line = o.common.quiet || mixes_with_events(o);
-  o.watched = setup::RunLine::is_shown(no_line);  // the line says how deep fingers are
+  o.watched = RunLine::is_shown(no_line);  // the line says how deep fingers are
   const Outputs outputs(outputs_of(o, setup::with_builtin(extensions.links)));
   setup::LiveRun live(o, extensions.sources, extensions.links, setup::Interrupt::flag());
 

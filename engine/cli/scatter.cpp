@@ -14,10 +14,10 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
 #include "setup/progress.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
@@ -30,14 +30,14 @@ struct ScatterCommand {
 };
 
 void add_options_of_scatter(CLI::App& app, ScatterCommand& o) {
-  const setup::Group body(app, "What scatters");
+  const line::Group body(app, "What scatters");
   body.text("--mesh", o.task.mesh, "FILE", "the rigid body, a closed PLY or glTF mesh, in metres");
   body.flag("--force", o.task.force, "also takes a mesh whose faces are too coarse for the wavelength or the source");
   add_allow_outside(body, o.common);
-  const setup::Group sound(app, "What sounds");
+  const line::Group sound(app, "What sounds");
   sound.text("--plane-wave", o.task.plane_wave, "X,Y,Z",
              "sounds a plane wave that travels in this direction: 1 Pa, phase 0 at the origin",
-             [](const std::string& text) { setup::parse_direction("--plane-wave", text); });
+             [](const std::string& text) { line::parse_direction("--plane-wave", text); });
   sound.point("--point-source", o.task.point_source,
               "sounds a point source there: e^{ikr}/r Pa at a distance of r metres");
   sound.text("--layout", o.task.layout, "NAME|FILE", "the array that sounds --drive; the mesh is in its frame");
@@ -45,7 +45,7 @@ void add_options_of_scatter(CLI::App& app, ScatterCommand& o) {
   sound.choice("--directivity", o.task.directivity, array::directivity_words,
                "how a transducer's sound depends on direction [t4010a1]");
   setup::add_place_options(app, o.task.place);
-  const setup::Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.text("--csv", o.csv, "FILE|-",
                "writes the total pressure at each face's centroid: face,x,y,z,re,im; or with --plane, --line or "
                "--points, at these places: x,y,z,re,im, nan inside the body");
@@ -94,7 +94,6 @@ std::string summary_of_scatter(const setup::ScatterResult& result) {
 
 void run_scatter(const ScatterCommand& o) {
   check(o.task);
-  setup::refuse_gpu_options(o.common, "palpa scatter computes on the processor");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const setup::ScatterResult result = scatter(o.task, log::release_warnings);
@@ -121,7 +120,7 @@ void add_scatter(Program& program) {
        "--mesh --plane-wave --point-source --layout --drive --plane --size --line --points --csv",
        "Pressures are total pressures, peak values (time factor e^-iwt). Force and torque are those of the radiation "
        "pressure, the torque about the origin."},
-      add_options_of_scatter, run_scatter);
+      add_options_of_scatter, run_scatter, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -15,16 +15,49 @@
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "drawing/arrange.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "setup/progress.hpp"
 #include "setup/tasks/simulate_picture.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
+
+constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices}, {"cameras", setup::Skin::cameras}};
+
+void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
+  const line::Group group(app, "What touches what");
+  setup::add_scene(group, o.scene, o.gltf_scene);
+  setup::add_finger(group, o.finger);
+  setup::add_allow_outside(group, o.common);
+  group.quantity("--penetration", o.task.penetration_m, Quantity::length,
+                 {-setup::most_penetration_m, setup::most_penetration_m},
+                 "how far the finger's lowest point is below the solids' top");
+  group.choice("--skin", o.task.skin, skin_words,
+               "which skin touches, the mesh's vertices or what the rig's cameras would see of the mesh");
+  group.flag("--noise-free", o.task.noise_free, "with --skin cameras: cameras without the sensor's noise");
+  group.flag("--figure6", o.figure6,
+             "simulates the paper's four objects with the paper's finger and every method, instead of --scene");
+  group.flag("--force", o.force, "also takes a finger whose faces are too coarse for the wavelength");
+  const line::Group results(app, "Results");
+  results.text("--csv", o.csv, "FILE|-", "writes every face: face,x,y,z,area,langevin,squared, time averages in Pa");
+  results.text("--vtu", o.vtu, "FILE", "writes the same on the finger, for ParaView");
+  results.text("--png", o.png, "FILE", "draws the finger from below, with its foci and its pressure");
+  setup::add_solid_options(app, o.solids);
+  setup::add_touch_options(app, o.task.touch);
+  setup::add_felt_options(app, o.task.in_time);
+  setup::add_rig_options(app, o.task.rig);
+  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
+  setup::add_air_options(app, o.task.air);
+  setup::add_spread_options(app, o.task.spread);
+  line::exclude(app, "--figure6",
+                {"--scene", "--gltf-scene", "--method", "--csv", "--vtu", "--spread", "--surface", "--parts",
+                 "--internal-faces"});
+}
 
 std::string spot_line(const char* name, const acoustics::Spot& spot) {
   const Vec3 at = spot.peak_at * 1e3;
@@ -86,13 +119,16 @@ void run_one(const SimulateCommand& o) {
 
 void run_simulate(const SimulateCommand& given) {
   SimulateCommand o = given;
-  setup::settle(o);
-  if (o.figure6 && o.finger.empty()) o.finger = setup::find_asset("finger.ply");
+  o.task.compute = o.common;
+  check(o.task);
   if (o.figure6) {
-    run_figure6(o);
-  } else {
-    run_one(o);
+    if (o.finger.empty()) o.finger = setup::find_asset("finger.ply");
+    return run_figure6(o);
   }
+  if (o.scene.empty()) throw bad_usage("--scene is missing: give the glTF model that is touched, or --figure6");
+  if (o.finger.empty())
+    throw bad_usage("--finger is missing: give the finger's closed mesh, such as assets/finger.ply");
+  run_one(o);
 }
 
 }  // namespace
@@ -111,7 +147,7 @@ void add_simulate(Program& program) {
        "--scene --finger --penetration --method --foci --layout --skin --spectrum --csv --png",
        "The finger is rigid and the sound linear. Pressures are averages over the schedule. Coordinates are in the "
        "world."},
-      setup::add_options, run_simulate);
+      add_options_of_simulate, run_simulate);
 }
 
 }  // namespace palpa::cli

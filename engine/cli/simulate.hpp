@@ -1,11 +1,25 @@
 // `palpa simulate`: its options, and the paper's figure of several touches.
 #pragma once
 
-#include "setup/tasks/lines.hpp"
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "setup/options.hpp"
+#include "setup/tasks/simulate.hpp"
 
 namespace palpa::cli {
 
-using SimulateCommand = setup::SimulateLine;
+struct SimulateCommand {
+  setup::CommonOptions common;
+  std::string scene, finger;
+  std::optional<std::uint32_t> gltf_scene;
+  bool figure6 = false;
+  bool force = false;
+  std::string csv, vtu, png;
+  setup::SolidOptions solids;
+  setup::SimulateTask task;
+};
 
 /// The finger given by --finger, for the air of the options.
 setup::FingerBody load_finger(const SimulateCommand& o);

@@ -13,19 +13,33 @@
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
+#include "line/values.hpp"
 #include "setup/load.hpp"
 #include "setup/nearest_skin.hpp"
 #include "setup/progress.hpp"
-#include "setup/tasks/lines.hpp"
 #include "setup/tasks/touch.hpp"
 #include "setup/touch_input.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
 
-using TouchCommand = setup::TouchLine;
+struct TouchCommand {
+  setup::CommonOptions common;
+  setup::TouchInputOptions input;
+  setup::TouchTask task;
+  std::string csv;
+};
+
+void add_options_of_touch(CLI::App& app, TouchCommand& o) {
+  setup::add_touch_input(app, o.input);
+  const line::Group group(app, "What touches what");
+  setup::add_allow_outside(group, o.common);
+  group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
+  setup::add_touch_options(app, o.task.touch);
+  setup::add_felt_options(app, o.task.felt);
+  setup::add_array_options(app, o.task.array);
+}
 
 std::string order_line(const array::Voice& voice) {
   return fmt::format("order {}, {} ms each", fmt::join(voice.order, " "), voice.dwell_s * 1e3);
@@ -82,7 +96,9 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
 
 void run_touch(const TouchCommand& given) {
   TouchCommand o = given;
-  setup::settle(o);
+  o.task.compute = o.common;
+  check(o.input);
+  check(o.task, !o.input.depths.empty());
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const setup::Stopwatch start;
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
@@ -107,7 +123,7 @@ void add_touch(Program& program) {
        "              --camera assets/depth/camera.toml",
        "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
        "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
-      setup::add_options, run_touch);
+      add_options_of_touch, run_touch);
 }
 
 }  // namespace palpa::cli

@@ -126,17 +126,11 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
 }  // namespace
 
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> more) {
-  std::vector<session::SourceKind> sources = session::builtin_sources();
-  std::erase_if(sources, [&](const session::SourceKind& own) {
-    return std::ranges::any_of(more, [&](const session::SourceKind& kind) { return kind.name == own.name; });
-  });
-  sources.insert(sources.end(), more.begin(), more.end());
-  return sources;
+  return added_to(session::builtin_sources(), more);
 }
 
-void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
-  group.text("--scene", o.scene, "FILE", "glTF model whose meshes can be touched");
-  add_gltf_scene(group, o.gltf_scene);
+void add_frame_options(const line::Group& group, FrameOptions& o, const char* until) {
+  add_scene(group, o.scene, o.gltf_scene);
   group.text("--source", o.source, "SOURCE",
              "where depth frames come from: synthetic[:MESH], recording:DIR, v4l2:/dev/videoN[,...], "
              "realsense:SERIAL[,...] or bag:FILE");
@@ -145,21 +139,15 @@ void add_frame_options(const Group& group, FrameOptions& o, const char* until) {
   add_loop_options(group, o);
 }
 
-void add_safety(const Group& group, session::Safety& safety) {
+void add_safety(const line::Group& group, session::Safety& safety) {
   group.number("--ceiling", safety.ceiling, {0, 1}, "NUMBER",
                "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
   group.quantity("--ramp", safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
                  "time in which sound gets to full strength when a touch begins, and to silence when it ends");
 }
 
-void add_hold(const Group& group, FrameOptions& o) {
-  group.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
-                         "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
-                         "frames are late");
-}
-
-void add_loop_options(const Group& group, FrameOptions& o) {
-  add_hold(group, o);
+void add_loop_options(const line::Group& group, FrameOptions& o) {
+  add_hold(group, o.hold_s, o.hold_auto);
   add_safety(group, o.safety);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.flag("--keep-boards", o.keep_boards,
@@ -176,18 +164,18 @@ void add_session_options(CLI::App& app, FrameOptions& o, FingerMesh mesh, const 
   add_touch_options(app, o.touch, foci);
   add_drive_options(app, o.drive, mesh);
   if (mesh == FingerMesh::known) {
-    add_null_option(Group(app, "Drives"), o.drive, "the world");
-    Group(app, "Drives")
-        .text(
-            "--finger", o.finger, "FILE",
-            "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
-            "its body along +y [assets/finger.ply]");
+    const line::Group group(app, "Drives");
+    add_null_option(group, o.drive, "the world");
+    group.text(
+        "--finger", o.finger, "FILE",
+        "with --transfer finger: the fingers that touch, a closed PLY or glTF mesh with its tip at the origin and "
+        "its body along +y [assets/finger.ply]");
   }
   add_following_options(app, o);
 }
 
 void add_following_options(CLI::App& app, FrameOptions& o) {
-  const Group steadily(app, "From frame to frame");
+  const line::Group steadily(app, "From frame to frame");
   steadily.choice("--axes", o.axes, touch::axes_words,
                   "axes of a cross-section, turned as little as possible from frame to frame, or each frame's "
                   "principal axes");

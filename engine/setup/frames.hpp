@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -9,13 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "line/values.hpp"
 #include "session/links/sources.hpp"
 #include "session/session.hpp"
 #include "session/watch/event_sink.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 
@@ -60,17 +61,22 @@ struct FrameOptions {
   session::OwnSolver own_solver{};  ///< instead of --solver
 };
 
+/// The kinds, and of palpa's `own` those with other names.
+template <typename Kind>
+std::vector<Kind> added_to(std::vector<Kind> own, std::span<const Kind> kinds) {
+  std::erase_if(own, [&](const Kind& one) { return std::ranges::find(kinds, one.name, &Kind::name) != kinds.end(); });
+  own.insert(own.end(), kinds.begin(), kinds.end());
+  return own;
+}
 /// palpa's own sources and the given ones, which replace those of the same name.
 std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKind> sources);
 
 /// Adds the options of scene, source and the loop; `until` explains --frames.
-void add_frame_options(const Group& group, FrameOptions& options, const char* until);
+void add_frame_options(const line::Group& group, FrameOptions& options, const char* until);
 /// Adds only the options of the loop.
-void add_loop_options(const Group& group, FrameOptions& options);
-/// Adds --hold.
-void add_hold(const Group& group, FrameOptions& options);
+void add_loop_options(const line::Group& group, FrameOptions& options);
 /// Adds --ceiling and --ramp.
-void add_safety(const Group& group, session::Safety& safety);
+void add_safety(const line::Group& group, session::Safety& safety);
 /// Adds the options for following fingers.
 void add_following_options(CLI::App& app, FrameOptions& options);
 /// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci. `mesh`:

@@ -42,7 +42,7 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 
 }  // namespace
 
-void add_link_options(const Group& group, LiveOptions& o) {
+void add_link_options(const line::Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
              "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
   add_board_files(group, o.board_files);
@@ -52,7 +52,7 @@ void add_link_options(const Group& group, LiveOptions& o) {
   group.flag("--overwrite", o.overwrite, "with --record: replaces the recording that is already in that folder");
 }
 
-void add_stats_option(const Group& group, StatsFormat& stats) {
+void add_stats_option(const line::Group& group, StatsFormat& stats) {
   group.choice("--stats", stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "prints the measurements of the loop on stdout; --json writes the same into a file");
 }
@@ -97,12 +97,7 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
 }
 
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
-  std::vector<session::LinkKind> all = session::builtin_links();
-  std::erase_if(all, [&](const session::LinkKind& own) {
-    return std::ranges::any_of(links, [&](const session::LinkKind& kind) { return kind.name == own.name; });
-  });
-  all.insert(all.end(), links.begin(), links.end());
-  return all;
+  return added_to(session::builtin_links(), links);
 }
 
 LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind> sources,

@@ -35,10 +35,10 @@ void check(const LiveOptions& options);
 
 /// The report on stdout at the end of a run, beside --json.
 enum class StatsFormat { none, json };
-void add_stats_option(const Group& group, StatsFormat& stats);
+void add_stats_option(const line::Group& group, StatsFormat& stats);
 
 /// Adds the options for the link and for other outputs of the frames.
-void add_link_options(const Group& group, LiveOptions& options);
+void add_link_options(const line::Group& group, LiveOptions& options);
 
 /// All files that such a run writes; `links` are all known links.
 std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);

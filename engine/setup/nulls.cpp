@@ -18,6 +18,8 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
+#include "line/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -37,12 +39,12 @@ array::Null parse_null(const std::string& text) {
     if (!radius || !(*radius >= 0 && *radius <= array::most_null_radius_m)) {
       throw bad_usage(fmt::format("--null: '{}' is not x,y,z,r with a radius r from 0 to {}, such as 2cm,0,150mm,1mm",
                                   shortened(printable(text), 60),
-                                  format_quantity(array::most_null_radius_m, Quantity::length)));
+                                  line::format_quantity(array::most_null_radius_m, Quantity::length)));
     }
     radius_m = *radius;
     place = text.substr(0, comma);
   }
-  const auto [x, y, z] = parse_point("--null", place);
+  const auto [x, y, z] = line::parse_point("--null", place);
   return {{x, y, z}, radius_m};
 }
 
@@ -112,7 +114,7 @@ double kept_of(const array::Layout& layout, const acoustics::FociPressure& press
 
 }  // namespace
 
-void add_null_option(const Group& group, DriveOptionsGroup& options, const std::string& frame) {
+void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame) {
   group.texts("--null", options.nulls, "X,Y,Z[,R]",
               fmt::format("place in {} where the foci's sound is zero; R is the radius of a ball around it, 0 if you "
                           "leave it out; give it again for more places; goes with --solver gs-pat",

@@ -8,12 +8,11 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 
 /// Adds --null. `frame` says in which frame its places are: "the layout's own frame".
-void add_null_option(const Group& group, DriveOptionsGroup& options, const std::string& frame);
+void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame);
 
 /// Sets DriveOptions::nulls for the layout as posed, unless no nulls are given. Throws bad_usage, naming the text, for
 /// one that is no null, at a transducer, or where the array hardly sounds (array/plausible.hpp); for too many; and

@@ -8,7 +8,8 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "setup/values.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -22,8 +23,8 @@ constexpr Word<SolverChoice> solver_words[] = {
     {"adjoint", SolverChoice::adjoint}};
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
-constexpr Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = positive(1);
-constexpr Range tuned_dwell_range{1e-4, 20e-3};
+constexpr line::Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = line::positive(1);
+constexpr line::Range tuned_dwell_range{1e-4, 20e-3};
 
 array::Solver solver_of(SolverChoice choice) {
   switch (choice) {
@@ -46,10 +47,12 @@ array::Solver solver_of(SolverChoice choice) {
 
 }  // namespace
 
-void add_common(CLI::App& app, CommonOptions& options) {
-  const Group group(app, "Common options");
-  group.text("--gpu", options.gpu, "NAME|INDEX",
-             "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
+void add_common(CLI::App& app, CommonOptions& options, Computes computes) {
+  const line::Group group(app, "Common options");
+  if (computes == Computes::anywhere) {
+    group.text("--gpu", options.gpu, "NAME|INDEX",
+               "the GPU to use: its number or a part of its name, as palpa doctor lists them [the fastest]");
+  }
   group.choice("--backend", options.backend, backend_words,
                "what computes, a GPU or the processor; auto takes a GPU if there is one; $PALPA_BACKEND sets another "
                "default");
@@ -60,20 +63,42 @@ void add_common(CLI::App& app, CommonOptions& options) {
                "the least important messages that are printed on stderr [warning]");
   group.integer("--seed", options.seed, 0, ~std::uint64_t{0},
                 "the start of all random numbers; the same seed gives the same results");
+  if (computes == Computes::on_processor) return;
   group.choice("--validation", options.validation, gpu::validation_words,
                "how strictly the Vulkan calls are checked, for developers [$PALPA_VALIDATION, or off]");
 }
 
-void add_allow_outside(const Group& group, CommonOptions& options) {
+void add_allow_outside(const line::Group& group, CommonOptions& options) {
   group.flag("--allow-outside", options.allow_outside,
              "scenes and recordings may name files outside their own folders");
 }
 
-void add_gltf_scene(const Group& group, std::optional<std::uint32_t>& number) {
+void add_scene(const line::Group& group, std::string& scene, std::optional<std::uint32_t>& number) {
+  group.text("--scene", scene, "FILE", "glTF model whose meshes can be touched");
+  add_gltf_scene(group, number);
+}
+
+void add_layout(const line::Group& group, std::string& layout, const char* what, const char* more) {
+  group.text("--layout", layout, "NAME|FILE", fmt::format("{}: {} or a TOML{}", what, array::known_layouts(), more));
+}
+
+void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number) {
   group.integer("--gltf-scene", number, 0, 1u << 30, "number of the scene in that file [the file's default scene]");
 }
 
-void add_board_files(const Group& group, std::string& folder) {
+void add_finger(const line::Group& group, std::string& file, const char* usual) {
+  group.text(
+      "--finger", file, "FILE",
+      fmt::format("the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y{}", usual));
+}
+
+void add_hold(const line::Group& group, double& hold_s, bool& automatic) {
+  group.quantity_or_auto("--hold", hold_s, automatic, Quantity::time, line::positive(10),
+                         "how long the newest frame sounds if no other comes; auto lengthens it to up to 200 ms if "
+                         "frames are late");
+}
+
+void add_board_files(const line::Group& group, std::string& folder) {
   group.text("--board-files", folder, "DIR",
              "folder with the boards' own files, which say how their transducers differ [no differences]");
 }
@@ -88,17 +113,14 @@ bool shows_summary(const CommonOptions& options, const Outputs& outputs) {
   return !options.quiet && !outputs.on_stdout();
 }
 
-void refuse_gpu_options(const ComputeOptions& options, const std::string& why) {
-  const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
-  if (given) throw bad_usage(fmt::format("{}: {}; leave it out", given, why));
-}
-
 void check(const ComputeOptions& options) {
-  if (options.backend == Backend::cpu) refuse_gpu_options(options, "--backend cpu uses no GPU");
+  const char* given = !options.gpu.empty() ? "--gpu" : options.validation ? "--validation" : nullptr;
+  if (given && options.backend == Backend::cpu)
+    throw bad_usage(fmt::format("{}: --backend cpu uses no GPU; leave it out", given));
 }
 
 void add_solid_options(CLI::App& app, SolidOptions& options) {
-  const Group group(app, "Solids");
+  const line::Group group(app, "Solids");
   group.choice("--surface", options.surface, geometry::surface_words,
                "what counts as a solid's surface, the mesh itself or convex parts that are cut from it");
   group.integer("--parts", options.parts, 1, geometry::most_parts,
@@ -108,11 +130,11 @@ void add_solid_options(CLI::App& app, SolidOptions& options) {
 }
 
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
-  const Group group(app, "Touch");
+  const line::Group group(app, "Touch");
   touch::Parameters& p = options.parameters;
-  group.quantity("--delta", p.delta_m, Quantity::length, positive(1),
+  group.quantity("--delta", p.delta_m, Quantity::length, line::positive(1),
                  "thickness of the shell under a solid's surface: how deep a contact may be");
-  group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, positive(1),
+  group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, line::positive(1),
                  "contacts belong to one finger if they are no farther apart than this");
   group.integer("--min-points", p.min_points, 1, 1u << 30, "the fewest contacts that count as a finger");
   group.quantity("--finger-width", p.finger_width_m, Quantity::length, {0, 1},
@@ -143,12 +165,15 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
 }
 
 void add_felt_options(CLI::App& app, FeltOptions& options) {
-  const Group group(app, "What skin feels in time");
+  const line::Group group(app, "What skin feels in time");
   group.flag("--spectrum", options.spectrum, "prints the spectrum of the pressure on each finger's skin");
   group.quantity("--tune-shortest", options.shortest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-longest: the shortest dwell that --tune may choose [--dwell]");
   group.quantity("--tune-longest", options.longest_dwell_s, Quantity::time, tuned_dwell_range,
                  "with --tune-shortest: the longest dwell that --tune may choose [--dwell]");
+  line::need(app, {"--tune-shortest", "--tune-longest"}, "--tune");
+  line::need(app, {"--tune-shortest"}, "--tune-longest");
+  line::need(app, {"--tune-longest"}, "--tune-shortest");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {
@@ -157,9 +182,8 @@ void check(const FeltOptions& options, const TouchOptions& touch) {
     throw bad_usage("--tune-shortest and --tune-longest go together: give both ends of the range");
   }
   if (!options.shortest_dwell_s) return;
-  if (!touch.tune) throw bad_usage("--tune-shortest and --tune-longest go with --tune");
-  check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
-  check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
+  line::check_quantity("--tune-shortest", *options.shortest_dwell_s, Quantity::time, tuned_dwell_range);
+  line::check_quantity("--tune-longest", *options.longest_dwell_s, Quantity::time, tuned_dwell_range);
   constexpr double tenth_ms = 1e-4;
   const double first = std::ceil(*options.shortest_dwell_s / tenth_ms * (1 - 1e-12));
   if (first * tenth_ms > *options.longest_dwell_s * (1 + 1e-12)) {
@@ -172,9 +196,9 @@ void check(const TouchOptions& options) {
     const std::string fault = geometry::stride_fault(options.parameters.foci, *options.stride);
     if (!fault.empty()) throw bad_usage(fmt::format("--stride and {}: {}", options.foci_name, fault));
   }
-  check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
-  check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
-  if (options.spot_m) check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
+  line::check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
+  line::check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
+  if (options.spot_m) line::check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
   warn_of_dwell(options);
 }
 
@@ -184,7 +208,7 @@ void refuse_finger_width(const TouchOptions& options, const char* goes_with) {
 }
 
 void add_medium_options(CLI::App& app, MediumOptions& options) {
-  const Group group(app, "Air and tone");
+  const line::Group group(app, "Air and tone");
   group.number("--temperature", options.celsius, {array::least_celsius, array::most_celsius}, "CELSIUS",
                "temperature of the air, which sets the speed of sound [20]");
   group.quantity("--sound-speed", options.sound_speed, Quantity::speed,
@@ -192,12 +216,10 @@ void add_medium_options(CLI::App& app, MediumOptions& options) {
                  "speed of sound, instead of --temperature [343.2m/s, that of 20 degrees]");
   group.quantity("--frequency", options.frequency, Quantity::frequency, {array::least_frequency, array::most_frequency},
                  "frequency of the transducers' sound");
+  line::exclude(app, "--temperature", {"--sound-speed"});
 }
 
 array::Medium medium(const MediumOptions& options) {
-  if (options.celsius && options.sound_speed) {
-    throw bad_usage("--temperature and --sound-speed both set the speed of sound: give one of them");
-  }
   array::Medium air;
   air.sound_speed = options.sound_speed ? *options.sound_speed : array::sound_speed_at(options.celsius.value_or(20.0));
   air.frequency = options.frequency;
@@ -205,7 +227,7 @@ array::Medium medium(const MediumOptions& options) {
 }
 
 void add_air_options(CLI::App& app, AirOptions& options) {
-  const Group group(app, "Air and tone");
+  const line::Group group(app, "Air and tone");
   group.number("--humidity", options.humidity_percent, {0, 100}, "PERCENT",
                "relative humidity of the air, which sets how much sound it absorbs");
   group.quantity("--air-pressure", options.pressure_pa, Quantity::pressure,
@@ -214,9 +236,11 @@ void add_air_options(CLI::App& app, AirOptions& options) {
   if (options.absorption) {
     group.flag("--no-absorption", options.not_normally,
                "air absorbs no sound; without this option, it absorbs sound as in ISO 9613-1");
+    line::exclude(app, "--humidity", {"--no-absorption"});
   } else {
     group.flag("--absorption", options.not_normally,
                "air absorbs sound as in ISO 9613-1; without this option, it absorbs none");
+    line::need(app, {"--humidity"}, "--absorption");
   }
 }
 
@@ -227,29 +251,8 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
 }
 
-namespace {
-
-/// Throws bad_usage if the option is given although the air absorbs nothing.
-void refuse_without_absorption(const AirOptions& options, const char* name, bool given) {
-  if (!given || options.absorption != options.not_normally) return;
-  throw bad_usage(std::string(name) + (options.absorption ? " sets how much air absorbs, and --no-absorption that it "
-                                                            "absorbs nothing: give one of them"
-                                                          : " goes with --absorption: it sets how much air absorbs"));
-}
-
-}  // namespace
-
-void refuse_idle_humidity(const AirOptions& options) {
-  refuse_without_absorption(options, "--humidity", options.humidity_percent != AirOptions().humidity_percent);
-}
-
-void refuse_idle_air(const AirOptions& options) {
-  refuse_idle_humidity(options);
-  refuse_without_absorption(options, "--air-pressure", options.pressure_pa != AirOptions().pressure_pa);
-}
-
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
-  const Group group(app, "Drives");
+  const line::Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
                "amplitude that a focus asks of each transducer, by its distance or all the same");
   group.choice(
@@ -259,12 +262,13 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
             "the method multi-focus gs-pat]"
           : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive, "
             "simulate and run have [naive; for the method multi-focus gs-pat]");
-  Group(app, mesh == FingerMesh::known ? "Drives" : "")
-      .choice("--transfer", options.transfer, transfer_words,
-              "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
+  if (mesh == FingerMesh::known) {
+    group.choice("--transfer", options.transfer, transfer_words,
+                 "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
+  }
   group.choice("--constraint", options.constraint, array::constraint_words,
                "how amplitudes get into the range 0 to 1 [normalise]");
-  group.quantity("--pressure", options.pressure_pa, Quantity::pressure, positive(array::most_pressure_pa),
+  group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
                  "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
   group.choice("--directivity", options.directivity, array::directivity_words,
                "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
@@ -313,24 +317,16 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
 }
 
 void add_array_options(CLI::App& app, ArrayOptions& options) {
-  Group(app, "Array")
-      .text("--layout", options.layout, "NAME|FILE",
-            fmt::format("the array: {} or a TOML; palpa then prints the pressure "
-                        "at the foci [no array]",
-                        array::known_layouts()));
+  add_layout(line::Group(app, "Array"), options.layout, "the array",
+             "; palpa then prints the pressure at the foci [no array]");
   add_drive_options(app, options.drive);
-}
-
-void check(const ArrayOptions& options) {
-  if (options.layout.empty() && options.drive != DriveOptionsGroup())
-    throw bad_usage("options for driving an array go with --layout: give the array, such as paper");
+  line::need(app, line::under(app, {"Drives", "Air and tone"}), "--layout");
 }
 
 void add_rig_options(CLI::App& app, RigOptions& options) {
-  const Group group(app, "Rig");
+  const line::Group group(app, "Rig");
   group.text("--rig", options.rig, "FILE", "TOML file of cameras, array and screen [the paper's rig]");
-  group.text("--layout", options.layout, "NAME|FILE",
-             fmt::format("array instead of the rig's: {} or a TOML [the rig's]", array::known_layouts()));
+  add_layout(group, options.layout, "array instead of the rig's", " [the rig's]");
 }
 
 }  // namespace palpa::setup

@@ -23,10 +23,11 @@
 namespace CLI {
 class App;
 }
+namespace palpa::line {
+class Group;
+}
 
 namespace palpa::setup {
-
-class Group;
 
 /// Every subcommand has these.
 struct CommonOptions : ComputeOptions {
@@ -35,20 +36,27 @@ struct CommonOptions : ComputeOptions {
   std::optional<log::Level> log_level;
   bool allow_outside = false;  ///< see base/reference.hpp
 };
-void add_common(CLI::App& app, CommonOptions& options);
+/// What a command computes with. One that never uses a GPU has no --gpu and --validation.
+enum class Computes { anywhere, on_processor };
+void add_common(CLI::App& app, CommonOptions& options, Computes computes = Computes::anywhere);
 /// --allow-outside, of the commands that read scenes or recordings.
-void add_allow_outside(const Group& group, CommonOptions& options);
+void add_allow_outside(const line::Group& group, CommonOptions& options);
+/// --scene and --gltf-scene.
+void add_scene(const line::Group& group, std::string& scene, std::optional<std::uint32_t>& number);
 /// --gltf-scene, beside a --scene.
-void add_gltf_scene(const Group& group, std::optional<std::uint32_t>& number);
+void add_gltf_scene(const line::Group& group, std::optional<std::uint32_t>& number);
+/// --layout: `what` it is, and behind the known layouts what follows.
+void add_layout(const line::Group& group, std::string& layout, const char* what, const char* more = "");
+/// --finger, the mesh of one that is pressed into a scene; `usual` is used without it.
+void add_finger(const line::Group& group, std::string& file, const char* usual = "");
+/// --hold, a time or "auto".
+void add_hold(const line::Group& group, double& hold_s, bool& automatic);
 /// --board-files, beside a --link.
-void add_board_files(const Group& group, std::string& folder);
+void add_board_files(const line::Group& group, std::string& folder);
 /// Sets the log level: --log-level, otherwise "error" with --quiet, otherwise "warning". With the last two, warnings
 /// are held until the outcome is known, because a failing command writes only its error. Long computations call
 /// log::release_warnings() once their input is read.
 void apply_logging(const CommonOptions& options);
-/// Throws bad_usage if a GPU option is given although no GPU is used. `why` is the reason: "palpa scatter computes on
-/// the processor".
-void refuse_gpu_options(const ComputeOptions& options, const std::string& why);
 /// Throws bad_usage for GPU options beside --backend cpu.
 void check(const ComputeOptions& options);
 /// Whether a command ends with a text summary on stdout: not with --quiet, and not if an output goes to stdout.
@@ -90,8 +98,7 @@ struct FeltOptions {
   std::optional<double> shortest_dwell_s, longest_dwell_s;  ///< both or none: the range for --tune
 };
 void add_felt_options(CLI::App& app, FeltOptions& options);
-/// Throws bad_usage if a range is incomplete, empty, out of range, or given without --tune, and if nothing uses the
-/// spot.
+/// Throws bad_usage if a range is incomplete, empty or out of range, and if nothing uses the spot.
 void check(const FeltOptions& options, const TouchOptions& touch);
 
 /// The air and the tone: --temperature or --sound-speed, --frequency.
@@ -102,7 +109,7 @@ struct MediumOptions {
   bool operator==(const MediumOptions&) const = default;
 };
 void add_medium_options(CLI::App& app, MediumOptions& options);
-/// Throws bad_usage if both temperature and sound speed are given. If neither is given: 20 degrees Celsius.
+/// The sound speed that is given, otherwise that of the temperature, otherwise that of 20 degrees Celsius.
 array::Medium medium(const MediumOptions& options);
 
 /// The other properties of the air, for computations that need its density or absorption: --humidity, --air-pressure,
@@ -115,12 +122,8 @@ struct AirOptions {
   bool not_normally = false;  ///< the flag was given
 };
 void add_air_options(CLI::App& app, AirOptions& options);
-/// If a sound speed is given, the temperature is 20 degrees Celsius. Throws bad_usage as medium() does.
+/// If a sound speed is given, the temperature is 20 degrees Celsius.
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
-/// Throws bad_usage if a humidity is given without absorption, which is all that it affects.
-void refuse_idle_humidity(const AirOptions& options);
-/// The same for humidity and pressure of the air. This is for results that do not depend on the air's density either.
-void refuse_idle_air(const AirOptions& options);
 
 /// --solver: one of the engine's solvers, or `adjoint`, which is naive with the transfer of a finger.
 enum class SolverChoice { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation, adjoint };
@@ -137,9 +140,8 @@ struct DriveOptionsGroup {
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
   std::vector<std::string> nulls;  ///< texts of --null (nulls.hpp), which only some commands have
-  bool operator==(const DriveOptionsGroup&) const = default;
 };
-/// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, the help omits
+/// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, it has no
 /// --transfer.
 enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh = FingerMesh::unknown);
@@ -163,9 +165,8 @@ struct ArrayOptions {
   std::string layout;  ///< built-in name or file; empty: none
   DriveOptionsGroup drive;
 };
+/// Without --layout, the options of its drives are refused.
 void add_array_options(CLI::App& app, ArrayOptions& options);
-/// Throws bad_usage if drive options are given but no array.
-void check(const ArrayOptions& options);
 
 /// The physical set-up; --layout replaces the rig's array.
 struct RigOptions {

@@ -12,7 +12,8 @@
 #include "base/memory.hpp"
 #include "base/units.hpp"
 #include "geometry/files/ply.hpp"
-#include "setup/values.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -29,7 +30,7 @@ void check_room(std::uint64_t points) {
 }
 
 Vec3 parse_place(const char* option, const std::string& text) {
-  const auto [x, y, z] = parse_point(option, text);
+  const auto [x, y, z] = line::parse_point(option, text);
   if (std::max({std::abs(x), std::abs(y), std::abs(z)}) > farthest_m)
     throw bad_usage(fmt::format("{}: '{}' is farther than {} m away", option, text, farthest_m));
   return {x, y, z};
@@ -119,12 +120,6 @@ Places file_of(const PlaceOptions& o) {
   return places;
 }
 
-void refuse_stray(const PlaceOptions& o) {
-  if (!o.plane && !(o.centre.empty() && o.size.empty() && o.pixels.empty()))
-    throw bad_usage("--centre, --size and --pixels go with --plane");
-  if (o.line[0].empty() && o.samples) throw bad_usage("--samples goes with --line");
-}
-
 }  // namespace
 
 Places plane_places(const Grid& given) {
@@ -188,7 +183,7 @@ Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles)
 }
 
 void add_place_options(CLI::App& app, PlaceOptions& options) {
-  const Group group(app, "Where");
+  const line::Group group(app, "Where");
   group.choice("--plane", options.plane, plane_words,
                "computes on a plane; its two letters are the axes that point right and up");
   group.point("--centre", options.centre, "centre of the plane [0,0,0]");
@@ -205,6 +200,8 @@ void add_place_options(CLI::App& app, PlaceOptions& options) {
                 fmt::format("number of points on the line [{}]", usual_samples));
   group.text("--points", options.points, "FILE",
              "computes at the points of a PLY file, or at the vertices of its surface");
+  line::need(app, {"--centre", "--size", "--pixels"}, "--plane");
+  line::need(app, {"--samples"}, "--line");
 }
 
 void check(const PlaceOptions& o) {
@@ -212,13 +209,8 @@ void check(const PlaceOptions& o) {
   if (kinds == 0)
     throw bad_usage("no place to look at: give --plane xy|xz|yz with --size, --line x,y,z x,y,z or --points FILE.ply");
   if (kinds > 1) throw bad_usage("--plane, --line and --points exclude each other: give one of them");
-  refuse_stray(o);
   if (o.plane) grid_of(o);
   if (!o.line[0].empty()) ends_of(o);
-}
-
-void refuse_without_place(const PlaceOptions& options) {
-  if (!options.given()) refuse_stray(options);
 }
 
 Places load_places(const PlaceOptions& options) {

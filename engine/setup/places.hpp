@@ -57,11 +57,7 @@ Places plane_places(const Grid& grid);
 Places line_places(const Vec3& from, const Vec3& to, std::uint32_t samples);
 Places point_places(std::vector<Vec3> points, std::vector<glm::uvec3> triangles = {});
 
-/// Throws bad_usage for options of a place if no place is given.
-void refuse_without_place(const PlaceOptions& options);
-
-/// Throws bad_usage for no place, several places, a plane without extent, a line without length, or an option of
-/// another kind of place. Reads no file.
+/// Throws bad_usage for no place, several places, a plane without extent, or a line without length. Reads no file.
 void check(const PlaceOptions& options);
 
 /// The places of these options. Throws as check does; bad_input for a faulty file; and failure if the points need more

@@ -11,8 +11,9 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "sensing/rig.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -113,13 +114,14 @@ array::Spread read_text(std::string_view text) {
 }  // namespace
 
 void add_spread_options(CLI::App& app, SpreadOptions& options) {
-  const Group group(app, "How sure the numbers are");
+  const line::Group group(app, "How sure the numbers are");
   group.text(
       "--spread", options.text, "KEY=VALUE,...",
       fmt::format("computes everything again for random arrays and reports ranges; standard deviations: {}", example),
       check_spread);
   group.integer("--draws", options.draws, least_draws, most_draws,
                 fmt::format("with --spread: number of random arrays [{}]", usual_draws));
+  line::need(app, {"--draws"}, "--spread");
 }
 
 array::Spread parse_spread(const std::string& text) {
@@ -131,10 +133,7 @@ void check_spread(const std::string& text) {
 }
 
 void check(const SpreadOptions& options, const MediumOptions& medium) {
-  if (options.text.empty()) {
-    if (options.draws) throw bad_usage("--draws goes with --spread");
-    return;
-  }
+  if (options.text.empty()) return;
   if (read_text(options.text).temperature > 0 && medium.sound_speed) {
     throw bad_usage(
         "--sound-speed replaces the temperature, and --spread varies it: give --temperature instead of --sound-speed");
@@ -162,6 +161,13 @@ void begin_spread(JsonWriter& json, const Draws& draws) {
 
 void add(JsonWriter& json, const Percentiles& range) {
   json.begin_array().value(range.p05).value(range.p50).value(range.p95).end_array();
+}
+
+void add(JsonWriter& json, const char* name, std::span<const Percentiles> ranges) {
+  json.key(name).begin_array();
+  for (const Percentiles& range : ranges)
+    add(json, range);
+  json.end_array();
 }
 
 MediumOptions warmer(MediumOptions medium, double temperature) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,7 +38,7 @@ array::Spread parse_spread(const std::string& text);
 /// The same checks, but of the text alone: a rig is not read.
 void check_spread(const std::string& text);
 
-/// Throws bad_usage for draws without a spread, and for a spread of the temperature where the sound speed is given.
+/// Throws bad_usage for a spread of the temperature where the sound speed is given.
 void check(const SpreadOptions& options, const MediumOptions& medium);
 
 /// Percentiles of one number over all draws, interpolated linearly between neighbours.
@@ -57,6 +58,7 @@ Draws draws_of(const SpreadOptions& options, std::uint64_t seed);
 void begin_spread(JsonWriter& json, const Draws& draws);
 /// [p05, p50, p95].
 void add(JsonWriter& json, const Percentiles& percentiles);
+void add(JsonWriter& json, const char* name, std::span<const Percentiles> ranges);
 
 /// The air of a draw: the medium's options at `temperature` kelvin above theirs, within the accepted range.
 MediumOptions warmer(MediumOptions medium, double temperature);

@@ -3,45 +3,52 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <string_view>
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
-#include "setup/values.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "study/plan/order.hpp"
 
 namespace palpa::setup {
 
+void add_override(const line::Group& group, std::string& who) {
+  group.text("--override", who, "TEXT",
+             "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+}
+
+void add_eyes_options(const line::Group& group, EyesOptions& o) {
+  group.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, line::positive(1), "distance between the eyes");
+  group.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, line::positive(1),
+                 "with --stereo columns, the distance between slits; with rows, that of two rows [so that neighbours "
+                 "differ]");
+  group.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
+                 "distance from the screen to its barrier [so that neighbours differ]");
+  group.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
+}
+
 void add_study_run_options(CLI::App& app, StudyRunOptions& o) {
-  const Group sitting(app, "Sitting");
+  const line::Group sitting(app, "Sitting");
   sitting.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   sitting.text("--out", o.out, "DIR", "folder of the study; the participant's folder is made in it");
-  sitting.text("--override", o.override_by, "TEXT",
-               "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+  add_override(sitting, o.override_by);
   sitting.number("--rehearse", o.rehearse, {0, 1}, "NUMBER",
                  "a scripted participant with this share of right answers presses the keys [a person]");
-  const Group what(app, "What to run");
+  const line::Group what(app, "What to run");
   what.text("--source", o.source, "SOURCE", "where frames come from, as in palpa run [with --rehearse: synthetic]");
   what.text("--link", o.link, "LINK", "the array that sounds, as in palpa run [with --rehearse: null]");
   what.text("--rig", o.rig, "FILE", "the cameras, the array and the screen with their poses [the paper's]");
   add_board_files(what, o.board_files);
-  what.quantity_or_auto("--hold", o.hold_s, o.hold_auto, Quantity::time, positive(10),
-                        "how long a frame sounds if no other comes; auto: longer if frames are always late");
-  const Group windows(app, "Windows");
+  add_hold(what, o.hold_s, o.hold_auto);
+  const line::Group windows(app, "Windows");
   windows.text("--monitor", o.monitor, "NAME|NUMBER",
                "monitor that the participant's window fills [the last, if there are several]");
   windows.text("--size", o.size, "WxH", "size of the participant's window in pixels; it then fills no monitor");
   windows.text("--stereo", o.stereo, "HOW",
                "how the pictures of two eyes become one: none, side-by-side, top-bottom, anaglyph, columns (an "
                "autostereoscopic display with upright slits) or rows [none]");
-  windows.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, positive(1), "distance between the eyes");
-  windows.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, positive(1),
-                   "with --stereo columns, the distance between slits; with rows, that of two rows [so that neighbours "
-                   "differ]");
-  windows.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
-                   "distance from the screen to its barrier [so that neighbours differ]");
-  windows.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
+  add_eyes_options(windows, o);
+  line::exclude(app, "--monitor", {"--size"});
 }
 
 void check(StudyRunOptions& o) {
@@ -57,47 +64,12 @@ void check(StudyRunOptions& o) {
   if (o.link.empty())
     throw bad_usage("--link is missing: give an array, as for palpa run, or --rehearse for a scripted participant");
   if (!o.size.empty()) parse_window_size("--size", o.size);
-  if (!o.size.empty() && !o.monitor.empty())
-    throw bad_usage("--size and --monitor exclude each other: a window of that size fills no monitor");
   const StudyRunOptions usual;
   if ((o.stereo.empty() || o.stereo == "none") && o.eyes_apart_m != usual.eyes_apart_m)
     throw bad_usage("--eyes-apart goes with --stereo");
   const bool barrier = o.barrier_pitch_m || o.barrier_gap_m || o.barrier_phase != usual.barrier_phase;
   if (barrier && o.stereo != "columns" && o.stereo != "rows")
     throw bad_usage("--barrier-pitch, --barrier-gap and --barrier-phase go with --stereo columns or rows");
-}
-
-std::vector<std::string> words_of(const StudyRunOptions& o) {
-  std::vector<std::string> words{"--study", o.plan};
-  const auto add = [&](const char* option, std::string_view value) {
-    if (!value.empty()) words.insert(words.end(), {option, std::string(value)});
-  };
-  if (o.participant) add("--participant", std::to_string(*o.participant));
-  add("--out", o.out);
-  add("--override", o.override_by);
-  if (o.rehearse) add("--rehearse", fmt::format("{}", *o.rehearse));
-  add("--source", o.source);
-  add("--link", o.link);
-  add("--rig", o.rig);
-  add("--board-files", o.board_files);
-  if (o.hold_auto || o.hold_s != StudyRunOptions().hold_s)
-    add("--hold", o.hold_auto ? "auto" : format_quantity(o.hold_s, Quantity::time));
-  add("--monitor", o.monitor);
-  add("--size", o.size);
-  add("--stereo", o.stereo);
-  if (o.eyes_apart_m != StudyRunOptions().eyes_apart_m)
-    add("--eyes-apart", format_quantity(o.eyes_apart_m, Quantity::length));
-  if (o.barrier_pitch_m) add("--barrier-pitch", format_quantity(*o.barrier_pitch_m, Quantity::length));
-  if (o.barrier_gap_m) add("--barrier-gap", format_quantity(*o.barrier_gap_m, Quantity::length));
-  if (o.barrier_phase != 0) add("--barrier-phase", fmt::format("{}", o.barrier_phase));
-  add("--gpu", o.common.gpu);
-  if (o.common.backend != Backend::automatic) add("--backend", word_of(backend_words, o.common.backend));
-  add("--json", o.common.json);
-  if (o.common.quiet) words.emplace_back("--quiet");
-  if (o.common.log_level) add("--log-level", word_of(log::level_words, *o.common.log_level));
-  if (o.common.seed != 0) add("--seed", std::to_string(o.common.seed));
-  if (o.common.validation) add("--validation", word_of(gpu::validation_words, *o.common.validation));
-  return words;
 }
 
 WindowSize parse_window_size(const std::string& option, const std::string& text) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "setup/options.hpp"
 
@@ -14,7 +13,15 @@ namespace palpa::setup {
 /// For a palpa that was built without SDL2, which plays noise in headphones.
 inline constexpr const char* how_to_get_sdl2 = "install libsdl2-dev (./dev deps audio) and build palpa again";
 
-struct StudyRunOptions {
+/// The eyes of a participant, and the barrier of an autostereoscopic screen.
+struct EyesOptions {
+  double eyes_apart_m = 63e-3;
+  std::optional<double> barrier_pitch_m, barrier_gap_m;  ///< by default, those with which neighbours differ
+  double barrier_phase = 0;
+};
+void add_eyes_options(const line::Group& group, EyesOptions& options);
+
+struct StudyRunOptions : EyesOptions {
   CommonOptions common;
   std::string plan;  ///< file
   std::optional<std::uint32_t> participant;
@@ -28,17 +35,14 @@ struct StudyRunOptions {
   std::string monitor;             ///< name or number of the participant's; empty: the last, if there are several
   std::string size;                ///< "1280x720": of the participant's window, which then fills no monitor
   std::string stereo;  ///< how the pictures of two eyes become one, as --stereo of palpa-viewer; empty: none
-  double eyes_apart_m = 63e-3;
-  std::optional<double> barrier_pitch_m, barrier_gap_m;  ///< by default, those with which neighbours differ
-  double barrier_phase = 0;
 };
 
+/// Adds --override.
+void add_override(const line::Group& group, std::string& who);
 /// Adds all of them but the plan.
 void add_study_run_options(CLI::App& app, StudyRunOptions& options);
 /// Throws bad_usage if options are missing or exclude each other. Chooses source and link of a rehearsal.
 void check(StudyRunOptions& options);
-/// The words of a command line that gives them to palpa-viewer.
-std::vector<std::string> words_of(const StudyRunOptions& options);
 
 /// "1280x800": width and height, 16 to 8192 each. Throws bad_usage naming the option.
 struct WindowSize {

@@ -61,6 +61,8 @@ void try_files(const study::StudyPlan& plan) {
 }
 
 study::StudyPlan load_plan(const std::string& file) {
+  if (file.empty())
+    throw bad_usage("the plan is missing: give the TOML file of a study, such as assets/studies/paper.toml");
   study::StudyPlan plan = study::read_plan(file);
   for (study::PlanShape& shape : plan.shapes) {
     if (!study::is_own_model(shape.model)) continue;

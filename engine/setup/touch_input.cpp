@@ -1,6 +1,6 @@
 #include "setup/touch_input.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,24 +10,27 @@
 #include "base/text.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/plausible.hpp"
+#include "line/values.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
-double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
+
+double top_of(std::span<const geometry::Solid> solids) {
   Box all;
-  for (const geometry::Solid& solid : solids) {
-    all.add(solid.bounds.low);
+  for (const geometry::Solid& solid : solids)
     all.add(solid.bounds.high);
-  }
+  return all.high.y;
+}
+
+double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration) {
   double lowest = points.front().y;
   for (const Vec3& point : points)
     lowest = std::min(lowest, point.y);
-  return all.high.y - penetration - lowest;
+  return top_of(solids) - penetration - lowest;
 }
 
 bool warn_of_skin(const std::string& name, std::span<const Vec3> positions) {
@@ -150,9 +153,8 @@ TouchInput load_depths(const TouchInputOptions& options) {
 }  // namespace
 
 void add_touch_input(CLI::App& app, TouchInputOptions& options) {
-  const Group group(app, "What touches what");
-  group.text("--scene", options.scene, "FILE", "glTF model whose meshes can be touched");
-  add_gltf_scene(group, options.gltf_scene);
+  const line::Group group(app, "What touches what");
+  add_scene(group, options.scene, options.gltf_scene);
   group.text("--points", options.points, "FILE", "PLY file with points of the skin, in metres, world coordinates");
   group.texts("--depth", options.depths, "FILE",
               "16-bit depth image (PNG), instead of --points; give it again for more cameras");

@@ -60,6 +60,8 @@ TouchInput load_touch_input(const TouchInputOptions& options, std::span<const ge
 /// as load_touch_input does.
 std::vector<sensing::Camera> load_cameras(const TouchInputOptions& options);
 
+/// The y of the highest point of the solids.
+double top_of(std::span<const geometry::Solid> solids);
 /// The shift along y for --penetration: afterwards, the lowest point lies that far below the highest point of the
 /// solids. There must be at least one point.
 double lowering(std::span<const geometry::Solid> solids, std::span<const Vec3> points, double penetration_m);

@@ -11,7 +11,7 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/plausible.hpp"
-#include "setup/values.hpp"
+#include "line/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -22,8 +22,8 @@ constexpr double on_transducer_m = 1e-6;
 void warn_of_dwell(const std::string& where, double dwell_s) {
   if (dwell_s <= longest_usual_dwell_s) return;
   log::warning(fmt::format("{} of {} is long: a focus that stays in a place for more than {} is felt as jumps", where,
-                           format_quantity(dwell_s, Quantity::time),
-                           format_quantity(longest_usual_dwell_s, Quantity::time)));
+                           line::format_quantity(dwell_s, Quantity::time),
+                           line::format_quantity(longest_usual_dwell_s, Quantity::time)));
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 #include "base/error.hpp"
 #include "cli/commands.hpp"
+#include "line/values.hpp"
 #include "sensing/rig.hpp"
-#include "setup/values.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -23,9 +23,9 @@ struct PingCommand {
 };
 
 void add_options(CLI::App& app, PingCommand& o) {
-  const setup::Group group(app, "What to ping");
+  const line::Group group(app, "What to ping");
   group.text("--board", o.board, "NAME", "which board");
-  group.quantity("--pause", o.pause_s, Quantity::time, setup::positive(10), "between two of them");
+  group.quantity("--pause", o.pause_s, Quantity::time, line::positive(10), "between two of them");
 }
 
 struct Outcome {

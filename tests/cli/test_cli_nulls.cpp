@@ -175,7 +175,7 @@ radius_m = 0.0005
   const std::vector<std::string> same{"--focus",     "-0.01,0,0.15", "--focus",
                                       "0.01,0,0.15", "--null",       "0,0.01,0.15,0.0005"};
   EXPECT_EQ(pattern.out, palpa_here(with(with({"drive"}, same), rest)).out);
-  expect_failure(palpa_here(with({"drive", "--pattern", file, "--focus", "0,0,0.1"}, rest)), 2, "leave --focus");
+  expect_failure(palpa_here(with({"drive", "--pattern", file, "--focus", "0,0,0.1"}, rest)), 2, "exclude each other");
   write_text(file, "[[point]]\nposition_m = [0, 0, 0.15]\namplitude = -1\n");
   expect_failure(palpa_here(with({"drive", "--pattern", file}, rest)), 4, file + ": line 3");
 }

@@ -366,16 +366,16 @@ TEST(DriveOnAFinger, RefusesWhatHasNoFinger) {
   refused(with(drive, {"--mesh", "nothing.ply", "--transfer", "finger"}), 4, "nothing.ply");
   const std::string there = ply_of("there", geometry::icosphere(radius, 6));
   refused(with(drive, {"--mesh", there, "--transfer", "finger"}), 4, "stands in the array");
-  const std::string unknown = "this command has no finger's mesh";
+  const std::string unknown = "this command has no finger's mesh", none = "has no option '--transfer'";
   refused({"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--plane", "xz", "--size", "1cm,1cm", "--csv", "-",
            "--transfer", "finger"},
-          2, unknown);
+          2, none);
   const std::string scene = source_file("assets/cube.glb");
   const std::string drives = scratch_folder("no-finger") / "drives.bin";
   refused({"export", "--scene", scene, "--frames", "1", "--drives", drives, "--solver", "adjoint"}, 2, unknown);
   refused({"touch", "--scene", scene, "--points", source_file("assets/finger.ply"), "--layout", "paper", "--transfer",
            "finger"},
-          2, unknown);
+          2, none);
 }
 
 TEST(Scatter, RefusesWavesThatAreNone) {

@@ -81,7 +81,7 @@ TEST_F(CliStudySimulate, BadInputIsOneLine) {
   const auto fails = [&](const std::vector<std::string>& line, int code, const std::string& part) {
     expect_failure(palpa_here(line), code, part);
   };
-  fails({"study", "simulate"}, 2, "give palpa study simulate one plan");
+  fails({"study", "simulate"}, 2, "the plan is missing: give the TOML file of a study");
   fails({"study", "simulate", path("none.toml")}, 4, "none.toml");
   write_text(path("bad.toml"), read_text(plan_) + "[observers]\n");
   fails({"study", "simulate", path("bad.toml")}, 4, "observers");

@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base drawing gpu geometry sensing touch array acoustics study observer session setup bench cli", floor_names)
+  split("base line drawing gpu geometry sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.
@@ -14,7 +14,7 @@ BEGIN {
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
-  interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["setup/values.hpp"] = 1  # its commands
+  interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["line/values.hpp"] = 1  # its commands
   interface["array/drive.hpp"] = interface["array/layouts/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
@@ -27,7 +27,7 @@ BEGIN {
   order("session", "clock newest threads answer_thread links watch predict plan loop previews .")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
-  order("setup", ". experiment tasks")
+  order("setup", ". tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
   bad = 0
@@ -75,7 +75,7 @@ function fault(text) {
   }
 
   if (name ~ /^(GLFW\/|glfw)/ && FILENAME !~ /^viewer\/.*window/) fault("only the viewer's window may know GLFW")
-  if (name ~ /^(volk\.h|vulkan\/)/ && library ~ /^(base|drawing|setup|cli|driver|assets)$/) fault(library " may not know Vulkan")
+  if (name ~ /^(volk\.h|vulkan\/)/ && library ~ /^(base|line|drawing|setup|experiment|cli|driver|assets)$/) fault(library " may not know Vulkan")
 
   if (house == "engine") {
     if (target ~ /^(driver|viewer|assets|tests)$/) fault("engine/ may not include " name ", which is above it")

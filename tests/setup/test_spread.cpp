@@ -230,9 +230,7 @@ TEST(Spread, IsWrittenAsTriples) {
 
 TEST(Spread, SaysWhatDoesNotGoTogether) {
   setup::SpreadOptions options;
-  options.draws = 50;
   setup::MediumOptions medium;
-  EXPECT_ERROR(check(options, medium), Exit::usage, "--draws goes with --spread");
   options.text = "temperature=1";
   check(options, medium);
   medium.sound_speed = 340;

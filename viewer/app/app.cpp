@@ -335,7 +335,7 @@ void App::copy_run() {
 
 void App::copy_picture(const Size& size) {
   const SeenView seen{data_.state, size, ratio_, slice_.placed(), data_.content.run.numbers.frames, slice_.plane()};
-  const setup::Given run = data_.content.live ? data_.content.edit.line() : setup::Given();
+  const line::Given run = data_.content.live ? data_.content.edit.line() : line::Given();
   copy(picture_command(content_.options(), run, seen));
 }
 

@@ -164,7 +164,7 @@ void ContentControl::set_option(const OptionText& asked) {
 
 /// A touch has most of the options of a run, and is found again with them. Throws bad_usage.
 void ContentControl::find_touch_again(const OptionText& asked, const LiveEdit& edit) {
-  const auto info = std::ranges::find(live_table(), asked.option, &setup::OptionInfo::name);
+  const auto info = std::ranges::find(live_table(), asked.option, &line::OptionInfo::name);
   const bool applies = info != live_table().end() && is_of_touch(*info);
   if (!applies || content_->empty || edit.options().scene.empty()) return;
   TouchEdit touch(options_);

@@ -7,10 +7,10 @@
 
 namespace palpa::viewer {
 
-LiveEdit::LiveEdit(const setup::Given& line) : options_(values_of(line)), line_(setup::known_to(live_table(), line)) {}
+LiveEdit::LiveEdit(const line::Given& line) : options_(values_of(line)), line_(line::known_to(live_table(), line)) {}
 
 void LiveEdit::check() const {
-  setup::check(options_);
+  check_live(line_, options_);
 }
 
 void LiveEdit::open_scene(const std::string& file) {
@@ -38,7 +38,7 @@ void LiveEdit::leave_touch() {
 }
 
 std::optional<std::string> LiveEdit::text(const std::string& option) const {
-  for (const setup::Given* part : {&line_, &copied_only_}) {
+  for (const line::Given* part : {&line_, &copied_only_}) {
     if (const auto found = part->find(option); found != part->end())
       return found->second.empty() ? std::string() : found->second.front();
   }
@@ -46,9 +46,9 @@ std::optional<std::string> LiveEdit::text(const std::string& option) const {
 }
 
 void LiveEdit::set(const std::string& option, const std::optional<std::string>& text) {
-  const bool runs = std::ranges::find(live_table(), option, &setup::OptionInfo::name) != live_table().end();
-  setup::Given part = runs ? line_ : copied_only_;
-  setup::give(part, option, text);
+  const bool runs = std::ranges::find(live_table(), option, &line::OptionInfo::name) != live_table().end();
+  line::Given part = runs ? line_ : copied_only_;
+  line::give(part, option, text);
   if (!runs) {
     check_copied(part);
     copied_only_ = std::move(part);
@@ -59,7 +59,7 @@ void LiveEdit::set(const std::string& option, const std::optional<std::string>& 
 }
 
 bool LiveEdit::runs_as(const LiveEdit& other) const {
-  setup::Given mine = line_, theirs = other.line_;
+  line::Given mine = line_, theirs = other.line_;
   mine.erase("--ceiling");
   theirs.erase("--ceiling");
   return mine == theirs;

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "line/option_table.hpp"
 #include "setup/live_run.hpp"
-#include "setup/option_table.hpp"
 
 namespace palpa::viewer {
 
@@ -23,7 +23,7 @@ class LiveEdit {
   /// Takes those options of the viewer's command line that `palpa run` also has, see live_table(). The values need not
   /// go together: a single touch has a scene but no source. Throws bad_usage for a text that is not a value of its
   /// option.
-  explicit LiveEdit(const setup::Given& line);
+  explicit LiveEdit(const line::Given& line);
 
   const setup::LiveOptions& options() const { return options_; }
   /// Throws bad_usage if the options do not go together. Warns about unusual ones.
@@ -45,7 +45,7 @@ class LiveEdit {
   void set(const std::string& option, const std::optional<std::string>& text);
 
   /// The options of the run as on a command line.
-  const setup::Given& line() const { return line_; }
+  const line::Given& line() const { return line_; }
   /// Whether a run with either is the same run. The ceiling may differ, because it changes while a run continues.
   bool runs_as(const LiveEdit& other) const;
   /// The command `palpa run` with the same options and those of copied_table().
@@ -53,8 +53,8 @@ class LiveEdit {
 
  private:
   setup::LiveOptions options_;
-  setup::Given line_;         ///< options of live_table()
-  setup::Given copied_only_;  ///< options of copied_table()
+  line::Given line_;         ///< options of live_table()
+  line::Given copied_only_;  ///< options of copied_table()
 };
 
 }  // namespace palpa::viewer

@@ -8,7 +8,9 @@
 #include <mutex>
 #include <string_view>
 
-#include "setup/values.hpp"
+#include "base/error.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "viewer/live/held_finger.hpp"
 
 namespace palpa::viewer {
@@ -19,7 +21,7 @@ struct LineOptions : setup::LiveOptions {
 };
 
 void add_live_options(CLI::App& app, LineOptions& o) {
-  const setup::Group group(app, "What to run");
+  const line::Group group(app, "What to run");
   add_frame_options(group, o, "stop after that many frames; 0: at the source's end");
   add_link_options(group, o);
   setup::add_stats_option(group, o.stats);
@@ -27,7 +29,7 @@ void add_live_options(CLI::App& app, LineOptions& o) {
   setup::add_common(app, o.common);
 }
 
-bool is_copied(const setup::OptionInfo& info) {
+bool is_copied(const line::OptionInfo& info) {
   constexpr std::string_view names[] = {"--frames", "--stats", "--json", "--quiet", "--log-level"};
   return std::ranges::find(names, info.name) != std::end(names);
 }
@@ -36,73 +38,84 @@ bool is_copied(const setup::OptionInfo& info) {
 class Reader {
  public:
   Reader() { add_live_options(app_, options_); }
-  LineOptions read(const setup::Given& given) {
+  LineOptions read(const line::Given& given) {
     options_ = LineOptions();  // an option that is not given has its default, whatever it was before
-    setup::read_given(app_, given);
+    line::read_given(app_, given);
     return options_;
   }
-  std::vector<setup::OptionInfo> table() const { return setup::option_table(app_); }
+  std::vector<line::OptionInfo> table() const { return line::option_table(app_); }
+  std::string misfit(const line::Given& given) const { return line::misfit(app_, given); }
 
  private:
   CLI::App app_{"", "palpa-viewer"};
   LineOptions options_;  ///< the app's options are read into this
 };
 
-LineOptions read(const setup::Given& given) {
-  static Reader reader;
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  return reader.read(given);
+Reader& reader() {
+  static Reader one;
+  return one;
 }
 
-const std::vector<setup::OptionInfo>& whole_table() {
-  static const std::vector<setup::OptionInfo> table = Reader().table();
+LineOptions read(const line::Given& given) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  return reader().read(given);
+}
+
+const std::vector<line::OptionInfo>& whole_table() {
+  static const std::vector<line::OptionInfo> table = reader().table();
   return table;
 }
 
-std::vector<setup::OptionInfo> part_of_table(bool copied) {
-  std::vector<setup::OptionInfo> part;
+std::vector<line::OptionInfo> part_of_table(bool copied) {
+  std::vector<line::OptionInfo> part;
   std::ranges::copy_if(whole_table(), std::back_inserter(part),
-                       [&](const setup::OptionInfo& info) { return is_copied(info) == copied; });
+                       [&](const line::OptionInfo& info) { return is_copied(info) == copied; });
   return part;
 }
 
 }  // namespace
 
-const std::vector<setup::OptionInfo>& live_table() {
-  static const std::vector<setup::OptionInfo> table = part_of_table(false);
+const std::vector<line::OptionInfo>& live_table() {
+  static const std::vector<line::OptionInfo> table = part_of_table(false);
   return table;
 }
 
-const std::vector<setup::OptionInfo>& copied_table() {
-  static const std::vector<setup::OptionInfo> table = part_of_table(true);
+const std::vector<line::OptionInfo>& copied_table() {
+  static const std::vector<line::OptionInfo> table = part_of_table(true);
   return table;
 }
 
-setup::LiveOptions values_of(const setup::Given& given) {
-  setup::LiveOptions options = read(setup::known_to(live_table(), given));
+setup::LiveOptions values_of(const line::Given& given) {
+  setup::LiveOptions options = read(line::known_to(live_table(), given));
   options.watched = true;  // the viewer itself shows events
   return options;
 }
 
-setup::LiveOptions live_options(const setup::Given& given) {
-  setup::LiveOptions options = values_of(given);
+void check_live(const line::Given& given, const setup::LiveOptions& options) {
+  if (const std::string fault = reader().misfit(line::known_to(live_table(), given)); !fault.empty())
+    throw bad_usage(fault);
   check(options);
+}
+
+setup::LiveOptions live_options(const line::Given& given) {
+  setup::LiveOptions options = values_of(given);
+  check_live(given, options);
   return options;
 }
 
-void check_copied(const setup::Given& copied) {
-  read(setup::known_to(copied_table(), copied));
+void check_copied(const line::Given& copied) {
+  read(line::known_to(copied_table(), copied));
 }
 
-std::string run_command(const setup::Given& given, const setup::Given& copied) {
-  setup::Given there = setup::known_to(live_table(), given);
-  there.merge(setup::known_to(copied_table(), copied));
+std::string run_command(const line::Given& given, const line::Given& copied) {
+  line::Given there = line::known_to(live_table(), given);
+  there.merge(line::known_to(copied_table(), copied));
   // `palpa run` has no pointer to follow, so its finger dips by itself.
   if (const auto source = there.find("--source"); source != there.end() && !source->second.empty()) {
     source->second.front() = HeldFinger::without_hand(source->second.front());
   }
-  return setup::command_line("palpa run", whole_table(), there);
+  return line::command_line("palpa run", whole_table(), there);
 }
 
 }  // namespace palpa::viewer

@@ -4,26 +4,28 @@
 #include <string>
 #include <vector>
 
+#include "line/option_table.hpp"
 #include "setup/live_run.hpp"
-#include "setup/option_table.hpp"
 
 namespace palpa::viewer {
 
 /// All of them that say what runs, in the order of `palpa run --help`.
-const std::vector<setup::OptionInfo>& live_table();
+const std::vector<line::OptionInfo>& live_table();
 /// The others: how long the command runs, and what it reports. The viewer runs until it is closed and reports in its
 /// panels, so it only copies them into the command.
-const std::vector<setup::OptionInfo>& copied_table();
+const std::vector<line::OptionInfo>& copied_table();
 
 /// The values of live_table()'s options. It is not checked whether they go together. Throws bad_usage for a text that
 /// is not a value of its option.
-setup::LiveOptions values_of(const setup::Given& given);
-/// The same, and throws bad_usage if the options do not go together.
-setup::LiveOptions live_options(const setup::Given& given);
+setup::LiveOptions values_of(const line::Given& given);
+/// Throws bad_usage if the given options, which have these values, do not go together.
+void check_live(const line::Given& given, const setup::LiveOptions& options);
+/// The values, checked.
+setup::LiveOptions live_options(const line::Given& given);
 /// Throws bad_usage for a text that is not a value of its option in copied_table().
-void check_copied(const setup::Given& copied);
+void check_copied(const line::Given& copied);
 
 /// The `palpa run` command with the options `given`, and with those of copied_table() in `copied`.
-std::string run_command(const setup::Given& given, const setup::Given& copied = {});
+std::string run_command(const line::Given& given, const line::Given& copied = {});
 
 }  // namespace palpa::viewer

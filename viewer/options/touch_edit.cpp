@@ -16,15 +16,15 @@ void TouchEdit::open_scene(const std::string& file) {
 }
 
 void TouchEdit::use_points(const std::string& file) {
-  setup::Given given = options_.given;
+  line::Given given = options_.given;
   given.erase("--depth");
   given["--points"] = {file};
   options_ = options_of(given);
 }
 
 void TouchEdit::set(const std::string& option, const std::optional<std::string>& text) {
-  setup::Given given = options_.given;
-  setup::give(given, option, text);
+  line::Given given = options_.given;
+  line::give(given, option, text);
   options_ = options_of(given);
 }
 

@@ -13,7 +13,7 @@ namespace palpa::viewer {
 namespace {
 
 /// Whether the view itself says it.
-bool is_of_view(const setup::OptionInfo& option) {
+bool is_of_view(const line::OptionInfo& option) {
   constexpr std::string_view headings[] = {"Picture", "View", "What the participant sees", "Mouse and keys, panels",
                                            "Without a window"};
   constexpr std::string_view kept[] = {"--skin", "--title", "--inset"};
@@ -30,7 +30,7 @@ void add_item(std::string& list, const std::string& item) {
   list += (list.empty() ? "" : ",") + item;
 }
 
-void give_layers(setup::Given& given, const Layers& layers) {
+void give_layers(line::Given& given, const Layers& layers) {
   std::string shown, hidden, opacities;
   const Layers usual;
   for (const Word<Layer>& entry : layer_words) {
@@ -46,7 +46,7 @@ void give_layers(setup::Given& given, const Layers& layers) {
 }
 
 /// A camera's own view is named, because it is no orbit.
-void give_viewpoint(setup::Given& given, const ViewerOptions& options, const Viewpoint& viewpoint) {
+void give_viewpoint(line::Given& given, const ViewerOptions& options, const Viewpoint& viewpoint) {
   if (viewpoint.frustum) {
     given["--view"] = {options.view};
   } else {
@@ -57,7 +57,7 @@ void give_viewpoint(setup::Given& given, const ViewerOptions& options, const Vie
   if (viewpoint.orthographic) given["--ortho"] = {};
 }
 
-void give_slice(setup::Given& given, const SeenView& seen) {
+void give_slice(line::Given& given, const SeenView& seen) {
   if (!seen.state.layers.shows(Layer::slice)) return;
   if (seen.plane) given["--slice"] = {std::string(word_of(setup::plane_words, *seen.plane))};
   if (seen.placed) given["--slice-at"] = {point_text(Vec3(seen.state.slice.T_world_slice[3]))};
@@ -66,17 +66,17 @@ void give_slice(setup::Given& given, const SeenView& seen) {
 
 }  // namespace
 
-std::string picture_command(const ViewerOptions& options, const setup::Given& run, const SeenView& seen) {
-  setup::Given given = options.given;
+std::string picture_command(const ViewerOptions& options, const line::Given& run, const SeenView& seen) {
+  line::Given given = options.given;
   if (!run.empty()) {
-    for (const setup::OptionInfo& info : live_table())
+    for (const line::OptionInfo& info : live_table())
       given.erase(info.name);
     given.insert(run.begin(), run.end());
     // Without a window, there is no pointer to follow, so the finger dips by itself.
     if (const auto source = given.find("--source"); source != given.end() && !source->second.empty())
       source->second.front() = HeldFinger::without_hand(source->second.front());
   }
-  for (const setup::OptionInfo& option : viewer_table()) {
+  for (const line::OptionInfo& option : viewer_table()) {
     if (is_of_view(option)) given.erase(option.name);
   }
   give_layers(given, seen.state.layers);
@@ -93,7 +93,7 @@ std::string picture_command(const ViewerOptions& options, const setup::Given& ru
   given["--size"] = {fmt::format("{}x{}", seen.size.width, seen.size.height)};
   given["--headless"] = {};
   given["--screenshot"] = {"picture.png"};
-  return setup::command_line("palpa-viewer", viewer_table(), given);
+  return line::command_line("palpa-viewer", viewer_table(), given);
 }
 
 }  // namespace palpa::viewer

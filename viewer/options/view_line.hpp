@@ -19,6 +19,6 @@ struct SeenView {
 
 /// The line of `palpa-viewer` that draws the picture into a file, without a window. `run`: for a live run, its options;
 /// they replace those of `options`.
-std::string picture_command(const ViewerOptions& options, const setup::Given& run, const SeenView& seen);
+std::string picture_command(const ViewerOptions& options, const line::Given& run, const SeenView& seen);
 
 }  // namespace palpa::viewer

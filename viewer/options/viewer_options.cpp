@@ -13,10 +13,10 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
 #include "sensing/rig.hpp"
 #include "setup/assets.hpp"
-#include "setup/study_options.hpp"
-#include "setup/values.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 
@@ -28,7 +28,7 @@ bool has_skin(const ViewerOptions& o) {
 }
 
 Vec3 point(const std::string& option, const std::string& text) {
-  const auto p = setup::parse_point(option, text);
+  const auto p = line::parse_point(option, text);
   return {p[0], p[1], p[2]};
 }
 
@@ -85,17 +85,16 @@ std::string names_of_layers(bool visible) {
 
 void add_options(CLI::App& app, ViewerOptions& o) {
   setup::add_touch_input(app, o.input);
-  setup::add_allow_outside(setup::Group(app, "What touches what"), o.common);
+  setup::add_allow_outside(line::Group(app, "What touches what"), o.common);
   setup::add_touch_options(app, o.touch);
   setup::add_felt_options(app, o.felt);
-  const setup::Group array(app, "Array");
-  array.text("--layout", o.layout, "NAME|FILE",
-             fmt::format("array to draw: {} or a TOML [no array]", array::known_layouts()));
+  const line::Group array(app, "Array");
+  setup::add_layout(array, o.layout, "array to draw", " [no array]");
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
 
-  const setup::Group live(app, "Live, as palpa run");
+  const line::Group live(app, "Live, as palpa run");
   o.live.source.clear();  // unlike palpa run, the viewer has no source unless it is given one
   live.text("--source", o.live.source, "SOURCE",
             "shows a live run whose depth frames come from synthetic[:MESH], mouse[:MESH] (the pointer holds it), "
@@ -104,7 +103,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   add_link_options(live, o.live);
   add_following_options(app, o.live);
 
-  const setup::Group what(app, "Picture");
+  const line::Group what(app, "Picture");
   what.text("--skin", o.skin, "FILE",
             "PLY file with the surface of the finger or hand, to be drawn faintly; --penetration moves it, too");
   what.text("--title", o.title, "TEXT", "text above the legend");
@@ -118,7 +117,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
               "shows the sound field of the slot in a plane; its two letters are axes of the world [none; xz with "
               "--show slice]");
   what.point("--slice-at", o.slice.at, "centre of the plane of --slice [the touch's centre]");
-  what.quantity("--slice-size", o.slice.size_m, Quantity::length, setup::positive(10),
+  what.quantity("--slice-size", o.slice.size_m, Quantity::length, line::positive(10),
                 "length of the sides of the plane of --slice");
   what.choice("--heat", o.heat, skin_colour_words,
               "colours the finger by the pressure or by the rates of a class of its afferents [none; pressure with "
@@ -128,7 +127,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
               "when pictures have four samples for each pixel; auto means, on slow devices, only while nothing moves; "
               "without a window, it means always");
 
-  const setup::Group where(app, "View");
+  const line::Group where(app, "View");
   where.text("--view", o.view, "FROM",
              "viewpoint: front, right, top, iso, camera (through the first camera of --depth), or camera:NAME");
   where.point("--eye", o.eye, "place of the eye, which looks at --target; instead of --view [no eye]");
@@ -138,7 +137,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   where.flag("--ortho", o.orthographic, "draws in parallel projection");
   where.flag("--inset", o.inset, "draws a close-up of the touch in the corner");
 
-  const setup::Group participant(app, "What the participant sees");
+  const line::Group participant(app, "What the participant sees");
   participant.flag(
       "--participant", o.participant,
       "shows objects and marker tile on the rig's screen, as its eye or --eye sees them, in a second window that "
@@ -146,23 +145,16 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   participant.text("--monitor", o.monitor, "NAME|NUMBER", "monitor of that second window [the last]");
   participant.text("--screen", o.screen, "FILE", "rig TOML with a screen [--rig's, or the paper's]");
   participant.choice("--stereo", o.stereo, stereo_words, "how the pictures of two eyes become one");
-  participant.quantity("--eyes-apart", o.eyes_apart_m, Quantity::length, setup::positive(1),
-                       "distance between the eyes");
-  participant.quantity("--barrier-pitch", o.barrier_pitch_m, Quantity::length, setup::positive(1),
-                       "with --stereo columns, the distance between slits; with rows, that of two rows [so that "
-                       "neighbours differ]");
-  participant.quantity("--barrier-gap", o.barrier_gap_m, Quantity::length, {-1, 1},
-                       "distance from the screen to its barrier [so that neighbours differ]");
-  participant.number("--barrier-phase", o.barrier_phase, {0, 1}, "PART", "place of the slits, as a part of the pitch");
+  setup::add_eyes_options(participant, o);
 
-  const setup::Group hands(app, "Mouse and keys, panels");
+  const line::Group hands(app, "Mouse and keys, panels");
   hands.text("--interact", o.interact, "FILE",
              "does what a script says, which has a line for each move (docs/viewer.md) [no script]");
   hands.flag("--no-panels", o.no_panels,
              "shows a window without panels; in a live run, the strip with the array's state stays");
   hands.flag("--panels", o.panels, "draws panels without a window, too");
 
-  const setup::Group how(app, "Without a window");
+  const line::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "opens no window");
   how.integer("--frames", o.frames, 1, 1'000'000,
               "number of frames to draw, a slot each, before it exits [no end; with --headless 1]");
@@ -191,19 +183,19 @@ struct Reader {
 
 }  // namespace
 
-const std::vector<setup::OptionInfo>& viewer_table() {
-  static const std::vector<setup::OptionInfo> table = setup::option_table(Reader().app);
+const std::vector<line::OptionInfo>& viewer_table() {
+  static const std::vector<line::OptionInfo> table = line::option_table(Reader().app);
   return table;
 }
 
-ViewerOptions options_of(const setup::Given& given) {
+ViewerOptions options_of(const line::Given& given) {
   Reader reader;
-  setup::read_given(reader.app, setup::known_to(viewer_table(), given));
+  line::read_given(reader.app, line::known_to(viewer_table(), given));
   reader.options.given = given;
   return std::move(reader.options);
 }
 
-bool is_of_touch(const setup::OptionInfo& option) {
+bool is_of_touch(const line::OptionInfo& option) {
   if (option.name == "--scene" || option.name == "--gltf-scene" || option.name == "--allow-outside") return true;
   return option.heading != "What to run" && option.heading != "From frame to frame";
 }
@@ -220,7 +212,7 @@ void refuse_given(const ViewerOptions& o, std::initializer_list<const char*> nam
 /// The same of all options under one of the headings.
 void refuse_headings(const ViewerOptions& o, std::initializer_list<std::string_view> headings,
                      const std::string& reason) {
-  for (const setup::OptionInfo& info : live_table()) {
+  for (const line::OptionInfo& info : live_table()) {
     const bool among = std::ranges::find(headings, info.heading) != headings.end();
     if (among && o.given.contains(info.name)) throw bad_usage(fmt::format("{} {}", info.name, reason));
   }
@@ -269,6 +261,8 @@ void refuse_idle(const ViewerOptions& o) {
 }  // namespace
 
 void check(const ViewerOptions& o) {
+  static const Reader reader;
+  if (const std::string fault = line::misfit(reader.app, o.given); !fault.empty()) throw bad_usage(fault);
   const bool panels = o.headless ? o.panels && !o.interact.empty() : !o.no_panels;
   const bool may_be_empty = panels && !o.is_live() && !has_skin(o);  // then a file is opened in the window
   if (o.input.scene.empty() && o.layout.empty() && !may_be_empty) {
@@ -321,7 +315,7 @@ void check(const ViewerOptions& o) {
     throw bad_usage("--screen and --stereo go with --participant");
   }
   if (!o.is_live()) {
-    for (const setup::OptionInfo& info : live_table()) {
+    for (const line::OptionInfo& info : live_table()) {
       if (!is_of_touch(info) && o.given.contains(info.name))
         throw bad_usage(info.name + " goes with --source: it needs a live run");
     }

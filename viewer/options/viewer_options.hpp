@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "line/option_table.hpp"
 #include "setup/live_run.hpp"
-#include "setup/option_table.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
+#include "setup/study_options.hpp"
 #include "setup/touch_input.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
@@ -26,14 +27,14 @@ struct AskedSlice {
   double size_m = 60e-3;
 };
 
-struct ViewerOptions {
+struct ViewerOptions : setup::EyesOptions {
   setup::CommonOptions common;
   setup::TouchInputOptions input;  ///< all of it may be absent if there is a layout
   setup::TouchOptions touch;
   setup::FeltOptions felt;
   setup::DriveOptionsGroup drive;
   setup::LiveOptions live;  ///< what only a live run has; all of its options are in `given`
-  setup::Given given;       ///< the whole command line
+  line::Given given;        ///< the whole command line
   /// Whether frames come from a source.
   bool is_live() const { return given.contains("--source"); }
   std::string layout;  ///< built-in name or file; empty: the rig's array if there is a rig, else none
@@ -58,9 +59,6 @@ struct ViewerOptions {
   std::string monitor;  ///< name or number of the participant's monitor; empty: the last
   std::string screen;   ///< rig whose screen is used; empty: that of --rig, else the paper's
   Stereo stereo = Stereo::none;
-  double eyes_apart_m = 63e-3;
-  std::optional<double> barrier_pitch_m, barrier_gap_m;
-  double barrier_phase = 0;
 
   bool headless = false;
   std::optional<std::uint32_t> frames;
@@ -75,12 +73,12 @@ struct ViewerOptions {
 /// Puts every option on `app`.
 void add_options(CLI::App& app, ViewerOptions& options);
 /// All of them, in the order of --help.
-const std::vector<setup::OptionInfo>& viewer_table();
+const std::vector<line::OptionInfo>& viewer_table();
 /// What a command line with these options means, not checked yet. Throws bad_usage for a text that is not a value of
 /// its option.
-ViewerOptions options_of(const setup::Given& given);
+ViewerOptions options_of(const line::Given& given);
 /// Whether an option of a live run also applies to a single touch.
-bool is_of_touch(const setup::OptionInfo& option);
+bool is_of_touch(const line::OptionInfo& option);
 /// Throws bad_usage if an option is missing, options exclude each other, or a value does not parse.
 void check(const ViewerOptions& options);
 

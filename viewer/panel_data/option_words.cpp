@@ -127,7 +127,7 @@ constexpr Meaning meanings[] = {
 
 }  // namespace
 
-OptionWords words_of(const setup::OptionInfo& info) {
+OptionWords words_of(const line::OptionInfo& info) {
   const auto* const known = std::ranges::find(entries, info.name, &Entry::name);
   if (known != std::end(entries)) {
     const std::string about = known->about != nullptr ? known->about : info.help;
@@ -142,7 +142,7 @@ std::string label_of(const OptionWords& words) {
   return words.unit.empty() ? words.label : words.label + ", " + words.unit;
 }
 
-std::string shown_default(const setup::OptionInfo& info) {
+std::string shown_default(const line::OptionInfo& info) {
   if (!info.initial.empty()) return info.initial;
   return info.name == "--scene" ? "none yet" : "none";
 }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "setup/option_table.hpp"
+#include "line/option_table.hpp"
 
 namespace palpa::viewer {
 
@@ -28,12 +28,12 @@ struct OptionWords {
   FieldKind kind = FieldKind::plain;
 };
 /// For an option without words of its own, those of its name.
-OptionWords words_of(const setup::OptionInfo& info);
+OptionWords words_of(const line::OptionInfo& info);
 
 /// The label with its unit: "dwell, ms".
 std::string label_of(const OptionWords& words);
 /// What a field shows of an option that is not given.
-std::string shown_default(const setup::OptionInfo& info);
+std::string shown_default(const line::OptionInfo& info);
 /// The typed text as the option's value: a bare number gets the unit of the label.
 std::string with_unit(const std::string& text, const OptionWords& words);
 

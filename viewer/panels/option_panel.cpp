@@ -28,7 +28,7 @@ std::string sentence(std::string text) {
 /// One option while its row is drawn.
 struct Row {
   PanelData& data;
-  const setup::OptionInfo& info;
+  const line::OptionInfo& info;
   const OptionWords words;
   const std::optional<std::string> value;  ///< nullopt: the default
   float width = 0;                         ///< of its field
@@ -163,7 +163,7 @@ void draw_label(const Row& row) {
   tip(row.explained());
 }
 
-void draw_option(PanelData& data, const setup::OptionInfo& info) {
+void draw_option(PanelData& data, const line::OptionInfo& info) {
   Row row{data, info, words_of(info), data.content.edit.text(info.name)};
   ImGui::PushID(info.name.c_str());
   ImGui::TableNextColumn();
@@ -194,20 +194,20 @@ void draw_option(PanelData& data, const setup::OptionInfo& info) {
 }
 
 /// Two columns: names, and values with their resets.
-void draw_options(PanelData& data, std::span<const setup::OptionInfo> options) {
+void draw_options(PanelData& data, std::span<const line::OptionInfo> options) {
   ImGui::Unindent();  // names need the room
   const bool open = ImGui::BeginTable("options", 2);
   if (!open) return ImGui::Indent();
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 1.1f);
-  for (const setup::OptionInfo& info : options)
+  for (const line::OptionInfo& info : options)
     draw_option(data, info);
   ImGui::EndTable();
   ImGui::Indent();
 }
 
 /// How many of them the user has set, for the heading.
-std::string heading_of(const PanelData& data, std::span<const setup::OptionInfo> options) {
+std::string heading_of(const PanelData& data, std::span<const line::OptionInfo> options) {
   const auto set =
       std::ranges::count_if(options, [&](const auto& info) { return data.content.edit.text(info.name).has_value(); });
   return set == 0 ? options.front().heading : fmt::format("{} ({} changed)", options.front().heading, set);
@@ -219,11 +219,11 @@ void draw_options_panel(PanelData& data) {
   if (!data.content.live && !data.content.empty) {
     ImGui::TextWrapped("Options of the touch take effect at once, the others when Start begins a run.");
   }
-  const std::vector<setup::OptionInfo>& table = live_table();
+  const std::vector<line::OptionInfo>& table = live_table();
   for (auto first = table.begin(); first != table.end();) {
     const auto last =
         std::find_if(first, table.end(), [&](const auto& info) { return info.heading != first->heading; });
-    const std::span<const setup::OptionInfo> options(first, last);
+    const std::span<const line::OptionInfo> options(first, last);
     if (subheading(data, first->heading.c_str(), "", heading_of(data, options))) {
       draw_options(data, options);
       ImGui::TreePop();

@@ -7,10 +7,10 @@
 #include "base/output_file.hpp"
 #include "base/reference.hpp"
 #include "base/version.hpp"
-#include "setup/completion.hpp"
-#include "setup/help.hpp"
-#include "setup/option_table.hpp"
-#include "setup/parse.hpp"
+#include "line/completion.hpp"
+#include "line/help.hpp"
+#include "line/option_table.hpp"
+#include "line/parse.hpp"
 #include "viewer/options/settings.hpp"
 #include "viewer/run/run.hpp"
 
@@ -18,7 +18,7 @@ namespace palpa::viewer {
 
 namespace {
 
-setup::HelpText help_text() {
+line::HelpText help_text() {
   return {
       .name = "palpa-viewer",
       .arguments = "",
@@ -31,15 +31,14 @@ setup::HelpText help_text() {
       .notes =
           "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
           "and keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 "
-          "wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input.",
-      .common = ""};
+          "wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input."};
 }
 
 /// `--help`; `--help bash`, `zsh` and `fish` complete command lines.
 std::string page_of(const CLI::App& app, int argc, const char* const* argv) {
-  if (const auto shell = setup::shell_of(setup::word_after_help(argc, argv)))
-    return setup::completion(*shell, "palpa-viewer", {{help_text(), setup::option_table(app)}});
-  return setup::help_page(app, help_text(), setup::help_length(argc, argv));
+  if (const auto shell = line::shell_of(line::word_after_help(argc, argv)))
+    return line::completion(*shell, "palpa-viewer", {{help_text(), line::option_table(app)}});
+  return line::help_page(app, help_text(), line::help_length(argc, argv));
 }
 
 }  // namespace
@@ -49,7 +48,7 @@ bool parse_line(CLI::App& app, const setup::CommonOptions& common, int argc, con
   app.set_help_flag("-h,--help", "show this help and exit");
   app.set_version_flag("--version", version(), "show the version and exit");
   try {
-    setup::parse(app, argc, argv);
+    line::parse(app, argc, argv);
   } catch (const CLI::CallForHelp&) {
     write_file("-", help());
     return false;
@@ -68,7 +67,7 @@ std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
   setup::add_common(app, options.common);
   if (!parse_line(app, options.common, argc, argv, [&] { return page_of(app, argc, argv); })) return std::nullopt;
   allow_outside_references(options.common.allow_outside);
-  options.given = setup::given_on(app);
+  options.given = line::given_on(app);
   check(options);
   return options;
 }

@@ -4,8 +4,8 @@
 #include "acoustics/bodies/body_cache.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
+#include "experiment/skin_rates.hpp"
 #include "setup/body.hpp"
-#include "setup/experiment/skin_rates.hpp"
 #include "setup/touch_run.hpp"
 #include "viewer/app/shown_touch.hpp"
 #include "viewer/render/offscreen.hpp"
@@ -46,7 +46,7 @@ void run_headless(const ViewerOptions& options) {
     session::SkinQuestion question = skin_question(options.skin, mesh, now);
     question.afferents = state.skin_colour != SkinColour::pressure;
     acoustics::BodyCache bodies;
-    show_answer(show.picture(), question, setup::SkinRates().answer(question, bodies), state.skin_colour);
+    show_answer(show.picture(), question, experiment::SkinRates().answer(question, bodies), state.skin_colour);
   }
   std::optional<FieldSlice> field;
   if (state.layers.shows(Layer::slice)) {

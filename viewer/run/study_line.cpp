@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "base/output_file.hpp"
-#include "setup/help.hpp"
-#include "setup/values.hpp"
+#include "line/help.hpp"
+#include "line/values.hpp"
 #include "viewer/run/command.hpp"
 
 namespace palpa::viewer {
@@ -21,7 +21,7 @@ bool has_word(int argc, const char* const* argv, std::string_view word) {
   return false;
 }
 
-setup::HelpText study_help() {
+line::HelpText study_help() {
   return {.name = "palpa-viewer --study",
           .arguments = "",
           .summary = "a participant's sitting in front of an array; palpa study run starts it",
@@ -31,8 +31,7 @@ setup::HelpText study_help() {
               "               --link openmpd:FT43NK5M --rig my-rig.toml\n",
           .notes =
               "docs/study.md explains the two windows. A sitting that was stopped is continued by the same command. "
-              "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input.",
-          .common = ""};
+              "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 no display, 4 bad or missing input."};
 }
 
 }  // namespace
@@ -44,11 +43,11 @@ bool asks_for_study(int argc, const char* const* argv) {
 std::optional<setup::StudyRunOptions> read_study_line(int argc, const char* const* argv) {
   CLI::App app("", "palpa-viewer");
   setup::StudyRunOptions options;
-  const setup::Group group(app, "Study");
+  const line::Group group(app, "Study");
   group.text("--study", options.plan, "PLAN", "TOML file of the study");
   setup::add_study_run_options(app, options);
   setup::add_common(app, options.common);
-  const auto help = [&] { return setup::help_page(app, study_help(), setup::help_length(argc, argv)); };
+  const auto help = [&] { return line::help_page(app, study_help(), line::help_length(argc, argv)); };
   if (has_word(argc, argv, "--help") || has_word(argc, argv, "-h")) {
     write_file("-", help());
     return std::nullopt;

@@ -17,9 +17,9 @@
 
 #include "base/activity.hpp"
 #include "base/words.hpp"
+#include "experiment/skin_rates.hpp"
 #include "session/threads.hpp"
 #include "setup/body.hpp"
-#include "setup/experiment/skin_rates.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -100,7 +100,7 @@ Heat::Heat(std::string file, const acoustics::Air& air)
                             session::give_way();
                             return setup::load_body(file, air, false);
                           })),
-      preview_([rates = std::make_shared<setup::SkinRates>()](
+      preview_([rates = std::make_shared<experiment::SkinRates>()](
                    const session::SkinQuestion& question, acoustics::BodyCache& bodies,
                    const std::atomic<bool>* give_up) { return rates->answer(question, bodies, give_up); }) {}
 

@@ -1,5 +1,5 @@
 // What the finger feels, the pressure or the rates of its afferents, updated in the background
-// (session/previews/skin_preview.hpp, setup/experiment/skin_rates.hpp). If the picture does not show what sounds now,
+// (session/previews/skin_preview.hpp, experiment/skin_rates.hpp). If the picture does not show what sounds now,
 // it says so and is drawn dimmer until the next result is ready.
 #pragma once
 

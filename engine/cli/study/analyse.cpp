@@ -26,7 +26,7 @@ struct AnalyseCommand {
 };
 
 void add_options_of_analyse(CLI::App& app, AnalyseCommand& o) {
-  const setup::Group group(app, "What to analyse");
+  const line::Group group(app, "What to analyse");
   group.words(
       "what", o.sources, "DIR...|COUNTS.csv",
       "folders of a study, with the participants' logs in sub-N/beh; or one file with a table of counts, actual "
@@ -54,7 +54,6 @@ void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
 
 void run_analyse(const AnalyseCommand& o) {
   if (o.sources.empty()) throw bad_usage("give palpa study analyse the folder of a study, or a CSV file of counts");
-  setup::refuse_gpu_options(o.common, "palpa study analyse computes on the processor");
   const std::vector<Output> files = outputs_of(o.common, o.outputs);
   const Outputs outputs(files);
   if (o.sources.size() == 1 && !is_folder(o.sources[0])) {
@@ -84,7 +83,7 @@ void add_study_analyse(Program& program) {
        "--seed chooses the resamples of the bootstrap. Logs and rows that cannot be read are left out, with a warning "
        "each. docs/study.md explains the files and every measure.",
        "DIR...|COUNTS.csv"},
-      add_options_of_analyse, run_analyse);
+      add_options_of_analyse, run_analyse, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -20,7 +20,7 @@ struct CompareCommand {
 };
 
 void add_options_of_compare(CLI::App& app, CompareCommand& o) {
-  const setup::Group group(app, "What to compare");
+  const line::Group group(app, "What to compare");
   group.words("what", o.sources, "WHAT...",
               "the word paper, folders of studies, CSV files of counts, JSON files of palpa study analyse; a study has "
               "one table per method");
@@ -30,7 +30,6 @@ void add_options_of_compare(CLI::App& app, CompareCommand& o) {
 void run_compare(const CompareCommand& o) {
   if (o.sources.empty())
     throw bad_usage("give palpa study compare at least two tables, such as the word paper and the folder of a study");
-  setup::refuse_gpu_options(o.common, "palpa study compare computes on the processor");
   const std::vector<Output> files = outputs_of(o.common, o.outputs);
   const Outputs outputs(files);
   std::vector<std::string> left_out;
@@ -66,7 +65,7 @@ void add_study_compare(Program& program) {
                                   "The tests of two tables take all trials as independent, so they describe a "
                                   "difference. palpa study analyse tests over participants.",
                                   "WHAT..."},
-                                 add_options_of_compare, run_compare);
+                                 add_options_of_compare, run_compare, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -10,9 +10,10 @@
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
+#include "setup/study_options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::cli {
@@ -20,15 +21,14 @@ namespace {
 
 struct LevelCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan;
+  std::string plan;
   std::string override_by;
 };
 
 void add_options_of_level(CLI::App& app, LevelCommand& o) {
-  const setup::Group group(app, "Level");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
-  group.text("--override", o.override_by, "TEXT",
-             "accepts a level above the plan's limit; a signature, such as the number of an ethics decision");
+  const line::Group group(app, "Level");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
+  setup::add_override(group, o.override_by);
 }
 
 std::string level_text(const study::StudyPlan& plan, const study::EarLevel& level) {
@@ -69,10 +69,8 @@ std::string level_json(const study::StudyPlan& plan, const study::EarLevel& leve
 }
 
 void run_level(const LevelCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study level computes on the processor");
-  if (o.plan.size() != 1) throw bad_usage("give palpa study level one plan, such as assets/studies/paper.toml");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   const study::EarLevel level = study::predict_ear_level(plan);
   if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
     throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
@@ -92,7 +90,7 @@ void add_study_level(Program& program) {
                                 "--override",
                                 "It fails if the level is above the limit of the plan. A prediction does not "
                                 "replace a measurement: measure the level before the first participant comes."},
-                               add_options_of_level, run_level);
+                               add_options_of_level, run_level, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

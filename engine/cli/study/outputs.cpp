@@ -12,7 +12,7 @@
 namespace palpa::cli {
 
 void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& rows) {
-  const setup::Group group(app, "Results");
+  const line::Group group(app, "Results");
   group.text("--html", options.html, "FILE|-",
              "writes a report with figures: one file, without scripts, for print, too");
   group.text("--csv", options.csv, "FILE|-", fmt::format("writes a table: {}", rows));

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "line/values.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 

@@ -9,11 +9,11 @@
 #include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
+#include "experiment/observe.hpp"
+#include "line/values.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/observe.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/plan/order.hpp"
 #include "study/sitting/ear_level.hpp"
 
@@ -22,14 +22,14 @@ namespace {
 
 struct PlanCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan;
+  std::string plan;
   std::uint32_t participant = 1;
   std::string csv;
 };
 
 void add_options_of_plan(CLI::App& app, PlanCommand& o) {
-  const setup::Group group(app, "Plan");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  const line::Group group(app, "Plan");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
   group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   group.text("--csv", o.csv, "FILE", "writes the participant's order, one row per step");
 }
@@ -45,8 +45,8 @@ struct Strength {
 };
 
 Strength strength_of(const study::StudyPlan& plan) {
-  setup::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan), setup::crest_force_n(plan, finger)};
+  experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
+  return {study::predict_ear_level(plan), experiment::crest_force_n(plan, finger)};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
@@ -103,11 +103,9 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
 }
 
 void run_plan(const PlanCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study plan computes on the processor");
-  if (o.plan.size() != 1) throw bad_usage("give palpa study plan one plan, such as assets/studies/paper.toml");
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the plan: set seed in its [run]");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   setup::try_files(plan);
   const std::vector<study::Step> steps = study::order_of(plan, o.participant);
   const Strength strength = strength_of(plan);
@@ -125,7 +123,7 @@ void add_study_plan(Program& program) {
        "  palpa study plan assets/studies/paper.toml --participant 6\n"
        "  palpa study plan assets/studies/five-minutes.toml --csv order.csv",
        "--participant --csv", "The order depends on the plan and on the participant's number only."},
-      add_options_of_plan, run_plan);
+      add_options_of_plan, run_plan, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

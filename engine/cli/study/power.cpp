@@ -24,17 +24,17 @@ struct PowerCommand {
 
 void add_options_of_power(CLI::App& app, PowerCommand& o) {
   study::PowerSetting& s = o.setting;
-  const setup::Group effect(app, "Effect");
+  const line::Group effect(app, "Effect");
   effect.number("--baseline", s.a, {0, 1}, "NUMBER", "mean accuracy with the first method, 0 to 1");
   effect.number("--accuracy", s.b, {0, 1}, "NUMBER", "mean accuracy with the second method, 0 to 1");
   effect.number("--spread", s.spread, {0, 0.5}, "NUMBER",
                 "standard deviation of participants' accuracies, without the chance in their trials");
   effect.number("--correlation", s.correlation, {-1, 1}, "NUMBER",
                 "correlation of a participant's accuracies with both methods");
-  const setup::Group plan(app, "Study");
+  const line::Group plan(app, "Study");
   plan.integer("--trials", s.trials, 1, 1000, "trials of each participant with each method");
-  plan.number("--alpha", s.alpha, setup::positive(0.5), "NUMBER", "a difference is found if p is at most this");
-  plan.number("--power", s.power, setup::positive(1), "NUMBER", "share of studies that are to find the difference");
+  plan.number("--alpha", s.alpha, line::positive(0.5), "NUMBER", "a difference is found if p is at most this");
+  plan.number("--power", s.power, line::positive(1), "NUMBER", "share of studies that are to find the difference");
   plan.integer("--people", s.most_people, 2, study::most_simulated_people, "the most participants that are tried");
   plan.integer("--studies", s.studies, 100, 20'000, "studies simulated for each number of participants");
   add_study_outputs(app, o.outputs, "one row per number of participants");
@@ -52,7 +52,6 @@ void warn_of_bounds(const char* option, double mean, double spread) {
 }
 
 void run_power(const PowerCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study power computes on the processor");
   study::PowerSetting setting = o.setting;
   setting.seed = o.common.seed;
   if (std::uint64_t{setting.studies} * setting.most_people * setting.trials > study::most_simulated_trials) {
@@ -82,7 +81,7 @@ void add_study_power(Program& program) {
        "--baseline --accuracy --spread --correlation --trials --alpha --power --people --html --csv",
        "The defaults are the paper's accuracies, trials and correlation; its spread is not known. --seed chooses the "
        "simulated studies."},
-      add_options_of_power, run_power);
+      add_options_of_power, run_power, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -10,10 +10,10 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/options.hpp"
 #include "setup/study_plan.hpp"
-#include "setup/values.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/rehearsal.hpp"
 
@@ -22,27 +22,25 @@ namespace {
 
 struct RehearseCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan;
+  std::string plan;
   std::optional<std::uint32_t> participant;
   std::string out;
   double accuracy = 0.5;
 };
 
 void add_options_of_rehearse(CLI::App& app, RehearseCommand& o) {
-  const setup::Group group(app, "Rehearsal");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
+  const line::Group group(app, "Rehearsal");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
   group.integer("--participant", o.participant, 1, study::most_participant_number, "number of the participant");
   group.text("--out", o.out, "DIR", "folder of the rehearsal; the participant's folder is made in it");
   group.number("--accuracy", o.accuracy, {0, 1}, "NUMBER", "share of right answers, 0 to 1");
 }
 
 void run_rehearse(const RehearseCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study rehearse plays nothing");
-  if (o.plan.size() != 1) throw bad_usage("give palpa study rehearse one plan, such as assets/studies/paper.toml");
   if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
   if (o.out.empty()) throw bad_usage("--out is missing: give a folder for the rehearsal");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   setup::try_files(plan);
   const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk did not answer");
   study::Record record(plan, *o.participant, o.out, true);
@@ -87,7 +85,7 @@ void add_study_rehearse(Program& program) {
        "--participant --out --accuracy",
        "Nothing sounds and nothing waits: the times are those of the plan. The logs say that they are a rehearsal. "
        "--seed chooses the answers. A rehearsal that was stopped is continued."},
-      add_options_of_rehearse, run_rehearse);
+      add_options_of_rehearse, run_rehearse, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

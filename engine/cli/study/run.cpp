@@ -3,32 +3,23 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "base/error.hpp"
 #include "cli/study/commands.hpp"
+#include "line/option_table.hpp"
+#include "line/values.hpp"
 #include "setup/study_options.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::cli {
 namespace {
 
-struct RunStudyCommand : setup::StudyRunOptions {
-  std::vector<std::string> plans;
-};
-
-void add_options_of_run(CLI::App& app, RunStudyCommand& o) {
-  const setup::Group group(app, "Study");
-  group.words("plan", o.plans, "PLAN", "TOML file of the study");
-  setup::add_study_run_options(app, o);
-}
-
-/// The viewer takes the place of this process, so signals reach it, and its exit code is that of the command.
-void run_study(RunStudyCommand o) {
-  if (o.plans.size() != 1) throw bad_usage("give palpa study run one plan, such as assets/studies/paper.toml");
-  o.plan = o.plans.front();
+/// The viewer takes the place of this process, so signals reach it, and its exit code is that of the command. It gets
+/// the same options.
+void run_study(setup::StudyRunOptions o, const line::Given& given) {
   setup::check(o);
   std::error_code fault;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", fault);
@@ -37,8 +28,8 @@ void run_study(RunStudyCommand o) {
     throw failure(viewer.string() +
                   " is missing: a study needs palpa's viewer for its windows; install or build it beside palpa");
   }
-  std::vector<std::string> words{viewer.string()};
-  const std::vector<std::string> more = words_of(o);
+  std::vector<std::string> words{viewer.string(), "--study=" + o.plan};
+  const std::vector<std::string> more = line::words_of(given);
   words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
@@ -52,7 +43,8 @@ void run_study(RunStudyCommand o) {
 }  // namespace
 
 void add_study_run(Program& program) {
-  add_subcommand<RunStudyCommand>(
+  const auto options = std::make_shared<setup::StudyRunOptions>();
+  CLI::App& command = add_command(
       program,
       {"study run", "a participant's sitting, in front of the array: opens windows",
        "  palpa study run my-plan.toml --participant 1 --out my-study \\\n"
@@ -61,8 +53,11 @@ void add_study_run(Program& program) {
        "                  --rehearse 0.6 --size 1024x768",
        "--participant --out --source --link --rig --monitor --size --override --rehearse --hold",
        "Starts palpa-viewer --study, so it needs a display; without one, it ends with exit code 3. A sitting that was "
-       "stopped is continued by the same command. docs/study.md explains the windows."},
-      add_options_of_run, run_study);
+       "stopped is continued by the same command. docs/study.md explains the windows."});
+  line::Group(command, "Study").text("plan", options->plan, "PLAN", "TOML file of the study");
+  setup::add_study_run_options(command, *options);
+  finish_command(program, command, options->common,
+                 [options, &command] { run_study(*options, line::given_on(command)); });
 }
 
 }  // namespace palpa::cli

@@ -10,11 +10,11 @@
 #include "base/sha256.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
+#include "experiment/observe.hpp"
 #include "observer/comparison.hpp"
 #include "observer/predicted/prediction_reports.hpp"
 #include "observer/prediction.hpp"
 #include "setup/assets.hpp"
-#include "setup/experiment/observe.hpp"
 #include "setup/progress.hpp"
 #include "setup/study_plan.hpp"
 #include "study/comparison.hpp"
@@ -25,21 +25,20 @@ namespace {
 
 struct StudySimulateCommand {
   setup::CommonOptions common;
-  std::vector<std::string> plan, beside;
-  std::string finger, prediction;
+  std::vector<std::string> beside;
+  std::string plan, finger, prediction;
   StudyOutputs outputs;
 };
 
 void add_options_of_study_simulate(CLI::App& app, StudySimulateCommand& o) {
-  const setup::Group group(app, "What to predict");
-  group.words("plan", o.plan, "PLAN", "TOML file of the study");
-  group.text("--finger", o.finger, "FILE",
-             "the finger, a closed PLY or glTF mesh with its tip at the origin and its body along +y [the paper's]");
+  const line::Group group(app, "What to predict");
+  group.text("plan", o.plan, "PLAN", "TOML file of the study");
+  setup::add_finger(group, o.finger, " [the paper's]");
   group.texts("--beside", o.beside, "WHAT",
               "results of people beside the prediction: the word paper, the folder of a study, a JSON of palpa study "
               "analyse, or a CSV of counts that has a method's name");
   add_study_outputs(app, o.outputs, "one row per variant and method");
-  const setup::Group results(app, "Results");
+  const line::Group results(app, "Results");
   results.text("--prediction", o.prediction, "FILE|-",
                "writes the prediction alone, the text that has the reported SHA-256");
 }
@@ -51,12 +50,10 @@ std::string method_of(const std::string& table, const std::string& source) {
 }
 
 void run_study_simulate(const StudySimulateCommand& o) {
-  if (o.plan.size() != 1) throw bad_usage("give palpa study simulate one plan, such as assets/studies/paper.toml");
-  setup::refuse_gpu_options(o.common, "palpa study simulate computes on the processor");
   std::vector<Output> declared = outputs_of(o.common, o.outputs);
   declared.push_back({"--prediction", o.prediction});
   const Outputs outputs(declared);
-  const study::StudyPlan plan = setup::load_plan(o.plan.front());
+  const study::StudyPlan plan = setup::load_plan(o.plan);
   study::refuse_without_fit(plan);
   // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
   std::vector<std::string> left_out;
@@ -65,10 +62,10 @@ void run_study_simulate(const StudySimulateCommand& o) {
     for (study::NamedTable& table : study::tables_of(source, left_out))
       tables.push_back({method_of(table.name, source), source, std::move(table.table)});
   }
-  setup::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
+  experiment::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);
   const observer::Prediction prediction =
-      observer::predict(setup::observe(plan, finger),
+      observer::predict(experiment::observe(plan, finger),
                         {.fitted = {plan.fit.method, plan.fit.accuracy, plan.fit.trials},
                          .observers = plan.counts.participants,
                          .trials_per_shape = plan.counts.trials_per_shape,
@@ -100,7 +97,7 @@ void add_study_simulate(Program& program) {
        "The observer's only fitted number is in the plan. Touches are computed once and kept. --seed chooses the "
        "simulated studies. docs/observer.md says what the prediction is worth.",
        "PLAN"},
-      add_options_of_study_simulate, run_study_simulate);
+      add_options_of_study_simulate, run_study_simulate, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

@@ -11,8 +11,8 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "cli/study/commands.hpp"
+#include "line/values.hpp"
 #include "setup/options.hpp"
-#include "setup/values.hpp"
 #include "study/plan/order.hpp"
 
 namespace palpa::cli {
@@ -25,7 +25,7 @@ struct WithdrawCommand {
 };
 
 void add_options_of_withdraw(CLI::App& app, WithdrawCommand& o) {
-  const setup::Group group(app, "Who withdraws");
+  const line::Group group(app, "Who withdraws");
   group.words("participant", o.participant, "N", "number of the participant");
   group.text("--out", o.out, "DIR", "folder of the study");
 }
@@ -42,7 +42,6 @@ std::uint32_t number_in(const std::string& word) {
 }
 
 void run_withdraw(const WithdrawCommand& o) {
-  setup::refuse_gpu_options(o.common, "palpa study withdraw computes nothing");
   if (o.participant.size() != 1) throw bad_usage("give palpa study withdraw the number of one participant");
   if (o.out.empty()) throw bad_usage("--out is missing: give the folder of the study");
   const std::uint32_t number = number_in(o.participant.front());
@@ -74,7 +73,7 @@ void add_study_withdraw(Program& program) {
        "  palpa study withdraw 7 --out my-study\n"
        "  palpa study withdraw 7 --out my-study --json withdrawn.json",
        "--out", "Files are removed from the folder. Copies elsewhere, such as backups, are yours to erase.", "N"},
-      add_options_of_withdraw, run_withdraw);
+      add_options_of_withdraw, run_withdraw, setup::Computes::on_processor);
 }
 
 }  // namespace palpa::cli

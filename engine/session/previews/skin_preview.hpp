@@ -43,7 +43,7 @@ struct SkinAnswer {
   acoustics::SkinPressure faces;  ///< time averages, Pa
   std::vector<double> vertices;   ///< `langevin` of `faces`, at each vertex of the mesh
   /// The rates of SA1, RA and PC at each vertex, 1/s; NaN beyond the fingertip. Empty unless they were asked for, and
-  /// from answer(), which knows no afferents (setup/experiment/skin_rates.hpp).
+  /// from answer(), which knows no afferents (experiment/skin_rates.hpp).
   std::vector<std::array<double, 3>> rates;
   std::string fault;  ///< the error message if there is no result; empty on success
 };

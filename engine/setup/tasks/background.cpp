@@ -25,10 +25,6 @@ namespace {
 constexpr std::uint64_t most_frames = 1000, least_frames = 10;
 constexpr double seconds = 2, usual_rate_hz = 90;
 
-std::string source_of(const BackgroundTask& task) {
-  return task.source.empty() ? "synthetic" : task.source;
-}
-
 std::uint64_t frames_of(const BackgroundTask& task, const std::vector<sensing::Camera>& cameras) {
   if (task.frames != 0) return task.frames;
   double rate_hz = 0;
@@ -82,8 +78,7 @@ void check(const BackgroundTask& task) {
     throw bad_usage(
         fmt::format("--frames {}: a background is learned from {} to {}", task.frames, least_frames, most_frames));
   }
-  if (task.noise_free && !source_of(task).starts_with("synthetic"))
-    throw bad_usage("--noise-free goes with --source synthetic");
+  check(static_cast<const StillTask&>(task));
   if (!task.out.empty() && task.source.empty())
     throw bad_usage("--out needs --source: a rehearsal sees no real background");
 }
@@ -97,17 +92,7 @@ BackgroundResult learn_background(const BackgroundTask& task, std::span<const se
                                   const CalibrateWatch& watch) {
   check(task);
   const PosedRig posed = load_posed_rig(task.rig);
-  std::vector<session::SourceKind> kinds(sources.begin(), sources.end());
-  kinds.push_back(rehearsal({}));
-  const geometry::Mesh boards = array::board_mesh(posed.layout);
-  const auto source = session::open_source(source_of(task), with_builtin(kinds),
-                                           {.cameras = posed.rig.cameras,
-                                            .occluders = boards,
-                                            .default_skin = {},
-                                            .noise = !task.noise_free,
-                                            .seed = task.seed,
-                                            .paced = false,
-                                            .rig = posed.rig.file});
+  const auto source = open_still_source(task, posed, sources, {});
   check_same_cameras(posed.rig.cameras, source->cameras(), posed.rig.file);
   for (std::size_t i = 0; i < posed.rig.cameras.size(); ++i) {
     const double own = posed.rig.cameras[i].depth_unit_m, its = source->cameras()[i].depth_unit_m;

@@ -16,13 +16,8 @@
 
 namespace palpa::setup {
 
-struct BackgroundTask {
-  std::string source;        ///< as session::open_source takes it; empty: a rehearsal, the boards rendered
-  std::uint64_t frames = 0;  ///< number of frames, at most 1000; 0: two seconds of the fastest camera
-  bool noise_free = false;   ///< synthetic frames without the sensor's noise
-  std::uint64_t seed = 0;    ///< seed of that noise
-  RigOptions rig;
-  std::string out;  ///< the rig that is written; empty: none
+struct BackgroundTask : StillTask {  ///< at most 1000 frames, usually two seconds of the fastest camera
+  std::string out;                   ///< the rig that is written; empty: none
 };
 /// Throws bad_usage, naming the command's options.
 void check(const BackgroundTask& task);

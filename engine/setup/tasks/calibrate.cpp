@@ -11,15 +11,14 @@
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "geometry/files/stl.hpp"
 #include "geometry/gltf/write.hpp"
+#include "line/values.hpp"
 #include "sensing/target.hpp"
 #include "setup/frames.hpp"
 #include "setup/target_mount.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -33,7 +32,7 @@ std::uint64_t frames_of(const CalibrateTask& task) {
   return task.frames == 0 ? usual_frames : task.frames;
 }
 
-std::string source_of(const CalibrateTask& task) {
+std::string source_of(const StillTask& task) {
   return task.source.empty() ? "synthetic" : task.source;
 }
 
@@ -42,7 +41,7 @@ Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
   const TargetMount mount = target_mount(placed.layout);
   Vec3 origin(mount.T_layout_target[3]);
   if (!place.at.empty()) {
-    const auto [x, y, z] = parse_point("--at", place.at);
+    const auto [x, y, z] = line::parse_point("--at", place.at);
     origin = {x, y, z};
   }
   return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);
@@ -71,34 +70,54 @@ void warn_of_distance(const CalibratedCamera& camera) {
 
 }  // namespace
 
-void check(const CalibrateTask& task) {
-  if (frames_of(task) > most_frames)
-    throw bad_usage(fmt::format("--frames {}: at most {} are taken together", frames_of(task), most_frames));
+void check(const StillTask& task) {
   if (task.noise_free && !source_of(task).starts_with("synthetic"))
     throw bad_usage("--noise-free goes with --source synthetic");
 }
 
+std::unique_ptr<sensing::DepthSource> open_still_source(const StillTask& task, const PosedRig& posed,
+                                                        std::span<const session::SourceKind> sources,
+                                                        const std::optional<Transform>& T_world_target) {
+  std::vector<session::SourceKind> kinds(sources.begin(), sources.end());
+  kinds.push_back(rehearsal(T_world_target));
+  const geometry::Mesh boards = array::board_mesh(posed.layout);
+  return session::open_source(source_of(task), with_builtin(kinds),
+                              {.cameras = posed.rig.cameras,
+                               .occluders = boards,
+                               .default_skin = {},
+                               .noise = !task.noise_free,
+                               .seed = task.seed,
+                               .paced = false,
+                               .rig = posed.rig.file});
+}
+
+void check(const CalibrateTask& task) {
+  if (frames_of(task) > most_frames)
+    throw bad_usage(fmt::format("--frames {}: at most {} are taken together", frames_of(task), most_frames));
+  check(static_cast<const StillTask&>(task));
+}
+
+void add_pose(JsonWriter& json, const char* name, const Transform& T) {
+  json.key(name).begin_array();
+  for (int row = 0; row < 4; ++row)
+    json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
+  json.end_array();
+}
+
 std::string to_json(const CalibrateResult& result) {
   JsonWriter json;
-  const auto pose = [&](const char* name, const Transform& T) {
-    json.key(name).begin_array();
-    for (int row = 0; row < 4; ++row)
-      json.value(std::vector<double>{T[0][row], T[1][row], T[2][row], T[3][row]});
-    json.end_array();
-  };
   json.begin_object().member("frames", result.frames);
-  pose("T_world_target", result.T_world_target);
+  add_pose(json, "T_world_target", result.T_world_target);
   json.key("cameras").begin_array(JsonWriter::Style::block);
   for (const CalibratedCamera& camera : result.cameras) {
     const geometry::MeshFitted& fit = camera.found.fit;
     json.begin_object(JsonWriter::Style::line).member("name", camera.name).member("points", fit.points);
     json.member("rms_m", fit.rms_m).member("p95_m", fit.p95_m).member("hold", fit.hold);
     json.member("agreement", camera.found.agreement);
-    json.member("scale", camera.found.scale).key("scale_deviation");
-    std::isfinite(camera.found.scale_deviation) ? json.value(camera.found.scale_deviation) : json.null();
+    json.member("scale", camera.found.scale).member("scale_deviation", camera.found.scale_deviation);
     json.member("deviation_m", fit.deviation_m).member("deviation_rad", fit.deviation_rad);
     json.member("moved_m", camera.moved_m).member("turned_rad", camera.turned_rad);
-    pose("T_world_camera", camera.T_world_camera);
+    add_pose(json, "T_world_camera", camera.T_world_camera);
     json.end_object();
   }
   json.end_array().end_object();
@@ -111,17 +130,7 @@ CalibrateResult calibrate(const CalibrateTask& task, std::span<const session::So
   PosedRig posed = load_posed_rig(task.rig);
   CalibrateResult result;
   result.T_world_target = pose_of_target(task.target, load_placed_layout(task.rig));
-  std::vector<session::SourceKind> kinds(sources.begin(), sources.end());
-  kinds.push_back(rehearsal(result.T_world_target));
-  const geometry::Mesh boards = array::board_mesh(posed.layout);
-  const auto source = session::open_source(source_of(task), with_builtin(kinds),
-                                           {.cameras = posed.rig.cameras,
-                                            .occluders = boards,
-                                            .default_skin = {},
-                                            .noise = !task.noise_free,
-                                            .seed = task.seed,
-                                            .paced = false,
-                                            .rig = posed.rig.file});
+  const auto source = open_still_source(task, posed, sources, result.T_world_target);
   if (watch.opened) watch.opened(frames_of(task));
   const std::vector<sensing::StillFrames> seen =
       collect_still_frames(*source, frames_of(task), [&](std::uint64_t done) {

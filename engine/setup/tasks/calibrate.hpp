@@ -5,11 +5,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/json_writer.hpp"
+#include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "sensing/depth_source.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/sources.hpp"
 #include "setup/calibration.hpp"
@@ -24,12 +29,22 @@ struct TargetPlace {
   double turn_deg = 0;  ///< of the target about its own z, counter-clockwise seen from above
 };
 
-struct CalibrateTask {
+/// Frames of things at rest.
+struct StillTask {
   std::string source;        ///< as session::open_source takes it; empty: a rehearsal, the rig's own cameras rendered
-  std::uint64_t frames = 0;  ///< number of frames combined, at most 100; 0: 30
+  std::uint64_t frames = 0;  ///< number of frames combined; 0: as many as usual
   bool noise_free = false;   ///< synthetic frames without the sensor's noise
   std::uint64_t seed = 0;    ///< seed of that noise
   RigOptions rig;
+};
+/// Throws bad_usage for a real source with `noise_free`.
+void check(const StillTask& task);
+/// The source of these frames; `sources` are added to palpa's own. A rehearsal shows the target if it has a place.
+std::unique_ptr<sensing::DepthSource> open_still_source(const StillTask& task, const PosedRig& posed,
+                                                        std::span<const session::SourceKind> sources,
+                                                        const std::optional<Transform>& T_world_target);
+
+struct CalibrateTask : StillTask {  ///< at most 100 frames, usually 30
   TargetPlace target;
 };
 /// Throws bad_usage, naming the command's options, for too many frames and for a real source with `noise_free`.
@@ -49,6 +64,8 @@ struct CalibrateResult {
   Transform T_world_target{1.0};
   sensing::Rig rig;  ///< the rig with these poses, and with the array of RigOptions::layout if that is given
 };
+/// Adds a pose, by rows.
+void add_pose(JsonWriter& json, const char* name, const Transform& T);
 /// The output of `palpa calibrate --json` (docs/files.md).
 std::string to_json(const CalibrateResult& result);
 

@@ -11,6 +11,7 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/text.hpp"
+#include "line/values.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -67,16 +68,22 @@ Decomposed take_apart(geometry::Solid solid, const DecomposeTask& task) {
 
 }  // namespace
 
+void add_decompose_options(const line::Group& group, geometry::DecomposeOptions& options) {
+  group.integer("--parts", options.parts, 1, geometry::most_parts, "the most parts that a solid is cut into");
+  group.count("--resolution", options.resolution, geometry::least_voxels, geometry::most_voxels,
+              "number of voxels that V-HACD divides a mesh into");
+  group.number("--error", options.error_percent, {0, 100, true}, "PERCENT",
+               "share of its volume by which a part may exceed its voxels; above it, the part is cut again");
+}
+
 std::string to_json(const std::vector<Decomposed>& solids, const std::string& file) {
   JsonWriter json;
   json.begin_object().member("file", file).key("solids").begin_array(JsonWriter::Style::block);
   for (const Decomposed& taken : solids) {
     const geometry::PartsReport& r = taken.report;
     json.begin_object(JsonWriter::Style::line).member("name", taken.solid.name).member("parts", r.parts);
-    json.member("volume_m3", r.union_volume_m3).key("mesh_volume_m3");
-    r.mesh_volume_m3 ? json.value(*r.mesh_volume_m3) : json.null();
-    json.key("volume_ratio");
-    r.volume_ratio() ? json.value(*r.volume_ratio()) : json.null();
+    json.member("volume_m3", r.union_volume_m3).member("mesh_volume_m3", r.mesh_volume_m3);
+    json.member("volume_ratio", r.volume_ratio());
     for (const auto& [key, d] :
          {std::pair("surface_error_m", r.surface_error_m), std::pair("mesh_error_m", r.mesh_error_m)}) {
       json.key(key).begin_object(JsonWriter::Style::line);

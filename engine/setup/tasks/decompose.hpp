@@ -12,6 +12,10 @@
 #include "geometry/parts/decompose.hpp"
 #include "geometry/solid.hpp"
 
+namespace palpa::line {
+class Group;
+}
+
 namespace palpa::setup {
 
 struct DecomposeTask {
@@ -20,6 +24,8 @@ struct DecomposeTask {
   geometry::DecomposeOptions options;
   std::uint64_t seed = 0;  ///< for the points with which parts are measured
 };
+/// --parts, --resolution and --error.
+void add_decompose_options(const line::Group& group, geometry::DecomposeOptions& options);
 
 /// A solid, and the parts of which it is the union.
 struct Decomposed {

@@ -205,11 +205,7 @@ void check(const DriveTask& task) {
     throw bad_usage(fmt::format("{} goes with --transfer finger", task.mesh.empty() ? "--force" : "--mesh"));
   if (!asks.empty() && !task.spread.text.empty())
     throw bad_usage("--spread computes in free air and --transfer finger on a finger: give one of them");
-  if (!task.pattern.empty() && !(task.touch.empty() && task.foci.empty() && task.drive.nulls.empty()))
-    throw bad_usage("--pattern has all points itself: leave --focus, --null and --touch out");
   if (task.touch.empty()) {
-    if (task.slot || !task.rig.empty())
-      throw bad_usage(fmt::format("{} goes with --touch", task.slot ? "--slot" : "--rig"));
     if (task.layout.empty() && !task.placed)
       throw bad_usage(fmt::format("--layout is missing: give {} or a layout TOML", array::known_layouts()));
     if (task.foci.empty() && task.pattern.empty()) {
@@ -273,17 +269,10 @@ std::string to_json(const DriveResult& result) {
   json.end_array();
   if (result.spread) {
     begin_spread(json, result.spread->draws);
-    json.key("pressures_pa").begin_array();
-    for (const Percentiles& pressure : result.spread->pressures_pa)
-      add(json, pressure);
-    json.end_array().key("weakest_to_strongest");
+    add(json, "pressures_pa", result.spread->pressures_pa);
+    json.key("weakest_to_strongest");
     add(json, result.spread->evenness);
-    if (!result.spread->nulls_pa.empty()) {
-      json.key("nulls_pa").begin_array();
-      for (const Percentiles& pressure : result.spread->nulls_pa)
-        add(json, pressure);
-      json.end_array();
-    }
+    if (!result.spread->nulls_pa.empty()) add(json, "nulls_pa", result.spread->nulls_pa);
     json.end_object();
   }
   json.end_object();

@@ -6,12 +6,8 @@
 
 #include "session/replay.hpp"
 #include "setup/tasks/export.hpp"
-#include "setup/values.hpp"
 
 namespace palpa::setup {
-
-/// Adds --played. The line is refused, with bad_usage, if it also has an option without an effect on such foci.
-void add_played(CLI::App& app, const Group& group, ExportTask& task);
 
 /// Only `played`, `drives`, `rig`, `drive`, `hold_s` and `safety` of the task are used. Writes the drives. Throws as
 /// load_played_foci, load_posed_rig and open_record_link do; bad_usage without `drives`.

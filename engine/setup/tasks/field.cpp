@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -19,16 +18,11 @@
 #include "setup/drive_file.hpp"
 #include "setup/nulls.hpp"
 #include "setup/tasks/foci.hpp"
+#include "setup/touch_run.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
 
 /// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
@@ -57,7 +51,7 @@ std::size_t loudest_of(std::span<const std::complex<double>> pressures) {
 void sum(const array::Layout& layout, std::span<const array::TransducerDrive> drive, array::Directivity directivity,
          const gpu::Device* device, FieldResult& result) {
   const acoustics::Strengths strengths = acoustics::strengths_of(drive);
-  const auto begin = Clock::now();
+  Stopwatch watch;
   if (device) {
     acoustics::field_on(*device, layout, result.air, directivity, result.places.points, strengths, result.pressures);
   } else {
@@ -65,7 +59,7 @@ void sum(const array::Layout& layout, std::span<const array::TransducerDrive> dr
     acoustics::Incident(layout, result.air, directivity).at(result.places.points, {}, strengths, waves);
     result.pressures = std::move(waves.pressures);
   }
-  result.sum_ms = milliseconds_since(begin);
+  result.sum_ms = watch.lap_ms();
   result.loudest = loudest_of(result.pressures);
 }
 
@@ -78,19 +72,10 @@ void check(const FieldTask& task, bool picture) {
     throw bad_usage(task.foci.empty() ? "nothing sounds: give --drive FILE.csv, or --focus x,y,z such as 0,0,150mm"
                                       : "--drive and --focus exclude each other: give one of them");
   }
-  const DriveOptionsGroup usual;
-  if (!task.drive_file.empty() &&
-      (task.drive.weighting != usual.weighting || task.drive.solver || task.drive.transfer || task.drive.constraint ||
-       task.drive.pressure_pa || !task.drive.nulls.empty())) {
-    throw bad_usage(
-        "--amplitude, --solver, --transfer, --constraint, --pressure and --null go with --focus: --drive is already a "
-        "drive");
-  }
   if (picture && task.place.given() && !task.place.plane && task.place.line[0].empty())
     throw bad_usage("--png draws a plane or a line: give --plane or --line, or use --csv or --vtu");
   check(task.place);
   check(task.spread, task.drive.medium);
-  refuse_idle_air(task.air);
   check_pressure(task.drive.pressure_pa);
 }
 
@@ -111,10 +96,8 @@ std::string to_json(const FieldResult& result) {
     begin_spread(json, result.spread->draws);
     json.key("peak_pa");
     add(json, result.spread->peak_pa);
-    json.key("peak_m").begin_array();
-    for (const Percentiles& axis : result.spread->peak_m)
-      add(json, axis);
-    json.end_array().end_object();
+    add(json, "peak_m", result.spread->peak_m);
+    json.end_object();
   }
   json.key("timing_ms").begin_object().member("field", result.sum_ms).member("total", result.total_ms).end_object();
   json.end_object();
@@ -123,12 +106,12 @@ std::string to_json(const FieldResult& result) {
 
 FieldResult sum_field(const array::Layout& layout, std::span<const array::TransducerDrive> drive, Places places,
                       const acoustics::Air& air, array::Directivity directivity, const gpu::Device* device) {
-  const auto begin = Clock::now();
+  Stopwatch watch;
   check_drive(layout, drive);
   if (places.points.empty()) throw bad_usage("there are no points to look at");
   FieldResult result{.places = std::move(places), .pressures = {}, .air = air, .layout = layout.name, .foci = {}};
   sum(layout, drive, directivity, device, result);
-  result.total_ms = milliseconds_since(begin);
+  result.total_ms = watch.lap_ms();
   return result;
 }
 
@@ -174,7 +157,7 @@ FieldSpread spread_of_field(const FieldTask& task, const array::Layout& layout, 
 }
 
 FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const std::function<void()>& all_read) {
-  const auto begin = Clock::now();
+  Stopwatch watch;
   check(task);
   FieldResult result;
   result.air = air(task.drive.medium, task.air);
@@ -190,7 +173,7 @@ FieldResult sum_field(const FieldTask& task, const CommonOptions& common, const 
     result.spread =
         spread_of_field(task, layout, drive, result.places.points, draws_of(task.spread, common.seed), device.get());
   }
-  result.total_ms = milliseconds_since(begin);
+  result.total_ms = watch.lap_ms();
   return result;
 }
 

@@ -13,9 +13,9 @@
 #include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "line/values.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/drive_file.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -37,7 +37,7 @@ std::pair<std::string, float> split_gain(const std::string& text) {
 
 AskedFocus parse_focus(const std::string& text) {
   const auto [place, gain] = split_gain(text);
-  const auto [x, y, z] = parse_point("--focus", place);
+  const auto [x, y, z] = line::parse_point("--focus", place);
   return {{x, y, z}, gain};
 }
 

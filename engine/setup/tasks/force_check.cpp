@@ -25,13 +25,4 @@ void warn_of_force(const std::string& body, const acoustics::SkinPressure& press
                   body, glm::length(force) * 1e3, glm::length(far_force) * 1e3, 100 * apart / glm::length(far_force)));
 }
 
-void add_far_force(JsonWriter& json, const std::optional<Vec3>& far_force) {
-  json.key("force_far_N");
-  if (far_force) {
-    json.value(*far_force);
-  } else {
-    json.null();
-  }
-}
-
 }  // namespace palpa::setup

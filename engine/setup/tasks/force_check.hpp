@@ -2,11 +2,9 @@
 // the same number, one without the slopes of the pressure on the surface.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "acoustics/bodies/radiation.hpp"
-#include "base/json_writer.hpp"
 #include "base/math.hpp"
 
 namespace palpa::setup {
@@ -14,8 +12,5 @@ namespace palpa::setup {
 /// Warns if the radiation force on `body` differs by more than 3 % from `far_force`, in N. Differences below 0.3 % of
 /// the integral of the pressure's magnitude do not count: where pushes cancel, no force is left to compare.
 void warn_of_force(const std::string& body, const acoustics::SkinPressure& pressure, const Vec3& far_force);
-
-/// The member `force_far_N`: null where it is not defined.
-void add_far_force(JsonWriter& json, const std::optional<Vec3>& far_force);
 
 }  // namespace palpa::setup

@@ -16,41 +16,28 @@
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
 #include "base/parallel.hpp"
+#include "line/values.hpp"
 #include "setup/body.hpp"
 #include "setup/drive_file.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/tasks/force_check.hpp"
-#include "setup/values.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
 namespace {
 
-/// An absorbing medium has no plane wave of 1 Pa everywhere.
-void check_absorption(const IncidentSound& sound, const acoustics::Air& air) {
-  if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
-    throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
-}
-
-/// Loads the task's wave and checks it against the body.
-IncidentSound load_sound(const ScatterTask& task, const acoustics::Air& air, const geometry::Mesh& body) {
-  IncidentSound sound;
+IncidentSound load_sound(const ScatterTask& task) {
   if (!task.plane_wave.empty()) {
-    const auto [x, y, z] = parse_direction("--plane-wave", task.plane_wave);
-    sound = PlaneWave{{x, y, z}};
-  } else if (!task.point_source.empty()) {
-    const auto [x, y, z] = parse_point("--point-source", task.point_source);
-    acoustics::check_source(body, {x, y, z}, task.force);
-    sound = PointSource{{x, y, z}};
-  } else {
-    array::Layout layout = array::load_layout(task.layout);
-    warn_of_frequency(layout, air.medium);
-    acoustics::check_clear_of(task.mesh, body, layout);
-    array::Drive drive = load_drive(task.drive_file, layout);
-    sound = ArraySound{std::move(layout), std::move(drive), task.directivity.value_or(array::Directivity::t4010a1)};
+    const auto [x, y, z] = line::parse_direction("--plane-wave", task.plane_wave);
+    return PlaneWave{{x, y, z}};
   }
-  check_absorption(sound, air);
-  return sound;
+  if (!task.point_source.empty()) {
+    const auto [x, y, z] = line::parse_point("--point-source", task.point_source);
+    return PointSource{{x, y, z}};
+  }
+  array::Layout layout = array::load_layout(task.layout);
+  array::Drive drive = load_drive(task.drive_file, layout);
+  return ArraySound{std::move(layout), std::move(drive), task.directivity.value_or(array::Directivity::t4010a1)};
 }
 
 void check_sound(const std::string& name, const IncidentSound& sound, const acoustics::Air& air,
@@ -60,15 +47,18 @@ void check_sound(const std::string& name, const IncidentSound& sound, const acou
     if (!(length > 0 && std::isfinite(length))) throw bad_usage("a plane wave needs a direction whose length is not 0");
   } else if (const auto* const point = std::get_if<PointSource>(&sound)) {
     const Vec3& p = point->position;
-    if (!(std::abs(p.x) <= farthest_point_m && std::abs(p.y) <= farthest_point_m && std::abs(p.z) <= farthest_point_m))
-      throw bad_usage(fmt::format("the point source is not within {} m", farthest_point_m));
+    if (!(std::abs(p.x) <= line::farthest_point_m && std::abs(p.y) <= line::farthest_point_m &&
+          std::abs(p.z) <= line::farthest_point_m))
+      throw bad_usage(fmt::format("the point source is not within {} m", line::farthest_point_m));
     acoustics::check_source(body, p, force);
   } else if (const auto* const array = std::get_if<ArraySound>(&sound)) {
     warn_of_frequency(array->layout, air.medium);
     acoustics::check_clear_of(name, body, array->layout);
     check_drive(array->layout, array->drive);
   }
-  check_absorption(sound, air);
+  // An absorbing medium has no plane wave of 1 Pa everywhere.
+  if (!std::holds_alternative<ArraySound>(sound) && air.absorption_np_m > 0)
+    throw bad_usage("--absorption goes with --drive: the plane wave and the point source are computed in lossless air");
 }
 
 /// The incident wave, of any kind.
@@ -191,8 +181,6 @@ void check(const ScatterTask& task) {
   if (task.drive_file.empty() != task.layout.empty()) throw bad_usage("--layout and --drive go together: give both");
   if (task.directivity && task.drive_file.empty())
     throw bad_usage("--directivity goes with --drive: it belongs to an array's transducers");
-  refuse_idle_humidity(task.air);
-  refuse_without_place(task.place);
 }
 
 bool ScatterResult::beyond_linear() const {
@@ -202,7 +190,7 @@ bool ScatterResult::beyond_linear() const {
 std::string to_json(const ScatterResult& result) {
   JsonWriter json;
   json.begin_object().member("faces", std::uint64_t{result.body.triangles.size()}).member("force_N", result.load.force);
-  add_far_force(json, result.far_force);
+  json.member("force_far_N", result.far_force);
   json.member("torque_Nm", result.load.torque).member("density_kg_m3", result.air.density_kg_m3);
   add_solution(json, result.effort);
   json.key("timing_ms").begin_object();
@@ -224,7 +212,8 @@ ScatterResult scatter(const ScatterTask& task, const std::function<void()>& all_
   check(task);
   const acoustics::Air air = setup::air(task.medium, task.air);
   geometry::Mesh body = load_body(task.mesh, air, task.force);
-  const IncidentSound sound = load_sound(task, air, body);
+  const IncidentSound sound = load_sound(task);
+  check_sound(task.mesh, sound, air, body, task.force);
   Places places = task.place.given() ? load_places(task.place) : Places();
   if (all_read) all_read();
   return solve(task.mesh, std::move(body), sound, air, std::move(places.points));

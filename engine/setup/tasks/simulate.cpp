@@ -37,7 +37,6 @@ void check(const SimulateTask& options) {
   check(options.in_time, options.touch);
   if (!(std::abs(options.penetration_m) <= most_penetration_m))
     throw bad_usage("--penetration: out of range, give a length from -10 m to 10 m");
-  refuse_idle_humidity(options.air);
   check(options.spread, options.drive.medium);
   if (options.skin == Skin::cameras) return;
   if (options.noise_free) throw bad_usage("--noise-free goes with --skin cameras");
@@ -100,13 +99,6 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
     }
   }
   return foci;
-}
-
-double top_of(std::span<const geometry::Solid> solids) {
-  Box all;
-  for (const geometry::Solid& solid : solids)
-    all.add(solid.bounds.high);
-  return all.high.y;
 }
 
 [[noreturn]] void refuse_untouched(const std::string& scene, std::span<const geometry::Solid> solids,

@@ -11,7 +11,6 @@
 #include "geometry/files/vtu.hpp"
 #include "setup/body.hpp"
 #include "setup/tasks/felt_json.hpp"
-#include "setup/tasks/force_check.hpp"
 
 namespace palpa::setup {
 
@@ -66,20 +65,12 @@ void add_members(JsonWriter& json, const SimulateResult& result) {
       .member("vertices", std::uint64_t{result.body.positions.size()})
       .end_object();
   json.member("method", word_of(touch::method_words, result.method)).member("penetration_m", result.penetration_m);
-  json.key("foci_m").begin_array();
-  for (const std::optional<Vec3>& focus : result.foci) {
-    if (focus) {
-      json.value(*focus);
-    } else {
-      json.null();
-    }
-  }
-  json.end_array();
+  json.member("foci_m", result.foci);
   if (!result.aimed.empty()) add_aimed(json, result);
   add_spot(json, "langevin", result.langevin);
   add_spot(json, "squared", result.squared);
   json.member("force_N", result.load.force);
-  add_far_force(json, result.far_force);
+  json.member("force_far_N", result.far_force);
   json.member("torque_Nm", result.load.torque);
   if (!result.fingers.empty()) add_in_time(json, result);
   add_solution(json, result.effort);

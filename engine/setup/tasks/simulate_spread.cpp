@@ -91,17 +91,10 @@ class WarmBodies {
   std::vector<session::WarmBody> bodies_;
 };
 
-void add_axes(JsonWriter& json, const char* name, const std::array<Percentiles, 3>& axes) {
-  json.key(name).begin_array();
-  for (const Percentiles& axis : axes)
-    add(json, axis);
-  json.end_array();
-}
-
 void add_spot(JsonWriter& json, const char* name, const SpotSpread& spot) {
   json.key(name).begin_object().key("peak_pa");
   add(json, spot.peak_pa);
-  add_axes(json, "peak_m", spot.peak_m);
+  add(json, "peak_m", spot.peak_m);
   json.key("half_area_m2");
   add(json, spot.half_area_m2);
   json.key("half_radius_m");
@@ -117,8 +110,8 @@ void add_spread(JsonWriter& json, const SimulateSpread& spread) {
   begin_spread(json, spread.draws);
   add_spot(json, "langevin", spread.langevin);
   add_spot(json, "squared", spread.squared);
-  add_axes(json, "force_N", spread.force);
-  add_axes(json, "torque_Nm", spread.torque);
+  add(json, "force_N", spread.force);
+  add(json, "torque_Nm", spread.torque);
   json.end_object();
 }
 

@@ -26,7 +26,6 @@ void check(const TouchTask& options, bool depth_images) {
   check(options.touch);
   check(options.felt, options.touch);
   if (!depth_images) refuse_finger_width(options.touch, "--depth");
-  check(options.array);
 }
 
 namespace {

@@ -14,6 +14,7 @@
 
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "cli/keys.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
@@ -21,7 +22,6 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/links/record_link.hpp"
-#include "setup/keys.hpp"
 #include "support/files.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -30,13 +30,13 @@
 namespace palpa::test {
 namespace {
 
+using cli::Key;
+using cli::KeyPress;
 using nlohmann::json;
-using setup::Key;
-using setup::KeyPress;
 
 TEST(Keys, AreReadFromATerminalsBytes) {
   std::vector<KeyPress> keys;
-  setup::KeyReader reader;
+  cli::KeyReader reader;
   // Arrows in both of a terminal's modes, one of them in two pieces; shift; keys without a meaning; an unknown escape.
   reader.feed("\x1b[A\x1bOB\x1b", keys);
   reader.feed("[C\x1b[D\x1b[1;2A\x1b[5~\x1b[6~\x1b[6;2~x\x1b[3~\x1b\x1b[C\x1bqf0\rq", keys);
@@ -49,10 +49,10 @@ TEST(Keys, AreReadFromATerminalsBytes) {
 TEST(Keys, AreReadFromAScript) {
   const std::vector<KeyPress> expected{{Key::right},  {Key::right}, {Key::up, true},
                                        {Key::nearer}, {Key::wait},  {Key::save}};
-  EXPECT_EQ(setup::parse_keys("--keys", " right*2, shift+up pagedown,wait enter"), expected);
+  EXPECT_EQ(cli::parse_keys("--keys", " right*2, shift+up pagedown,wait enter"), expected);
   for (const char* bad : {"rigth", "right*", "right*0", "right*-1", "shift+enter", "*2", "right*2x"})
-    EXPECT_ERROR(setup::parse_keys("--keys", bad), Exit::usage, "key '" + std::string(bad) + "'");
-  EXPECT_ERROR(setup::parse_keys("--keys", "right*1000000"), Exit::usage, "--keys: more than");
+    EXPECT_ERROR(cli::parse_keys("--keys", bad), Exit::usage, "key '" + std::string(bad) + "'");
+  EXPECT_ERROR(cli::parse_keys("--keys", "right*1000000"), Exit::usage, "--keys: more than");
 }
 
 /// A fingertip that rests 3 mm in the cube, before the paper's cameras, and an OpenMPD board that does not stand where

@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "cli/run_line.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
-#include "setup/run_line.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -13,8 +13,8 @@
 namespace palpa::test {
 namespace {
 
-using setup::run_line;
-using setup::RunState;
+using cli::run_line;
+using cli::RunState;
 
 TEST(RunLine, SaysWhatHappens) {
   RunState state{.link = "openmpd:A", .frames = 45, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};

@@ -3,7 +3,7 @@
 namespace palpa::test {
 
 std::vector<ReviewedLine> of_emulate() {
-  std::vector<IdleOption> of_openmpd = no_gpu_at_all("palpa emulate uses no GPU");
+  std::vector<IdleOption> of_openmpd = no_gpu_at_all();
   of_openmpd.push_back({{"--port", "0"}, "--port goes with autd3, not with openmpd"});
   of_openmpd.push_back({{"--tactile"}, "--tactile goes with sonicsurface, not with openmpd"});
   of_openmpd.push_back({{"--layout", "openmpd"}, "--layout goes with --view"});

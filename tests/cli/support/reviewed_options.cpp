@@ -15,8 +15,8 @@
 
 namespace palpa::test {
 
-std::vector<IdleOption> no_gpu_at_all(const std::string& why) {
-  return {{{"--gpu", "0"}, why}, {{"--validation", "core"}, why}};
+std::vector<IdleOption> no_gpu_at_all() {
+  return {{{"--gpu", "0"}, "has no option '--gpu'"}, {{"--validation", "core"}, "has no option '--validation'"}};
 }
 
 namespace {
@@ -51,12 +51,13 @@ std::string ply_in(const std::string& folder, const std::string& name, const geo
 
 const Idles no_gpu{{{"--gpu", "0"}, "--gpu: --backend cpu uses no GPU"},
                    {{"--validation", "core"}, "--validation: --backend cpu uses no GPU"}};
+const Idles gpu_of_nudge{{{"--gpu", "0"}, "go with --nudge"}, {{"--validation", "core"}, "go with --nudge"}};
 const Idles parts{{{"--parts", "3"}, "--parts goes with --surface parts"},
                   {{"--internal-faces", "keep"}, "--internal-faces goes with --surface parts"}};
 const Idles felt{{{"--spot", "4mm"}, "--spot goes with"},
-                 {{"--tune-shortest", "1ms"}, "go together"},
-                 {{"--tune-longest", "2ms"}, "go together"},
-                 {{"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "go with --tune"}};
+                 {{"--tune-shortest", "1ms"}, "--tune-shortest goes with --tune"},
+                 {{"--tune-longest", "2ms"}, "--tune-longest goes with --tune"},
+                 {{"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "goes with --tune"}};
 
 /// Options from skin to foci.
 const Effects touched{{{"--delta", "1mm"}}, {{"--finger-gap", "0.1mm"}}, {{"--min-points", "100000"}}};
@@ -83,14 +84,14 @@ ReviewedLine of_touch() {
                                       {{{"--camera", "x.toml"}, "go with --depth"},
                                        {{"--rig", "x.toml"}, "go with --depth"},
                                        {{"--finger-width", "10mm"}, "--finger-width goes with --depth"},
-                                       {{"--amplitude", "uniform"}, "go with --layout"},
-                                       {{"--solver", "greedy"}, "go with --layout"},
-                                       {{"--constraint", "clamp"}, "go with --layout"},
-                                       {{"--pressure", "1kPa"}, "go with --layout"},
-                                       {{"--directivity", "omni"}, "go with --layout"},
-                                       {{"--temperature", "25"}, "go with --layout"},
-                                       {{"--sound-speed", "350m/s"}, "go with --layout"},
-                                       {{"--frequency", "41kHz"}, "go with --layout"}}}),
+                                       {{"--amplitude", "uniform"}, "goes with --layout"},
+                                       {{"--solver", "greedy"}, "goes with --layout"},
+                                       {{"--constraint", "clamp"}, "goes with --layout"},
+                                       {{"--pressure", "1kPa"}, "goes with --layout"},
+                                       {{"--directivity", "omni"}, "goes with --layout"},
+                                       {{"--temperature", "25"}, "goes with --layout"},
+                                       {{"--sound-speed", "350m/s"}, "goes with --layout"},
+                                       {{"--frequency", "41kHz"}, "goes with --layout"}}}),
           .untried = "--scene --gltf-scene --points --depth --surface --cluster",
           // On a ridge, where a cross-section is not round.
           .tried_as = with(without(line, "--scene"), {"--scene", asset("prism.glb"), "--json", "OUT/touch.json"}),
@@ -211,15 +212,15 @@ std::vector<ReviewedLine> of_export(const std::string& scratch) {
 ReviewedLine of_link() {
   return {
       .line = {"link", "test", "--link", "null", "--layout", "openmpd", "--last", "0", "--each", "1ms", "--rest", "0"},
-      .idle = joined<IdleOption>({{{{"--board-files", "/"}, "--board-files goes with a link to boards"}},
-                                  no_gpu_at_all("palpa link uses no GPU")}),
+      .idle =
+          joined<IdleOption>({{{{"--board-files", "/"}, "--board-files goes with a link to boards"}}, no_gpu_at_all()}),
       .untried = "--link --layout --first --last --each --rest --dwell --amplitude"};
 }
 
 std::vector<ReviewedLine> of_calibrate() {
   const std::string rig = source_file("tests/cli/support/small_rig.toml").string();
   return {{.line = {"calibrate", "--layout", "openmpd"},
-           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate computes on the processor"),
+           .idle = joined<IdleOption>({gpu_of_nudge,
                                        {{{"--scene", asset("cube.glb")}, "--scene goes with --nudge"},
                                         {{"--link", "foci:udp:127.0.0.1:9"}, "--link goes with --nudge"},
                                         {{"--board-files", "/"}, "--board-files goes with --nudge"},
@@ -234,23 +235,23 @@ std::vector<ReviewedLine> of_calibrate() {
            .tried_as = {"calibrate", "--rig", rig, "--frames", "2", "--json", "OUT/found.json"},
            .effective = {{{"--noise-free"}}, {{"--at", "5mm,0,0"}}}},
           {.line = {"calibrate", "--layout", "openmpd", "--background"},
-           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate computes on the processor"),
-                                       {{{"--at", "0,0,1mm"}, "must not be in sight of --background"},
-                                        {{"--turn", "90"}, "must not be in sight of --background"},
-                                        {{"--nudge"}, "two calibrations"},
+           .idle = joined<IdleOption>({gpu_of_nudge,
+                                       {{{"--at", "0,0,1mm"}, "exclude each other"},
+                                        {{"--turn", "90"}, "exclude each other"},
+                                        {{"--nudge"}, "exclude each other"},
                                         {{"--keys", "enter"}, "--keys goes with --nudge"},
                                         {{"--out", "x.toml"}, "--out needs --source"}}}),
            .tried_as = {"calibrate", "--background", "--rig", rig, "--frames", "10", "--json", "OUT/learned.json"},
            .effective = {{{"--noise-free"}}}},
           {.line = {"calibrate", "--layout", "openmpd", "--target", "none/t.stl"},
-           .idle = joined<IdleOption>({no_gpu_at_all("palpa calibrate --target uses no GPU"),
-                                       {{{"--source", "synthetic"}, "--target only writes the model"},
-                                        {{"--frames", "3"}, "--target only writes the model"},
-                                        {{"--noise-free"}, "--target only writes the model"},
+           .idle = joined<IdleOption>({gpu_of_nudge,
+                                       {{{"--source", "synthetic"}, "exclude each other"},
+                                        {{"--frames", "3"}, "exclude each other"},
+                                        {{"--noise-free"}, "exclude each other"},
                                         {{"--json", "-"}, "--target only writes the model"},
-                                        {{"--out", "x.toml"}, "--target only writes the model"},
-                                        {{"--nudge"}, "--target only writes the model"},
-                                        {{"--background"}, "--target only writes the model"},
+                                        {{"--out", "x.toml"}, "exclude each other"},
+                                        {{"--nudge"}, "exclude each other"},
+                                        {{"--background"}, "exclude each other"},
                                         {{"--keys", "enter"}, "--keys goes with --nudge"},
                                         {{"--at", "0,0,1mm"}, "a printer's .stl lies as it is printed"},
                                         {{"--turn", "90"}, "a printer's .stl lies as it is printed"}}}),
@@ -283,21 +284,24 @@ std::vector<ReviewedLine> of_drive(const std::string& scratch) {
                                                   {{"--csv", "OUT/drive.csv"}},
                                                   {{"--transfer", "finger", "--mesh", above}}}})},
           {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
-           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}}};
+           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}},
+          {.line = {"drive", "--layout", "paper", "--pattern", "hoshi", "--backend", "cpu"},
+           .idle = {{{"--focus", "0,0,1cm"}, "--focus and --pattern exclude each other"},
+                    {{"--null", "2cm,0,0"}, "--null and --pattern exclude each other"},
+                    {{"--touch", "x.json"}, "--pattern and --touch exclude each other"}}}};
 }
 
 ReviewedLine of_field() {
   const std::vector<std::string> line{"field",  "--layout", "openmpd", "--focus",   "0,0,10cm",
                                       "--line", "0,0,1cm",  "0,0,2cm", "--backend", "cpu"};
   return {.line = line,
-          .idle = joined<IdleOption>(
-              {no_gpu,
-               {{{"--centre", "0,0,0"}, "go with --plane"},
-                {{"--size", "6mm,6mm"}, "go with --plane"},
-                {{"--pixels", "8,8"}, "go with --plane"},
-                {{"--draws", "50"}, "--draws goes with --spread"},
-                {{"--humidity", "20", "--no-absorption"}, "--humidity sets how much air absorbs"},
-                {{"--air-pressure", "90kPa", "--no-absorption"}, "--air-pressure sets how much air absorbs"}}}),
+          .idle = joined<IdleOption>({no_gpu,
+                                      {{{"--centre", "0,0,0"}, "goes with --plane"},
+                                       {{"--size", "6mm,6mm"}, "goes with --plane"},
+                                       {{"--pixels", "8,8"}, "goes with --plane"},
+                                       {{"--draws", "50"}, "--draws goes with --spread"},
+                                       {{"--humidity", "20", "--no-absorption"}, "exclude each other"},
+                                       {{"--air-pressure", "90kPa", "--no-absorption"}, "exclude each other"}}}),
           .untried = "--drive --plane --points",
           .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/field.json", "--csv", "OUT/field.csv"}),
           .effective = joined<EffectiveOption>({sounding,
@@ -327,10 +331,10 @@ std::vector<ReviewedLine> of_scatter(const std::string& scratch) {
   const std::vector<std::string> of_array{"scatter", "--mesh", raised, "--layout", "openmpd", "--drive", drive};
   const std::vector<std::string> results{"--json", "OUT/body.json", "--csv", "OUT/faces.csv"};
   return {{.line = line,
-           .idle = joined<IdleOption>({no_gpu_at_all("palpa scatter computes on the processor"),
-                                       {{{"--centre", "0,0,0"}, "go with --plane"},
-                                        {{"--size", "6mm,6mm"}, "go with --plane"},
-                                        {{"--pixels", "8,8"}, "go with --plane"},
+           .idle = joined<IdleOption>({no_gpu_at_all(),
+                                       {{{"--centre", "0,0,0"}, "goes with --plane"},
+                                        {{"--size", "6mm,6mm"}, "goes with --plane"},
+                                        {{"--pixels", "8,8"}, "goes with --plane"},
                                         {{"--samples", "9"}, "--samples goes with --line"},
                                         {{"--layout", "openmpd"}, "go together"},
                                         {{"--drive", "x.csv"}, "exclude each other"},
@@ -360,14 +364,13 @@ std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
   const std::vector<std::string> line{"simulate",      "--scene", asset("cube.glb"), "--finger", tip,
                                       "--penetration", "1mm",     "--backend",       "cpu"};
   return {{.line = line,
-           .idle = joined<IdleOption>(
-               {no_gpu,
-                felt,
-                parts,
-                {{{"--noise-free"}, "--noise-free goes with --skin cameras"},
-                 {{"--finger-width", "10mm"}, "--finger-width goes with --skin cameras"},
-                 {{"--draws", "50"}, "--draws goes with --spread"},
-                 {{"--humidity", "20", "--no-absorption"}, "--humidity sets how much air absorbs"}}}),
+           .idle = joined<IdleOption>({no_gpu,
+                                       felt,
+                                       parts,
+                                       {{{"--noise-free"}, "--noise-free goes with --skin cameras"},
+                                        {{"--finger-width", "10mm"}, "--finger-width goes with --skin cameras"},
+                                        {{"--draws", "50"}, "--draws goes with --spread"},
+                                        {{"--humidity", "20", "--no-absorption"}, "exclude each other"}}}),
            .untried =
                "--scene --gltf-scene --finger --finger-gap --min-points --skin --figure6 --force --surface --cluster "
                "--stride --modulation --rig",
@@ -391,14 +394,14 @@ std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
                                                   {{"--humidity", "20"}},
                                                   {{"--air-pressure", "90kPa"}}}})},
           {.line = {"simulate", "--figure6", "--backend", "cpu"},
-           .idle = {{{"--scene", asset("cube.glb")}, "--figure6 computes the paper's objects"},
-                    {{"--gltf-scene", "0"}, "--figure6 computes the paper's objects"},
-                    {{"--csv", "x.csv"}, "--figure6 computes the paper's objects"},
-                    {{"--vtu", "x.vtu"}, "--figure6 computes the paper's objects"},
-                    {{"--method", "ellipse"}, "--figure6 computes the paper's objects"},
-                    {{"--spread", "phase=0.1"}, "--figure6 computes the paper's objects"},
-                    {{"--surface", "parts"}, "go with --scene"},
-                    {{"--parts", "3"}, "go with --scene"}}}};
+           .idle = {{{"--scene", asset("cube.glb")}, "exclude each other"},
+                    {{"--gltf-scene", "0"}, "exclude each other"},
+                    {{"--csv", "x.csv"}, "exclude each other"},
+                    {{"--vtu", "x.vtu"}, "exclude each other"},
+                    {{"--method", "ellipse"}, "exclude each other"},
+                    {{"--spread", "phase=0.1"}, "exclude each other"},
+                    {{"--surface", "parts"}, "exclude each other"},
+                    {{"--parts", "3"}, "exclude each other"}}}};
 }
 
 std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
@@ -409,8 +412,8 @@ std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
                                       "50ms",          "--json",  "OUT/a.json"};
   return {{.line = line,
            .idle = joined<IdleOption>(
-               {no_gpu_at_all("palpa afferents computes on the processor"),
-                {{{"--linear", "--crest", "16"}, "--crest sets the level that --linear leaves out"},
+               {no_gpu_at_all(),
+                {{{"--linear", "--crest", "16"}, "exclude each other"},
                  {{"--stride", "3", "--method", "single-focus"}, "--stride: a single focus has no order"}}}),
            .untried = "--scene --finger --delta",
            .effective = {{{"--penetration", "0.8mm"}},
@@ -445,15 +448,14 @@ std::vector<std::string> words_of(const std::string& text) {
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
   return joined<ReviewedLine>(
       {{{.line = {"doctor"},
-         .idle = joined<IdleOption>({{{{"--source", "bag:x"}, "--source goes with --write-rig"}},
-                                     no_gpu_at_all("palpa doctor looks at every GPU")}),
+         .idle = joined<IdleOption>({{{{"--source", "bag:x"}, "--source goes with --write-rig"}}, no_gpu_at_all()}),
          .untried = "--write-rig"},
         of_touch(),
         of_run(),
         of_link(),
         of_field(),
         {.line = {"decompose", "--scene", asset("cube.glb"), "--out", "none/x.glb"},
-         .idle = no_gpu_at_all("palpa decompose computes on the processor"),
+         .idle = no_gpu_at_all(),
          .untried = "--scene --gltf-scene --out --parts --resolution --error"},
         {.line = {"bench", "--suite", "array"},
          .idle = {{{"--scene", asset("cube.glb")}, "--scene goes with --suite surface"},

@@ -35,8 +35,8 @@ std::vector<ReviewedLine> of_played(const std::string& scratch);
 std::vector<ReviewedLine> of_studies();
 std::vector<ReviewedLine> of_emulate();
 
-/// The options of a GPU, which a command that uses none refuses: the message has `why`.
-std::vector<IdleOption> no_gpu_at_all(const std::string& why);
+/// The options of a GPU, which a command that uses none does not have.
+std::vector<IdleOption> no_gpu_at_all();
 
 /// The words of a text, between spaces.
 std::vector<std::string> words_of(const std::string& text);

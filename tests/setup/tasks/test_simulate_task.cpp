@@ -131,9 +131,6 @@ TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
   options.penetration_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--penetration: out of range");
   options.penetration_m = 3e-3;
-  options.spread.draws = 50;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--draws goes with --spread");
-  options.spread.draws.reset();
   options.touch.spot_m = 4e-3;
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--spot goes with");
 }

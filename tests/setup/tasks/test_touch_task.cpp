@@ -103,9 +103,6 @@ TEST(TouchTask, NothingTouchedIsNoError) {
 
 TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
   setup::TouchTask options;
-  options.array.drive.weighting = array::Weighting::uniform;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "go with --layout");
-  options = {};
   options.touch.stride = 5;
   EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "stride");
   options = {};

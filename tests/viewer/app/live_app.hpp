@@ -42,14 +42,14 @@ class LiveApp : public testing::Test {
     app_.reset();
     heard_ = std::make_shared<test::Heard>();
     options.input.scene = scene_;
-    options.given.merge(setup::Given{{"--scene", {scene_}},
-                                     {"--gltf-scene", {"0"}},
-                                     {"--source", {source}},
-                                     {"--layout", {"autd3"}},
-                                     {"--backend", {"cpu"}},
-                                     {"--noise-free", {}},
-                                     {"--hold", {"5s"}},
-                                     {"--link", {"heard"}}});
+    options.given.merge(line::Given{{"--scene", {scene_}},
+                                    {"--gltf-scene", {"0"}},
+                                    {"--source", {source}},
+                                    {"--layout", {"autd3"}},
+                                    {"--backend", {"cpu"}},
+                                    {"--noise-free", {}},
+                                    {"--hold", {"5s"}},
+                                    {"--link", {"heard"}}});
     make(options);
   }
   void make(const ViewerOptions& options) {
@@ -63,11 +63,11 @@ class LiveApp : public testing::Test {
     app_ = std::make_unique<App>(options, size_, std::move(host));
   }
   /// A fingertip 3 mm in the cube, with further options.
-  void make_touch(setup::Given more = {}) {
-    more.merge(setup::Given{{"--scene", {scene_}},
-                            {"--points", {test::source_file("assets/finger.ply")}},
-                            {"--penetration", {"3mm"}},
-                            {"--backend", {"cpu"}}});
+  void make_touch(line::Given more = {}) {
+    more.merge(line::Given{{"--scene", {scene_}},
+                           {"--points", {test::source_file("assets/finger.ply")}},
+                           {"--penetration", {"3mm"}},
+                           {"--backend", {"cpu"}}});
     make(options_of(more));
   }
 

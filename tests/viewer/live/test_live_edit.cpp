@@ -14,8 +14,8 @@
 namespace palpa::viewer {
 namespace {
 
-const setup::Given line{{"--scene", {"a.glb"}}, {"--gltf-scene", {"1"}}, {"--noise-free", {}},
-                        {"--delta", {"2mm"}},   {"--dark", {}},          {"--json", {"of-the-viewer.json"}}};
+const line::Given line{{"--scene", {"a.glb"}}, {"--gltf-scene", {"1"}}, {"--noise-free", {}},
+                       {"--delta", {"2mm"}},   {"--dark", {}},          {"--json", {"of-the-viewer.json"}}};
 
 /// The values are those of the command line.
 void expect_of_its_line(const LiveEdit& edit) {
@@ -35,13 +35,13 @@ void expect_of_its_line(const LiveEdit& edit) {
 TEST(LiveEdit, EveryChangeChangesValuesAndCommand) {
   struct Case {
     std::string what;
-    setup::Given line;
+    line::Given line;
     std::function<void(LiveEdit&)> change;
     std::string command;  ///< after "palpa run --scene "
     bool same = false;    ///< the run is the same
   };
-  const setup::Given touch{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}};
-  const setup::Given tuned{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--tune", {}}};
+  const line::Given touch{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}};
+  const line::Given tuned{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--tune", {}}};
   const std::string before = "a.glb --gltf-scene 1 --noise-free --delta 2mm";
   const auto set = [](const std::string& option, const std::optional<std::string>& text) {
     return [=](LiveEdit& edit) { edit.set(option, text); };
@@ -98,7 +98,7 @@ TEST(LiveEdit, WhatIsNoValueChangesNothing) {
   EXPECT_TRUE(edit.runs_as(LiveEdit(line)));
   EXPECT_EQ(edit.command(), LiveEdit(line).command());
   expect_of_its_line(edit);
-  EXPECT_ERROR(LiveEdit(setup::Given{{"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
+  EXPECT_ERROR(LiveEdit(line::Given{{"--delta", {"-1"}}}), Exit::usage, "--delta: '-1'");
 }
 
 TEST(LiveEdit, SaysWhatDoesNotGoTogether) {
@@ -109,7 +109,7 @@ TEST(LiveEdit, SaysWhatDoesNotGoTogether) {
   edit.check();
   edit.set("--scene", std::nullopt);
   EXPECT_ERROR(edit.check(), Exit::usage, "--scene is missing");
-  LiveEdit touch(setup::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}});
+  LiveEdit touch(line::Given{{"--scene", {"a.glb"}}, {"--spot", {"4mm"}}, {"--spectrum", {}}});
   EXPECT_ERROR(touch.check(), Exit::usage, "--spot goes with");
   touch.leave_touch();
   touch.check();
@@ -117,7 +117,7 @@ TEST(LiveEdit, SaysWhatDoesNotGoTogether) {
 
 TEST(LiveLine, TheTableHasWordsAndDefaults) {
   bool method = false, delta = false;
-  for (const setup::OptionInfo& info : live_table()) {
+  for (const line::OptionInfo& info : live_table()) {
     if (info.name == "--method") method = info.words.size() == 4 && info.initial == "cross-section";
     if (info.name == "--delta")
       delta = info.initial == "1.5mm" && info.type == "LENGTH" && info.help.ends_with("may be");

@@ -8,9 +8,9 @@
 namespace palpa::viewer {
 namespace {
 
-const setup::Given line{{"--scene", {"a.glb"}},  {"--gltf-scene", {"1"}}, {"--depth", {"frame.toml"}},
-                        {"--layout", {"paper"}}, {"--slice", {"yz"}},     {"--foci", {"7"}},
-                        {"--backend", {"cpu"}},  {"--no-panels", {}}};
+const line::Given line{{"--scene", {"a.glb"}},  {"--gltf-scene", {"1"}}, {"--depth", {"frame.toml"}},
+                       {"--layout", {"paper"}}, {"--slice", {"yz"}},     {"--foci", {"7"}},
+                       {"--backend", {"cpu"}},  {"--no-panels", {}}};
 
 /// The values are those of the command line.
 const ViewerOptions& consistent(const TouchEdit& edit) {

@@ -10,8 +10,8 @@
 namespace palpa::viewer {
 namespace {
 
-std::vector<setup::OptionInfo> all_options() {
-  std::vector<setup::OptionInfo> all = live_table();
+std::vector<line::OptionInfo> all_options() {
+  std::vector<line::OptionInfo> all = live_table();
   all.insert(all.end(), copied_table().begin(), copied_table().end());
   return all;
 }
@@ -27,7 +27,7 @@ bool has_placeholder(const std::string& text) {
 
 TEST(OptionWords, EveryOptionHasALabelOfItsOwnWithoutPlaceholders) {
   std::set<std::string> labels;
-  for (const setup::OptionInfo& info : all_options()) {
+  for (const line::OptionInfo& info : all_options()) {
     const OptionWords words = words_of(info);
     EXPECT_FALSE(words.label.empty()) << info.name;
     EXPECT_FALSE(words.label.starts_with("--")) << info.name;
@@ -40,7 +40,7 @@ TEST(OptionWords, EveryOptionHasALabelOfItsOwnWithoutPlaceholders) {
 }
 
 TEST(OptionWords, EveryWordIsExplained) {
-  for (const setup::OptionInfo& info : live_table()) {
+  for (const line::OptionInfo& info : live_table()) {
     for (const std::string& word : info.words)
       EXPECT_FALSE(meaning_of(info.name, word).empty()) << info.name << " " << word;
   }
@@ -57,7 +57,7 @@ TEST(OptionWords, ABareNumberGetsTheUnitOfTheLabel) {
 }
 
 TEST(OptionWords, TheUnitIsOneThatTheOptionTakes) {
-  for (const setup::OptionInfo& info : live_table()) {
+  for (const line::OptionInfo& info : live_table()) {
     const OptionWords words = words_of(info);
     if (words.unit.empty()) continue;
     const std::string number = words.unit == "m/s" ? "340" : words.unit == "kHz" ? "40" : "0.4";

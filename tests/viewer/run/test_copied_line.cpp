@@ -47,7 +47,7 @@ TEST_F(CopiedLine, DrawsThePictureAgain) {
                 .exit_code,
             0);
   // The same by an application whose clipboard can be read.
-  setup::Given given;
+  line::Given given;
   for (std::size_t i = 0; i < line.size(); ++i) {
     std::vector<std::string>& values = given[line[i]];
     if (i + 1 < line.size() && !line[i + 1].starts_with("--")) values.push_back(line[++i]);

@@ -14,7 +14,7 @@ namespace {
 TEST(RunOptions, ArePalpaRunsOwn) {
   std::set<std::string> shown, helped;
   for (const auto* table : {&live_table(), &copied_table()})
-    for (const setup::OptionInfo& info : *table)
+    for (const line::OptionInfo& info : *table)
       EXPECT_TRUE(shown.insert(info.name).second) << info.name << " stands twice";
   const std::string help = test::palpa({"help", "run", "all"}).out + test::palpa({"help", "all"}).out;
   for (const test::HelpedOption& option : test::options_in(help))

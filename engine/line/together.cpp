@@ -1,0 +1,54 @@
+#include "line/together.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+
+namespace palpa::line {
+namespace {
+
+std::string name_of(const CLI::Option& option) {
+  return option.get_lnames().empty() ? std::string() : "--" + option.get_lnames().front();
+}
+
+}  // namespace
+
+void need(CLI::App& app, std::span<const std::string> options, const std::string& other) {
+  for (const std::string& option : options)
+    app.get_option(option)->needs(app.get_option(other));
+}
+
+void need(CLI::App& app, std::initializer_list<std::string> options, const std::string& other) {
+  need(app, std::span(options.begin(), options.size()), other);
+}
+
+void exclude(CLI::App& app, const std::string& option, std::initializer_list<std::string> others) {
+  for (const std::string& other : others)
+    app.get_option(option)->excludes(app.get_option(other));
+}
+
+std::vector<std::string> under(const CLI::App& app, std::initializer_list<std::string_view> headings) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    if (std::ranges::find(headings, option->get_group()) != headings.end()) names.push_back(name_of(*option));
+  }
+  return names;
+}
+
+std::string misfit(const CLI::App& app, const Given& given) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = name_of(*option);
+    if (!given.contains(name)) continue;
+    for (const CLI::Option* other : option->get_needs()) {
+      if (!given.contains(name_of(*other))) return fmt::format("{} goes with {}", name, name_of(*other));
+    }
+    for (const CLI::Option* other : option->get_excludes()) {
+      if (given.contains(name_of(*other)))
+        return fmt::format("{} and {} exclude each other: give one of them", name, name_of(*other));
+    }
+  }
+  return {};
+}
+
+}  // namespace palpa::line

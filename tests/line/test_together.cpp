@@ -1,0 +1,69 @@
+// Options that need or exclude each other: on a line that is parsed, and as values from elsewhere.
+#include <gtest/gtest.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <string>
+#include <vector>
+
+#include "line/parse.hpp"
+#include "line/together.hpp"
+#include "line/values.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::line {
+namespace {
+
+struct Command {
+  CLI::App app{"", "try"};
+  std::string touch, layout;
+  double slot = 0;
+  bool linear = false;
+
+  Command() {
+    const Group group(app, "What");
+    group.number("--slot", slot, {0, 10}, "N", "a slot");
+    group.text("--touch", touch, "FILE", "a touch");
+    group.text("--layout", layout, "NAME", "an array");
+    Group(app, "How").flag("--linear", linear, "linear");
+    need(app, {"--slot"}, "--touch");
+    exclude(app, "--linear", {"--layout"});
+  }
+  void read(const std::vector<const char*>& words) {
+    std::vector<const char*> line{"try"};
+    line.insert(line.end(), words.begin(), words.end());
+    parse(app, static_cast<int>(line.size()), line.data());
+  }
+};
+
+TEST(Together, AreRefusedByTheParser) {
+  EXPECT_ERROR(Command().read({"--slot", "1"}), Exit::usage, "--slot goes with --touch; see try --help");
+  EXPECT_ERROR(Command().read({"--linear", "--layout", "a"}), Exit::usage,
+               "--layout and --linear exclude each other: give one of them; see try --help");
+  EXPECT_ERROR(Command().read({"--slot", "11"}), Exit::usage, "out of range");
+  Command both;
+  both.read({"--slot", "1", "--touch", "a", "--linear"});
+  EXPECT_EQ(both.slot, 1);
+  EXPECT_THROW(Command().read({"--slot", "1", "--help"}), CLI::CallForHelp);
+}
+
+TEST(Together, ValuesFromElsewhereAreTheSame) {
+  const Command command;
+  EXPECT_EQ(misfit(command.app, {{"--slot", {"1"}}}), "--slot goes with --touch");
+  EXPECT_EQ(misfit(command.app, {{"--layout", {"a"}}, {"--linear", {}}}),
+            "--layout and --linear exclude each other: give one of them");
+  EXPECT_EQ(misfit(command.app, {{"--slot", {"1"}}, {"--touch", {"a"}}, {"--unknown", {}}}), "");
+  EXPECT_EQ(under(command.app, {"How"}), std::vector<std::string>{"--linear"});
+}
+
+TEST(Together, WordsOfALineReadBack) {
+  const Given given{{"--slot", {"1"}}, {"--touch", {"-a=b"}}, {"--linear", {}}};
+  EXPECT_EQ(words_of(given), (std::vector<std::string>{"--linear", "--slot=1", "--touch=-a=b"}));
+  Command command;
+  command.read({"--linear", "--slot=1", "--touch=-a=b"});
+  EXPECT_EQ(given_on(command.app), given);
+}
+
+}  // namespace
+}  // namespace palpa::line
